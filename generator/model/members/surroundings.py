@@ -273,7 +273,7 @@ SURROUNDINGS = (
         Member("title", "string", "Subject of the table."),
         Member("columns", "[text]", "Column headings."),
         Member(
-            "units", "[string]", "Units of the columns that contain numbers. Empty for a column of text.", read="table"
+            "units", "[text]", "Units of the columns that contain numbers. Empty for a column of text.", read="table"
         ),
         Member("rows", "[table_row]", "Rows of the table."),
         NOTE,
