@@ -58,9 +58,10 @@ def found(trial: Trial, name: str, path: tuple[str | int, ...], key: str, mistak
 
 @pytest.mark.slow
 def test_a_wrong_value_that_passes_is_classified_by_its_effect(trial: Trial) -> None:
-    title = found(trial, "am36", ("title",), "title", "digit misread")
-    assert trial.verdict(title).word == "code"  # The name of the family for people is data of the Python package.
-    meaning = found(trial, "am36", ("parameters", "modulus"), "source", "digit misread")
+    title = found(trial, "am36", ("documents", "renishaw"), "title", "digit misread")
+    assert trial.verdict(title).word == "code"  # The titles of documents are data of the Python package.
+    answer = ("alternatives", 0, "values", "left_out")
+    meaning = found(trial, "asc85", answer, "meaning", "digit misread")
     assert trial.verdict(meaning).word == "texts"
     order = found(trial, "am36", ("interfaces", "biss", "timeout"), "timeout", "key omitted")
     assert trial.verdict(order).word == "refused"
