@@ -50,8 +50,8 @@ def contents(reading: Reading) -> Iterator[Fact]:
 def texts(reading: Reading) -> Iterator[Fact]:
     """Yield the numbers in every text, and the sections that every source cites."""
     for place, text in _texts((), reading.document.data):
-        is_source, where = _is_source(place[-1]), reading.document.name_path(place)
         if value := _compared(place[-1], text):
+            is_source, where = _is_source(place[-1]), ".".join(map(str, place))
             key, what = (CITED, "section cited at") if is_source else (NUMBERS, "numbers in")
             yield Fact(Sort.SECTION if is_source else Sort.TEXT, (key, *place), value, f"{what} {where}", place)
 

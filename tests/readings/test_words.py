@@ -109,7 +109,7 @@ def changed(path: pathlib.Path, old: str, new: str) -> None:
         ),
         ('["5", "2.4"]', '["5", "4.2"]', ["row 1, column 2 of the table 'speeds': 4.2 here, 2.4"]),
         ('state: "on"', 'state: "off"', ["words of state 1 of the LED 'power': off here, on"]),
-        ("above 4 V", "above 5 V", ["numbers in leds.power.states[1].meaning: 5V here, 4V"]),
+        ("above 4 V", "above 5 V", ["numbers in leds.power.states.0.meaning: 5V here, 4V"]),
         ('source: "3.4"', 'source: "3.5"', ["section cited at characteristics.screw_torque.source: 3.5 here, 3.4"]),
         ('source: "1.2"', 'source: "3.4"', ["section cited at characteristics.handling.source: 3.4 here, 1.2"]),
         ('source: "9"', 'source: "8"', ["section cited at leds.power.source: 8 here, 9"]),

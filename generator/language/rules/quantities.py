@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from decimal import Decimal
 
 from ...say.words import counted
-from ..problems import DocumentReport, listed, quoted
-from .walk import Spec, items, walk
+from ..problems import DocumentReport, Path, listed, quoted
+from .walk import Spec, items, mapping
 
 _UNITS = {
     "angle": "°",
@@ -93,8 +93,9 @@ def _possible(text: str, unit: str) -> Iterator[Decimal]:
 
 def quantity_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a supply in a characteristic, and a threshold in a text, are those given elsewhere in the spec."""
-    supplies = [item for path, key, item in walk(spec) if key == "supply" and isinstance(item, dict)]
-    ranges = [(item.get("min_mv"), item.get("max_mv")) for item in supplies]
+    values = [value for _, part in items(spec, "order_code", "parts") for value in part["values"].values()]
+    supplies = [mapping(item, "supply") for item in (spec, *values)]
+    ranges = [(item.get("min_mv"), item.get("max_mv")) for item in supplies if item]
     for path, item in items(spec, "characteristics"):
         for at, value in items(item, "values"):
             if value["quantity"] == "supply" and ranges and "min" in value and "max" in value:
@@ -103,13 +104,9 @@ def quantity_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                     known = listed([f"{low} to {high} mV" for low, high in ranges], "or")
                     wrong = f"this is {found[0]} to {found[1]} mV, but 'supply' is {known}; one of the two is wrong"
                     report.add("quantity-repeated", (*path, *at), wrong)
-    lists = [(path, found) for path, key, found in walk(spec) if key == "fields"]
-    fields = {item["name"]: (place, item) for path, found in lists for place, item in _named(path, found)}
     for path, alarm in items(spec, "alarms"):
         threshold = alarm.get("below_mv")
-        if threshold is None:
-            continue
-        for place, item in ((path, alarm), fields.get(alarm.get("field"), (path, {}))):
+        for place, item in ((path, alarm), *_fields(spec, alarm)) if threshold is not None else ():
             for key in ("meaning", "when_active"):
                 for number, unit in _VOLTAGE.findall(item.get(key, "")):
                     if Decimal(number) * _MILLIVOLTS[unit] != threshold:
@@ -117,10 +114,13 @@ def quantity_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                         report.add("quantity-repeated", (*place, key), f"{wrong}; one of the two is wrong")
 
 
-def _named(path: tuple[str | int, ...], found: object) -> Iterator[tuple[tuple[str | int, ...], Spec]]:
-    for index, item in enumerate(found if isinstance(found, list) else ()):
-        if isinstance(item, dict) and isinstance(item.get("name"), str):
-            yield (*path, index), item
+def _fields(spec: Spec, alarm: Spec) -> Iterator[tuple[Path, Spec]]:
+    """Yield the field of an alarm, in its group or in its register."""
+    for key, owner in (("field_groups", "group"), ("registers", "register")):
+        for path, item in items(spec, key):
+            if item.get("name") == alarm.get(owner, ""):
+                found = items(item, "fields")
+                yield from (((*path, *at), field) for at, field in found if field.get("name") == alarm.get("field"))
 
 
 def column_units(spec: Spec, raw: Spec, report: DocumentReport) -> None:
