@@ -23,7 +23,7 @@ _REASONS = (
     (
         "a name or a page that only one reading has",
         "The second reading does not have these facts.",
-        {"fact": "characteristic|table|LED|contents"},
+        {"fact": "characteristic(, hazard)?|table|LED|contents"},
     ),
     (
         "words of an example",
