@@ -8,10 +8,11 @@ from typing import Any
 
 from .hints import key_hint, number_hint
 from .problems import WORDS_ONLY, Path, listed, meant, missing, quoted, suggestion
-from .second_reading import is_prose
+from .second_reading import is_left_out
 
 _TYPES = {
     "integer": "a whole number",
+    "number": "a number",
     "string": "text",
     "object": "a map of keys",
     "array": "a list",
@@ -97,7 +98,7 @@ _ALL_THERE_IS: dict[str | int, str] = {
 _RENAMED = {"steps_per_turn": "counts_per_turn", "steps": "modulus"}
 
 #: Text after a key that device files have and second readings do not.
-_NO_PROSE = "; a second reading has only facts, no prose; leave it out"
+_NO_PROSE = "; a second reading does not have this part; leave it out"
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +140,7 @@ def explain(error: Any, kind: str) -> Iterator[Finding]:
     elif error.validator == "additionalProperties":
         for key in error.instance:
             if key not in error.schema["properties"]:
-                hint = _NO_PROSE if kind == "second" and is_prose(key) else _key_hint(error, path, key)
+                hint = _NO_PROSE if kind == "second" and is_left_out(key) else _key_hint(error, path, key)
                 yield Finding(
                     "unknown-key",
                     (*path, key),

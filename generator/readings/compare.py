@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import partial
 from typing import Any
@@ -11,6 +11,7 @@ from typing import Any
 from ..changes.pairs import paired
 from ..language.problems import Path
 from ..say.numbers import first_of
+from .cited import NUMBERS
 from .fact import NOTHING, Bit, Case, Fact, Facts, Key, Names, Placed, Sort, Value, Word
 from .frame_bits import continues, run
 from .mistaken_names import are_settled, mistaken
@@ -19,15 +20,18 @@ from .reading import bits
 
 #: Items that each reader defines as needed, so that none is missing if the other has a different set.
 _OWN = frozenset(("parameter",))
+#: Classes of facts in words, which a second reading can also give by their paths.
+_WORDS = frozenset((Sort.TEXT, Sort.SECTION))
 
 
 class Read(IntEnum):
     """How often a fact was read, best first. For a place with several facts, the worst applies."""
 
     TWICE = 0
-    EXPLAINED = 1
-    ONCE = 2
-    OTHERWISE = 3
+    DECIDED = 1
+    EXPLAINED = 2
+    ONCE = 3
+    OTHERWISE = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +78,7 @@ def compare(spec: Facts, second: Facts) -> Comparison:
         has_holder = not fact.under or fact.under in spec.facts
         return _near(fact, spec, second) if has_holder and not is_free else None
 
-    for found in _compare_facts(made, spec.facts, second.facts, near):
+    for found in _compare_facts(made, spec.facts, second.facts | dict(_by_path(spec, second)), near):
         _differ(made, found)
     for found in _codes_too_many(spec, second):
         _differ(made, found)
@@ -83,7 +87,44 @@ def compare(spec: Facts, second: Facts) -> Comparison:
     for key, word in spec.words.items():
         if _same_order(spec.facts.get((*key, "order")), second.facts.get((*key, "order"))):
             _compare_words(made, word, second.words.get(key))
+    _mark(made, spec, second)
     return made
+
+
+def _by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
+    """Yield the facts that the second reading gives by paths: numbers in texts, and sections."""
+    paths = {_dotted(fact.place): fact for fact in spec.facts.values() if fact.sort in _WORDS}
+    for path, (value, place) in second.found.items():
+        own = paths.get(path) or Fact(Sort.TEXT, (NUMBERS, path), "", f"numbers in {path}", ())
+        yield own.key, replace(own, value=value, place=place)
+    for key, fact in spec.facts.items():
+        steps = fact.place
+        if fact.sort is Sort.SECTION and _dotted(steps) not in second.found:
+            path = next(
+                (path for end in range(len(steps), 0, -1) if (path := _dotted(steps[:end])) in second.sections), ""
+            )
+            if path:
+                sections = second.sections[path]
+                yield key, replace(fact, value=", ".join(sorted(sections)), place=("sections", sections[0]))
+
+
+def _dotted(place: Path) -> str:
+    return ".".join(map(str, place))
+
+
+def _mark(made: Comparison, spec: Facts, second: Facts) -> None:
+    """Count facts that no manual prints as decided, and texts of which only a name was compared as read once."""
+    for (sort, place), read in made.read.items():
+        path = _dotted(place)
+        if read is not Read.TWICE:
+            continue
+        is_name = sort is Sort.CHARACTERISTIC and len(place) == 2 and (NUMBERS, *place, "value") not in spec.facts
+        if is_name or (sort in _WORDS and path in second.found):
+            made.read[sort, place] = Read.ONCE
+        elif sort not in _WORDS and any(
+            sort.value == item or f"{path}.".startswith(f"{item}.") for item in second.decided
+        ):
+            made.read[sort, place] = Read.DECIDED
 
 
 def _key(item: tuple[Any, Any]) -> Any:
