@@ -21,6 +21,7 @@ Shape = Mapping[str, Any]
 #: The JSON types, in the singular and in the plural.
 _NOUNS = {
     "integer": ("whole number", "whole numbers"),
+    "number": ("number", "numbers"),
     "string": ("string", "strings"),
     "boolean": ("`true` or `false`", "booleans"),
     "array": ("list", "lists"),
