@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from .hints import key_hint, number_hint
+from .hints import foreign_key_hint, key_hint, number_hint, value_hint, word_hint
 from .problems import WORDS_ONLY, Path, listed, meant, missing, quoted, suggestion
 from .second_reading import is_prose
 
@@ -133,9 +133,11 @@ def explain(error: Any, kind: str) -> Iterator[Finding]:
                 True,
             )
         else:
-            yield Finding(
-                "bad-pattern", (*path, error.instance), f"the key {quoted(error.instance)} is not valid: {words}", True
-            )
+            hint = ""
+            if path[-1:] == ("values",) and error.instance.isdigit():
+                hint = "; the name comes first, as in 'save: {value: 1}'"
+            wrong = f"the key {quoted(error.instance)} is not valid: {words}{hint}"
+            yield Finding("bad-pattern", (*path, error.instance), wrong, True)
     elif error.validator == "additionalProperties":
         for key in error.instance:
             if key not in error.schema["properties"]:
@@ -158,6 +160,8 @@ def _key_hint(error: Any, path: Path, key: str) -> str:
     known = error.schema["properties"]
     if _RENAMED.get(key) in known:
         return f"; it is now called '{_RENAMED[key]}'"
+    if foreign := foreign_key_hint(key, error.instance[key], known, error.instance):
+        return foreign
     near = meant(key, list(known))
     if near:
         return f"; did you mean '{near}'?"
@@ -187,7 +191,8 @@ def _missing(error: Any, path: Path, kind: str) -> Iterator[Finding]:
 
 
 def _stands_for(word: str, key: str, instance: Any, known: Any) -> bool:
-    return meant(word, list(known)) == key or f"'{key}" in key_hint(word, instance[word], known)
+    hints = key_hint(word, instance[word], known), foreign_key_hint(word, instance[word], known, instance)
+    return meant(word, list(known)) == key or any(f"'{key}" in hint for hint in hints)
 
 
 def _owner(error: Any, path: Path, kind: str) -> str:
@@ -222,12 +227,13 @@ def _type(error: Any, subject: str) -> tuple[str, str]:
     hint = "; put it in quotes" if "string" in types and isinstance(error.instance, (int, float)) else ""
     if sums or types == ["integer"]:
         hint = number_hint(key, error.instance)
+    hint = hint or value_hint(key, error.instance, error.schema)
     return "wrong-type", f"{subject} must be {wanted}, not {quoted(error.instance)}{hint}"
 
 
 def _enum(error: Any, subject: str) -> tuple[str, str]:
-    hint = ""
-    if not isinstance(error.instance, (dict, list)):
+    hint = word_hint(str(error.absolute_path[-1]), error.instance)
+    if not hint and not isinstance(error.instance, (dict, list)):
         hint = suggestion(str(error.instance), map(str, error.validator_value), "use one of")
     if not hint:
         hint = f"; use one of {', '.join(map(str, error.validator_value))}"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from types import MappingProxyType
@@ -78,7 +78,7 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
     validator = _validator(kind.value)
     cut = set(document.broken)
     findings = _findings(validator, document.data, cut, kind.value)
-    for finding in findings[:MAX_PROBLEMS]:
+    for finding in (item for item in findings[:MAX_PROBLEMS] if not _follows(item, findings, document.data)):
         report.add(
             finding.rule, document, finding.path, finding.message, at_key=finding.at_key, in_words=_is_of_words(finding)
         )
@@ -116,7 +116,7 @@ def without(
     document.kept.clear()
     data: dict[str, Any] = _without(document.data, cut, (), document.kept)
     for path, words in given.items():
-        item = _found(data, path, document.kept)
+        item = value_at(data, path, document.kept)
         if isinstance(item, dict):
             item.update(words)
     return data
@@ -185,7 +185,7 @@ def _without(value: Any, cut: Collection[Path], path: Path, kept: dict[Path, tup
     return value
 
 
-def _found(data: Any, path: Path, kept: dict[Path, tuple[int, ...]]) -> Any:
+def value_at(data: Any, path: Path, kept: Mapping[Path, Sequence[int]] = MappingProxyType({})) -> Any:
     """Return the value in pruned data at a path into the data as read, or None if it was removed."""
     for end, step in enumerate(path):
         if isinstance(data, list) and isinstance(step, int):
@@ -213,6 +213,16 @@ def _findings(validator: Any, data: dict[str, Any], broken: set[Path], kind: str
         if len(found) > MAX_PROBLEMS:
             break
     return list(found.values())
+
+
+def _follows(finding: Finding, findings: Sequence[Finding], data: dict[str, Any]) -> bool:
+    """Return True if another finding explains this one: a value under a wrong key, or an unknown interface by name."""
+    found = {item.path for item in findings if item.at_key}
+    if not finding.at_key and finding.path in found and finding.rule != "missing-key":
+        return True
+    named = finding.rule == "not-allowed" and {"interface", "interfaces"} & set(finding.path[-2:])
+    value = value_at(data, finding.path)
+    return bool(named) and isinstance(value, str) and ("interfaces", value) in found
 
 
 @functools.cache
