@@ -205,7 +205,7 @@ def _new(chosen: argparse.Namespace) -> int:
     from .new import NameRefused, NotWritten, write_spec
 
     try:
-        for path in write_spec(chosen.name, chosen.output):
+        for path in write_spec(chosen.name, chosen.output, chosen.like):
             print(f"written    {path.as_posix()}")
     except NameRefused as error:
         raise Stop(str(error), 2) from None

@@ -302,6 +302,12 @@ def _add_new(commands: _Commands) -> None:
     parser.add_argument(
         "-o", dest="output", type=a_path, metavar="FILE", help="output file (default: NAME.yaml in this folder)"
     )
+    parser.add_argument(
+        "--like",
+        choices=("biss", "ssi", "rs485", "linear"),
+        default="",
+        help="kind of encoder: multiturn over this interface, or linear over BiSS (default: singleturn over BiSS)",
+    )
 
 
 #: The commands, in the order of the help.
