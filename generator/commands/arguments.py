@@ -40,6 +40,7 @@ EXAMPLES = {
     "facts": ("codewheel facts my_encoder --section 6.2", "codewheel facts my_encoder --section 1 --json"),
     "explain": ("codewheel explain", "codewheel explain register-gone"),
     "new": ("codewheel new my_encoder", "codewheel new my_encoder -o specs/my_encoder.yaml"),
+    "migrate": ("codewheel migrate my_encoder.yaml", "codewheel migrate --check my_encoder.yaml"),
 }
 
 

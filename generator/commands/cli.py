@@ -214,6 +214,12 @@ def _new(chosen: argparse.Namespace) -> int:
     return 0
 
 
+def _migrate(chosen: argparse.Namespace) -> int:
+    from .migrate import run
+
+    return run(chosen.specs, chosen.check)
+
+
 def _master(chosen: argparse.Namespace) -> int:
     from .master import run
 
@@ -275,4 +281,5 @@ _RUNS: Mapping[str, Callable[[argparse.Namespace], int]] = {
     "facts": _facts,
     "explain": _explain,
     "new": _new,
+    "migrate": _migrate,
 }

@@ -146,6 +146,7 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
     """Return the families of one side. For the old side, those that the current language can still read."""
     from tempfile import TemporaryDirectory
 
+    from ..language.migrate import migrate
     from ..loading.library import load_families, sound_families
     from ..loading.revisions import RevisionError, lay_out, named
     from ..say.numbers import counted
@@ -163,7 +164,7 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
             except RevisionError as error:
                 raise Stop(str(error), 2) from None
             path, names = laid_out.place, laid_out.names
-        families, report = load_families([path])
+        families, report = load_families([path], prepare=migrate if is_old else None)
     problems = [replace(problem, file=names.get(problem.file, problem.file)) for problem in report.problems]
     if not problems:
         return _Side(tuple(families), frozenset(), ())

@@ -310,6 +310,16 @@ def _add_new(commands: _Commands) -> None:
     )
 
 
+def _add_migrate(commands: _Commands) -> None:
+    parser = commands.add_parser(
+        "migrate",
+        help="update specs to the current spec language",
+        description="Apply renamed keys to specs, keep comments and layout, and list what only a person can decide.",
+    )
+    parser.add_argument("specs", nargs="*", type=a_path, metavar="SPEC", help="files or folders (default: this folder)")
+    parser.add_argument("--check", action="store_true", help="list what would change, and write nothing")
+
+
 #: The commands, in the order of the help.
 _COMMANDS = {
     "generate": _add_generate,
@@ -324,6 +334,7 @@ _COMMANDS = {
     "facts": _add_facts,
     "explain": _add_explain,
     "new": _add_new,
+    "migrate": _add_migrate,
 }
 
 

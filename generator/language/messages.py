@@ -94,7 +94,7 @@ _ALL_THERE_IS: dict[str | int, str] = {
 
 
 #: Current names of keys, by their names in earlier versions of the language.
-_RENAMED = {"steps_per_turn": "counts_per_turn", "steps": "modulus"}
+RENAMED = {"steps_per_turn": "counts_per_turn", "steps": "modulus"}
 
 #: Text after a key that device files have and second readings do not.
 _NO_PROSE = "; a second reading has only facts, no prose; leave it out"
@@ -158,8 +158,8 @@ def explain(error: Any, kind: str) -> Iterator[Finding]:
 
 def _key_hint(error: Any, path: Path, key: str) -> str:
     known = error.schema["properties"]
-    if _RENAMED.get(key) in known:
-        return f"; it is now called '{_RENAMED[key]}'"
+    if RENAMED.get(key) in known:
+        return f"; it is now called '{RENAMED[key]}' (codewheel migrate renames it)"
     if foreign := foreign_key_hint(key, error.instance[key], known, error.instance):
         return foreign
     near = meant(key, list(known))
@@ -241,7 +241,9 @@ def _enum(error: Any, subject: str) -> tuple[str, str]:
 
 
 def _const(error: Any, subject: str) -> tuple[str, str]:
-    return "not-allowed", f"{subject} must be {quoted(error.validator_value)}, not {quoted(error.instance)}"
+    later = type(error.instance) is int and subject == "'codewheel'" and error.instance > error.validator_value
+    hint = "; a later version of codewheel can read this file" if later else ""
+    return "not-allowed", f"{subject} must be {quoted(error.validator_value)}, not {quoted(error.instance)}{hint}"
 
 
 def _pattern(error: Any, subject: str) -> tuple[str, str]:

@@ -15,9 +15,10 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from .document import Document
-from .messages import Finding, explain
+from .messages import RENAMED, Finding, explain
 from .problems import WORDS_ONLY, Path, Report
 from .schema_files import load_schema
+from .second_reading import is_second
 
 if TYPE_CHECKING:
     from jsonschema import ValidationError
@@ -95,6 +96,19 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
     faults = [finding for finding in findings if not _can_be_incomplete(finding.path) and not _is_of_words(finding)]
     places = {finding.path if finding.alone else holder(finding.path) for finding in faults}
     return _cut_out(validator, document, places | set(map(holder, cut)), kind)
+
+
+def renamed_keys(document: Document) -> list[tuple[Path, str]]:
+    """Return the keys that had another name in earlier versions of the language, each with its current name."""
+    kind = FileKind.SECOND if is_second(document.file) else _kind(document.data)
+    found: dict[Path, str] = {}
+    for error in _validator(kind.value).iter_errors(document.data) if kind is not None else ():
+        if error.validator == "additionalProperties" and isinstance(error.schema.get("properties"), dict):
+            for key in RENAMED.keys() & error.instance.keys() - error.schema["properties"].keys():
+                new = RENAMED[key]
+                if new in error.schema["properties"] and new not in error.instance:
+                    found[(*error.absolute_path, key)] = new
+    return sorted(found.items(), key=lambda item: document.position(item[0], at_key=True))
 
 
 def _kind(data: dict[str, Any]) -> FileKind | None:

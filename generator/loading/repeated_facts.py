@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterator
 
@@ -57,8 +56,11 @@ def _check_preset(device: Device, register: Register, path: Path, report: Docume
         return
     for variant in _variants(device, register.interface):
         measurement = device.measurement_of(variant.interface)
-        parts = (measurement.counts_per_turn, measurement.turns, measurement.modulus) if measurement is not None else ()
-        count = math.prod(part.value(variant.parameters) for part in parts if part is not None)
+        whole = (measurement.counts_per_turn or measurement.modulus) if measurement is not None else None
+        if measurement is None or whole is None:
+            continue
+        count = whole.value(variant.parameters)
+        count *= measurement.turns.value(variant.parameters) if measurement.turns is not None else 1
         highest = register.max.value(variant.parameters)
         if highest >= count > 1:
             wrong = f"'{register.name}' can be {highest}, but positions of {variant.code} end at {count - 1}"
