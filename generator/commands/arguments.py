@@ -44,6 +44,11 @@ EXAMPLES = {
 }
 
 
+#: Forms of the output of check and diff.
+FORMATS = ("text", "json", "github", "sarif")
+FORMATS_HELP = "text, json, github for comments in a pull request, or sarif (version 2.1.0) for review tools"
+
+
 class Parser(argparse.ArgumentParser):
     """A parser that suggests the nearest choice.
 

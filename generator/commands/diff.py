@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from ..changes.impact import IMPACTS, Impact
 from . import look_up
-from .arguments import Parser
+from .arguments import FORMATS, FORMATS_HELP, Parser
 from .terminal import Stop
 
 if TYPE_CHECKING:
@@ -40,6 +40,7 @@ def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print JSON")
     form.add_argument("--markdown", action="store_true", help="print a section of a changelog")
+    form.add_argument("--format", choices=FORMATS, default="text", help=FORMATS_HELP)
     parser.add_argument(
         "--fail-on",
         metavar="IMPACT",
@@ -66,11 +67,15 @@ def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
 
 @dataclass(frozen=True)
 class _Side:
-    """One side of the comparison: the families that were read, and the names of those that could not be."""
+    """One side of the comparison: the families that were read, and the names of those that could not be.
+
+    ``names`` has the original names of files from a git revision.
+    """
 
     families: tuple[Family, ...]
     left_out: frozenset[str]
     notices: tuple[str, ...]
+    names: Mapping[str, str]
 
 
 def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence[Family]], None]) -> int:
@@ -89,7 +94,12 @@ def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence
         if not chosen.unchecked:
             gate(after.families)
         found = _record(found, after)
-    if chosen.json:
+    if chosen.format in ("github", "sarif"):
+        from .diff_places import findings
+        from .formats import as_review
+
+        print(as_review(findings(found.changes, after.families, after.names), chosen.format))
+    elif chosen.json or chosen.format == "json":
         from ..changes.report_data import as_data
 
         print(json.dumps(as_data(found), indent=2, ensure_ascii=False))
@@ -167,14 +177,14 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
         families, report = load_families([path], prepare=migrate if is_old else None)
     problems = [replace(problem, file=names.get(problem.file, problem.file)) for problem in report.problems]
     if not problems:
-        return _Side(tuple(families), frozenset(), ())
+        return _Side(tuple(families), frozenset(), (), names)
     if lenient and families:
         _show(problems)
         count = counted(len(problems), "problem")
         said = (
             f"the current spec language finds {count} in {text}. The faulty parts are omitted and may be listed as new"
         )
-        return _Side(tuple(families), frozenset(), (said,))
+        return _Side(tuple(families), frozenset(), (said,), names)
     sound = sound_families(families, report)
     if not is_old or not sound:
         raise _unread(text, problems, is_old)
@@ -182,7 +192,7 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
     because = f"because of {counted(len(problems), 'problem')} in the current spec language"
     said = f"not compared {because}: {', '.join(left_out)}"
     _show(problems)
-    return _Side(tuple(sound), frozenset(left_out), (f"{said} of {text}",))
+    return _Side(tuple(sound), frozenset(left_out), (f"{said} of {text}",), names)
 
 
 def _show(problems: Sequence[Problem]) -> None:

@@ -8,7 +8,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TypeAlias
 
-from .arguments import Parser, ShowVersion, a_path, add_examples, metres
+from .arguments import FORMATS, FORMATS_HELP, Parser, ShowVersion, a_path, add_examples, metres
 
 _DESCRIPTION = (
     "Describe an absolute encoder once and get a Python codec, C headers, a BiSS XML description and documentation."
@@ -101,7 +101,9 @@ def _add_check(commands: _Commands) -> None:
         metavar="NAME",
         help="check that this output can express the specs (see below, may be repeated)",
     )
-    parser.add_argument("--json", action="store_true", help="print the problems as JSON")
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument("--json", action="store_true", help="print the problems as JSON")
+    form.add_argument("--format", choices=FORMATS, default="text", help=FORMATS_HELP)
     _add_cache_option(parser)
     parser.add_argument(
         "--coverage",
