@@ -8,15 +8,17 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..changes.impact import IMPACTS, Impact
 from . import look_up
-from .arguments import FORMATS, FORMATS_HELP, Parser
+from .arguments import FORMATS, FORMATS_HELP, Parser, a_path
 from .terminal import Stop
 
 if TYPE_CHECKING:
+    from ..changes.change import Change
     from ..changes.report import Files, Found
     from ..language.problems import Problem
     from ..loading.library import Family
@@ -58,6 +60,12 @@ def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
         help="with --record: record even if second readings disagree or coverage is out of date",
     )
     parser.add_argument(
+        "--accepted",
+        type=a_path,
+        metavar="FILE",
+        help="changes that do not count for the exit code (default: accepted.yaml next to the specs of NEW)",
+    )
+    parser.add_argument(
         "--lenient",
         action="store_true",
         help="compare specs even if the current spec language finds problems, without the faulty parts",
@@ -94,11 +102,13 @@ def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence
         if not chosen.unchecked:
             gate(after.families)
         found = _record(found, after)
+    asked, notices = _accept(found.changes, chosen)
+    found = replace(found, notices=(*found.notices, *notices))
     if chosen.format in ("github", "sarif"):
         from .diff_places import findings
         from .formats import as_review
 
-        print(as_review(findings(found.changes, after.families, after.names), chosen.format))
+        print(as_review(findings(asked, after.families, after.names), chosen.format))
     elif chosen.json or chosen.format == "json":
         from ..changes.report_data import as_data
 
@@ -112,7 +122,25 @@ def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence
 
         print(as_text(found))
     least = Impact[chosen.fail_on.upper()] if chosen.fail_on else Impact.DOCUMENTATION
-    return 1 if found.impact >= least else 0
+    return 1 if max((change.impact for change in asked), default=Impact.NONE) >= least else 0
+
+
+def _accept(changes: Sequence[Change], chosen: argparse.Namespace) -> tuple[Sequence[Change], Sequence[str]]:
+    """Return the changes that count, and the notices about accepted ones.
+
+    Raises:
+        Stop: The file with accepted changes is missing or not valid. The exit code is 2.
+    """
+    from ..changes.accepted import NAME, NotAccepted, read_accepted, still_open
+
+    new = Path(chosen.new)
+    place = chosen.accepted or (new if new.is_dir() else new.parent) / NAME
+    if chosen.accepted is None and not place.is_file():
+        return changes, ()
+    try:
+        return still_open(changes, read_accepted(place), datetime.now().astimezone().date())
+    except NotAccepted as error:
+        raise Stop(str(error), 2) from None
 
 
 def _look(before: _Side, after: _Side, generate: Generate) -> Found:
