@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from datetime import datetime
@@ -121,8 +121,16 @@ def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence
         from ..changes.report_text import as_text
 
         print(as_text(found))
+        for offer in _offers(before, after):
+            print(f"\n{offer}")
     least = Impact[chosen.fail_on.upper()] if chosen.fail_on else Impact.DOCUMENTATION
     return 1 if max((change.impact for change in asked), default=Impact.NONE) >= least else 0
+
+
+def _offers(before: _Side, after: _Side) -> Iterator[str]:
+    from .taken_away import offers
+
+    return offers(before.families, after.families)
 
 
 def _accept(changes: Sequence[Change], chosen: argparse.Namespace) -> tuple[Sequence[Change], Sequence[str]]:
