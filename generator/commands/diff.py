@@ -60,6 +60,11 @@ def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
         help="with --record: record even if second readings disagree or coverage is out of date",
     )
     parser.add_argument(
+        "--editions",
+        action="store_true",
+        help="also print the 'editions' entry for items that a new edition of the manual took away",
+    )
+    parser.add_argument(
         "--accepted",
         type=a_path,
         metavar="FILE",
@@ -121,16 +126,16 @@ def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence
         from ..changes.report_text import as_text
 
         print(as_text(found))
-        for offer in _offers(before, after):
+        for offer in _offers(before, after, found.changes) if chosen.editions else ():
             print(f"\n{offer}")
     least = Impact[chosen.fail_on.upper()] if chosen.fail_on else Impact.DOCUMENTATION
     return 1 if max((change.impact for change in asked), default=Impact.NONE) >= least else 0
 
 
-def _offers(before: _Side, after: _Side) -> Iterator[str]:
+def _offers(before: _Side, after: _Side, changes: Sequence[Change]) -> Iterator[str]:
     from .taken_away import offers
 
-    return offers(before.families, after.families)
+    return offers(before.families, after.families, changes)
 
 
 def _accept(changes: Sequence[Change], chosen: argparse.Namespace) -> tuple[Sequence[Change], Sequence[str]]:

@@ -7,6 +7,7 @@ from typing import Any
 
 import yaml
 
+from ..changes.change import Change
 from ..language.document import label_of
 from ..language.rules.bases import HEXADECIMAL
 from ..loading.library import Family
@@ -30,15 +31,21 @@ class _Dumper(yaml.SafeDumper):
 _Dumper.add_representer(_Hexadecimal, lambda made, item: made.represent_scalar("tag:yaml.org,2002:int", f"{item:#04x}"))
 
 
-def offers(olds: Sequence[Family], news: Sequence[Family]) -> Iterator[str]:
-    """Yield, for each family with a new edition that lacks items of the old one, the entry that keeps them."""
+def offers(olds: Sequence[Family], news: Sequence[Family], changes: Sequence[Change]) -> Iterator[str]:
+    """Yield, for each family with a new edition that lacks items of the old one, the entry that keeps them.
+
+    Renamed items are still there.
+    """
+    renamed = {(item.family, item.old) for item in changes if item.rule.name.endswith("-renamed")}
     before = {family.device.name: family for family in olds}
     for family in news:
         old = before.get(family.device.name)
         revision = family.device.manual.revision
         if old is None or old.device.manual.revision == revision:
             continue
-        gone = list(_gone(old.document.data, family.document.data, ""))
+        found = _gone(old.document.data, family.document.data, "")
+        name = family.device.name
+        gone = [item for item in found if (name, label_of(item[1]) or item[0].rpartition(".")[2]) not in renamed]
         if gone:
             told = f"Edition {old.device.manual.revision} has it, edition {revision} does not"
             changes = [{"add": place, "value": item, "why": told, "source": "Document release"} for place, item in gone]

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
+import yaml
+from codewheel.changes.accepted import read_accepted
 from codewheel.commands.cli import main
 from codewheel.commands.new import device_text, manufacturer_text
+from codewheel.commands.parsers import parser_for
 
 SPEC = device_text("my_encoder", "example", "d.json")
 CLOCK, SLOWER = "max_hz: 10000000", "max_hz: 5000000"
@@ -153,7 +157,7 @@ def test_the_entry_for_an_older_edition_keeps_what_was_taken_away(
     ]
     old = written(tmp_path / "old", examples, ("registers:\n", f"registers:\n{extra}"))
     new = written(tmp_path / "new", *revision)
-    out = run(capsys, "diff", old, new)[1]
+    out = run(capsys, "diff", old, new, "--editions")[1]
     _, _, entry = out.partition("with their source:\n\n")
     assert "value: {name: spare, interface: biss, address: 0x60" in entry
     spec = new / "my_encoder.yaml"
@@ -163,4 +167,18 @@ def test_the_entry_for_an_older_edition_keeps_what_was_taken_away(
         shown = json.loads(run(capsys, "show", "my_encoder", "--edition", edition, "--specs", new, "--json")[1])
         assert ("spare" in [item["name"] for item in shown["registers"]]) == kept
         assert ("MY-ENCODER-17-SC" in json.dumps(shown["order_codes"])) == kept
-    assert "took items away" not in run(capsys, "diff", old, old)[1]
+    assert "took items away" not in run(capsys, "diff", old, old, "--editions")[1]
+
+
+def test_the_commands_of_the_page_are_right(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs/check-in-ci.md").read_text(encoding="utf-8")
+    hook, workflow, entry = map(yaml.safe_load, re.findall(r"```yaml\n(.*?)```", page, re.DOTALL))
+    steps = [item["run"] for item in workflow["jobs"]["specs"]["steps"] if "run" in item]
+    lines = [hook["repos"][0]["hooks"][0]["entry"], *(line for line in steps if line.startswith("codewheel"))]
+    assert len(lines) == 4
+    for line in lines:
+        words = line.partition(" >")[0].split()[1:]
+        assert parser_for(words).parse_args(words).command == words[0]
+    (item,) = entry["accepted"]
+    (tmp_path / "accepted.yaml").write_text(f"accepted:\n  - {json.dumps(item, default=str)}\n", encoding="utf-8")
+    assert read_accepted(tmp_path / "accepted.yaml")[0].rule == "clock-narrower"
