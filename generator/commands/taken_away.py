@@ -48,11 +48,11 @@ def offers(olds: Sequence[Family], news: Sequence[Family], changes: Sequence[Cha
         gone = [item for item in found if (name, label_of(item[1]) or item[0].rpartition(".")[2]) not in renamed]
         if gone:
             told = f"Edition {old.device.manual.revision} has it, edition {revision} does not"
-            changes = [{"add": place, "value": item, "why": told, "source": "Document release"} for place, item in gone]
+            entries = [{"add": place, "value": item, "why": told, "source": "Document release"} for place, item in gone]
             lines = [
                 f'  - revision: "{revision}"',
                 "    before:",
-                *(f"      - {_in_one_line(item)}" for item in changes),
+                *(f"      - {_in_one_line(item)}" for item in entries),
             ]
             begin = (
                 f"{family.device.name}: edition {revision} took these items away. To keep them for older encoders, add"
