@@ -46,7 +46,7 @@ class Hex:
 
 @dataclass(frozen=True, slots=True)
 class Amount:
-    """Number with its unit in the plural: ``1 revolution``, ``65,536 revolutions``."""
+    """Number and unit, which is in the plural unless the number is 1: ``1 revolution``, ``65,536 revolutions``."""
 
     number: Expression
     unit: str
@@ -87,7 +87,7 @@ def said(*parts: Part, label: str = "", source: Sources = ()) -> Said:
 
 
 def told(text: str, label: str = "", source: Sources = ()) -> Iterator[Said]:
-    """Yield a text from the spec unless it is empty."""
+    """Yield text from the spec unless it is empty."""
     if text:
         yield said(text, label=label, source=source)
 

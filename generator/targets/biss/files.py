@@ -94,7 +94,7 @@ class Node:
 class Identifier(TypedDict):
     notes: Annotated[list[str], "text of the first comment"]
     root: Annotated[Node, "element of the manufacturer, which contains those of its encoders"]
-    left_out: Annotated[str, "a sentence on encoders that are not listed, or empty"]
+    left_out: Annotated[str, "a sentence about encoders that are not listed, or an empty string"]
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
@@ -144,7 +144,7 @@ def comment_text(text: object) -> Markup:
 
 
 def comment(text: object, indent: str) -> Markup:
-    """Return a complete comment, wrapped if necessary. Line ends in the text are kept."""
+    """Return a complete comment, wrapped if necessary. Line breaks in the text are preserved."""
     lines = [(line.startswith("  "), str(comment_text(line))) for line in str(text).split("\n")]
     if len(lines) == 1 and len(indent) + len(lines[0][1]) + 9 <= _WIDTH:
         return Markup(f"{indent}<!-- {lines[0][1]} -->")

@@ -32,7 +32,7 @@ class ByteIs:
 
 @dataclass(frozen=True, slots=True)
 class FlagsIn:
-    """The byte of the next flags. ``is_first`` and ``is_only`` say whether there are others."""
+    """The byte of the next flags. ``is_first`` and ``is_only`` show whether there are others."""
 
     byte: int
     is_first: bool
@@ -41,7 +41,7 @@ class FlagsIn:
 
 @dataclass(frozen=True, slots=True)
 class UnusedIn:
-    """A byte with unused bits, at its position in the member. The first one is the local's initial value."""
+    """A byte with unused bits, at its position in the member. The first byte initializes the local variable."""
 
     bits: Expr
     is_first: bool

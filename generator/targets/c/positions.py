@@ -15,7 +15,10 @@ from .names import Declared
 
 @dataclass(frozen=True, slots=True)
 class AnglePositions:
-    """Positions in angles. They wrap around to 0 after ``turns``, if the manual says so. ``one_turn``: a single one."""
+    """Positions of a rotary encoder, which wrap around to 0 after ``turns``, if the manual gives this number.
+
+    ``one_turn`` is True for singleturn encoders.
+    """
 
     prefix: str
     where: str
@@ -25,7 +28,7 @@ class AnglePositions:
 
     @property
     def names(self) -> Iterator[str]:
-        """The functions, by their ends."""
+        """The functions, by the ends of their names."""
         rolling = ("modulus", "position_difference") if self.turns is not None else ()
         yield from ("counts_per_turn", *rolling, "turns", "degrees")
 
@@ -35,7 +38,7 @@ class AnglePositions:
 
 @dataclass(frozen=True, slots=True)
 class LengthPositions:
-    """Positions along a scale. They wrap around to 0 after ``modulus``, if the manual says so."""
+    """Positions of a linear encoder, which wrap around to 0 after ``modulus``, if the manual gives this number."""
 
     prefix: str
     where: str
@@ -45,7 +48,7 @@ class LengthPositions:
 
     @property
     def names(self) -> Iterator[str]:
-        """The functions, by their ends."""
+        """The functions, by the ends of their names."""
         rolling = ("modulus", "position_difference") if self.modulus is not None else ()
         yield from (*rolling, "micrometres", "millimetres")
 
@@ -57,7 +60,7 @@ Positions = AnglePositions | LengthPositions
 
 
 def positions(context: Context) -> Positions | None:
-    """Return the functions that convert the positions of the interface, if the manual says what these are."""
+    """Return the functions that convert the positions of the interface, if the manual gives their unit."""
     measurement = context.device.measurement_of(context.interface.name)
     return _positions(context, measurement) if measurement is not None else None
 

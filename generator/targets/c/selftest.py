@@ -36,7 +36,7 @@ from .types import number, string
 
 @dataclass(frozen=True, slots=True)
 class Expected:
-    """A member of a struct and its expected value. ``text`` is True if it is a text."""
+    """A member of a struct and its expected value. ``text`` is True if it is a string."""
 
     member: str
     value: str
@@ -101,7 +101,7 @@ class Check:
 
 
 class SelfTest:
-    """The checks of an interface, without examples that concern no function of its headers."""
+    """The checks of an interface, without the examples for which its headers have no function."""
 
     def __init__(self, view: DeviceView) -> None:
         self.view = view
@@ -186,7 +186,7 @@ class SelfTest:
                 )
 
     def _answers(self, item: StructCodec, example: FrameExample) -> str:
-        """Return the answers for the example, or the first answer where it states none."""
+        """Return the answers for the example, or the first answer if it states none."""
         found = ""
         for asked in item.asked:
             names = [answer.name for answer in asked.item.answers]
@@ -269,7 +269,7 @@ class FamilyTest(TypedDict):
 
 
 class AllTests(TypedDict):
-    namespace: Annotated[str, "the folder of the headers below include"]
+    namespace: Annotated[str, "the folder with the headers, below include"]
     option: Annotated[str, "the name of the package in uppercase"]
     tests: Annotated[list[SelfTest], "the self-tests of the families"]
 

@@ -29,7 +29,7 @@ class OverValues(TypedDict):
     short_rows: Annotated[list[Row], "fact, value, source: the position, the supply, the interface"]
     pictures: Annotated[Pictures, "pictures by their subject, such as `register-preset`: name, text"]
     timing: Annotated[Wave | None, "timing diagram of the interface, if there is one"]
-    delivered: Annotated[Sequence[str], "frames whose places or code depend on registers"]
+    delivered: Annotated[Sequence[str], "frames in which positions of fields, or the code, depend on registers"]
 
 
 class InterfacePage(Sections, OverValues):
@@ -60,7 +60,7 @@ def over_values(
 def page_values(
     device: Device, kind: str, links: Mapping[str, str], has_masters: bool, pictures: Pictures
 ) -> InterfacePage:
-    """Return the values of the page. ``links`` has a link to the page of each order code."""
+    """Return the values of the page. ``links`` contains a link to the page of each order code."""
     here = for_interface(device, kind)
     variants = [item for item in device.variants if item.interface == kind]
     return {
