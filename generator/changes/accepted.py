@@ -67,7 +67,7 @@ def _entry(document: Document, index: int, item: object) -> Accepted:
 def still_open(
     changes: Sequence[Change], accepted: Sequence[Accepted], today: date
 ) -> tuple[list[Change], Sequence[str]]:
-    """Return the changes that nobody has accepted, or not for this day, and a notice about each entry."""
+    """Return the changes without a valid entry on this day, and a notice about each entry."""
     current = [item for item in accepted if item.until >= today]
     found = [change for change in changes if not any(item.covers(change) for item in current)]
     return found, tuple(_notices(changes, accepted, today))

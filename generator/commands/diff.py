@@ -62,7 +62,7 @@ def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
     parser.add_argument(
         "--editions",
         action="store_true",
-        help="also print the 'editions' entry for items that a new edition of the manual took away",
+        help="also print the 'editions' entry for items that a new edition of the manual removed",
     )
     parser.add_argument(
         "--accepted",

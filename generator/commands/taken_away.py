@@ -55,7 +55,7 @@ def offers(olds: Sequence[Family], news: Sequence[Family], changes: Sequence[Cha
                 *(f"      - {_in_one_line(item)}" for item in entries),
             ]
             begin = (
-                f"{family.device.name}: edition {revision} took these items away. To keep them for older encoders, add"
+                f"{family.device.name}: edition {revision} removed these items. To keep them for older encoders, add"
             )
             yield "\n".join([f"{begin} to its spec, with their source:", "", "editions:", *lines])
 

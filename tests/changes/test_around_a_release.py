@@ -167,7 +167,7 @@ def test_the_entry_for_an_older_edition_keeps_what_was_taken_away(
         shown = json.loads(run(capsys, "show", "my_encoder", "--edition", edition, "--specs", new, "--json")[1])
         assert ("spare" in [item["name"] for item in shown["registers"]]) == kept
         assert ("MY-ENCODER-17-SC" in json.dumps(shown["order_codes"])) == kept
-    assert "took items away" not in run(capsys, "diff", old, old, "--editions")[1]
+    assert "removed these items" not in run(capsys, "diff", old, old, "--editions")[1]
 
 
 def test_the_commands_of_the_page_are_right(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
