@@ -73,14 +73,15 @@ def compare(spec: Facts, second: Facts) -> Comparison:
     made = Comparison(settled=are_settled(spec, second))
 
     def near(fact: Fact) -> Path | None:
-        is_free = fact.mild and not (made.settled and fact.key[0] in _OWN)
+        # Missing order codes are reported together.
+        is_free = fact.key[0] == "code" or (fact.mild and not (made.settled and fact.key[0] in _OWN))
         # If the subject is missing, only that is reported.
         has_holder = not fact.under or fact.under in spec.facts
         return _near(fact, spec, second) if has_holder and not is_free else None
 
     for found in _compare_facts(made, spec.facts, second.facts | dict(_by_path(spec, second)), near):
         _differ(made, found)
-    for found in _codes_too_many(spec, second):
+    for found in _codes_differ(spec, second):
         _differ(made, found)
     for found in _compare_names(made, spec.names, second.names):
         _differ(made, found)
@@ -132,13 +133,23 @@ def _key(item: tuple[Any, Any]) -> Any:
     return item[0]
 
 
-def _codes_too_many(spec: Facts, second: Facts) -> Iterator[Disagreement]:
-    """Yield one disagreement for all order codes that are missing from a second reading with order codes."""
-    alone = [fact for key, fact in spec.facts.items() if key[0] == "code" and key not in second.facts]
-    known = [fact for key, fact in second.facts.items() if key[0] == "code"]
-    if alone and known:
-        what = alone[0].what + (f" and of {len(alone) - 1} more" if len(alone) > 1 else "")
-        yield Disagreement(Sort.ORDER_CODE, what, _shown(alone[0].value), NOTHING, alone[0].place, known[0].place, ())
+def _codes_alone(own: Facts, other: Facts) -> tuple[Fact, str, Path] | None:
+    """Return the first order code that only one reading has, the text for all such codes, and the other's place."""
+    alone = [fact for key, fact in own.facts.items() if key[0] == "code" and key not in other.facts]
+    known = [fact for key, fact in other.facts.items() if key[0] == "code"]
+    if not alone or not known:
+        return None
+    return alone[0], alone[0].what + (f" and of {len(alone) - 1} more" if len(alone) > 1 else ""), known[0].place
+
+
+def _codes_differ(spec: Facts, second: Facts) -> Iterator[Disagreement]:
+    """Yield one disagreement for all order codes that only the spec has, and one for those that it lacks."""
+    if found := _codes_alone(spec, second):
+        fact, what, place = found
+        yield Disagreement(Sort.ORDER_CODE, what, _shown(fact.value), NOTHING, fact.place, place, ())
+    if found := _codes_alone(second, spec):
+        fact, what, near = found
+        yield Disagreement(Sort.ORDER_CODE, what, NOTHING, _shown(fact.value), (), fact.place, near)
 
 
 def _compare_names(made: Comparison, spec: Mapping[Key, Names], second: Mapping[Key, Names]) -> Iterator[Disagreement]:
