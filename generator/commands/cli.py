@@ -87,6 +87,7 @@ def _generate(chosen: argparse.Namespace) -> int:
         read = look_up.read_line(paths, known["families"], before.report(known["files"]))
         if is_unchanged(chosen, known["hashes"], read):
             return 0
+    from ..parts import Kept
     from ..targets import Library
     from ..write import hashes
     from .coverage import refuse_unproved
@@ -104,7 +105,8 @@ def _generate(chosen: argparse.Namespace) -> int:
         raise look_up.problems(report)
     names = [device.name for device in devices]
     print(look_up.read_line(paths, names, report))
-    files = rendered(Library(devices, chosen.templates), targets, settings)
+    kept = Kept(_cache(chosen), {item.device.name: item.content for item in families if item.content})
+    files = rendered(Library(devices, chosen.templates), targets, settings, kept)
     if chosen.templates is None and are_built_in(targets, chosen.target):
         made = {name: hashes(texts) for name, texts in files.items()}
         before.put({"families": names, "files": report.files, "hashes": made})

@@ -138,22 +138,28 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     A bulk file contains the files of all order codes of a family as comments, so that no tool loads the wrong one by
     accident.
     """
-    by_code = options.get(_BY_CODE.name, _BY_CODE.default) == _EACH
     files: dict[str, str] = {}
     for device in library.devices:
-        groups = [group for item in device.interfaces for group in groups_of(device, item)]
-        records = [(group.record, group.codes) for group in groups]
-        for master in shipped_masters() if records else ():
-            sheets = [(sheet(master, record), record, codes) for record, codes in records]
-            taken = [item for item in sheets if not item[0].refusals]
-            for rule in master.files if taken else ():
-                for on in dict.fromkeys(name for item in taken for name in item[0].devices_with(rule)):
-                    folder = f"masters/{master.name}/{rule['format']}"
-                    stem = "" if len(master.devices) == 1 else f"{names_of_codes([on])[0]}-"
-                    write = _each if by_code else _bulk
-                    able = [item for item in taken if on not in item[0].barred]
-                    files |= write(f"{folder}/{stem}", device, able, rule, on, library)
+        files |= library.part(_family, device, options)
     return files | {"masters/README.md": _index(library, files)} | licence_in("masters")
+
+
+def _family(device: Device, library: Library, options: Options) -> dict[str, str]:
+    """Return the files of a family by path."""
+    write = _each if options.get(_BY_CODE.name, _BY_CODE.default) == _EACH else _bulk
+    files: dict[str, str] = {}
+    groups = [group for item in device.interfaces for group in groups_of(device, item)]
+    records = [(group.record, group.codes) for group in groups]
+    for master in shipped_masters() if records else ():
+        sheets = [(sheet(master, record), record, codes) for record, codes in records]
+        taken = [item for item in sheets if not item[0].refusals]
+        for rule in master.files if taken else ():
+            for on in dict.fromkeys(name for item in taken for name in item[0].devices_with(rule)):
+                folder = f"masters/{master.name}/{rule['format']}"
+                stem = "" if len(master.devices) == 1 else f"{names_of_codes([on])[0]}-"
+                able = [item for item in taken if on not in item[0].barred]
+                files |= write(f"{folder}/{stem}", device, able, rule, on, library)
+    return files
 
 
 def _index(library: Library, files: Iterable[str]) -> str:
@@ -234,4 +240,5 @@ TARGET = Target(
     files=generate,
     options=(_BY_CODE,),
     templates=TEMPLATES,
+    family=_family,
 )
