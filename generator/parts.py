@@ -18,6 +18,7 @@ from typing import Any, BinaryIO, NoReturn
 
 from .cache import Cache, content_of
 from .loading.shipped import packaged_masters
+from .masters.sheet import shipped_masters
 from .model import Device
 from .targets import NO_OPTIONS, Library, Options, Target, TargetError
 from .targets.registry import BUILT_IN
@@ -81,6 +82,9 @@ def parts_of(library: Library, targets: Sequence[Target], kept: Kept) -> dict[st
             kept.cache.put(f"part {target.name}", content(task), made)
         return made
 
+    if missing:
+        with suppress(ValueError):  # The target reports it.
+            shipped_masters(kept.cache)
     # The targets that take longest are the last ones.
     missing.reverse()
     for start in range(0, len(missing), _MOST):

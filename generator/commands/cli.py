@@ -8,6 +8,7 @@ whose position is not usable. With several frames, the worst one decides: 2, the
 from __future__ import annotations
 
 import argparse
+import gc
 import json
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -30,6 +31,9 @@ JSON_VERSION = 1
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code. ``arguments`` default to those of the process."""
+    if arguments is None:
+        # Models have no cycles, so a process that ends soon gains nothing from a frequent search for them.
+        gc.set_threshold(50_000, 50, 100)
     prepare()
     try:
         code = _run(arguments)
@@ -90,7 +94,6 @@ def _generate(chosen: argparse.Namespace) -> int:
     from ..parts import Kept
     from ..targets import Library
     from ..write import hashes
-    from .coverage import refuse_unproved
     from .outputs import are_built_in, load_for, options_named, rendered, targets_named
 
     targets = targets_named(chosen.target)
@@ -110,7 +113,7 @@ def _generate(chosen: argparse.Namespace) -> int:
     if chosen.templates is None and are_built_in(targets, chosen.target):
         made = {name: hashes(texts) for name, texts in files.items()}
         before.put({"families": names, "files": report.files, "hashes": made})
-    return run(chosen, files, lambda: refuse_unproved(families, "written"))
+    return run(chosen, files, lambda: import_module(f"{__package__}.coverage").refuse_unproved(families, "written"))
 
 
 def _check(chosen: argparse.Namespace) -> int:
@@ -127,10 +130,11 @@ def _check(chosen: argparse.Namespace) -> int:
         data = {"version": JSON_VERSION} | as_data(report)
         _print(chosen.json, lambda: data, lambda: as_text(known["families"], report, paths))
         return 0
+    from ..targets.registry import WITH_PROBLEMS
     from . import check, coverage
     from .outputs import are_built_in, targets_named
 
-    targets = targets_named(chosen.target)
+    targets = targets_named(chosen.target, WITH_PROBLEMS)
     found = check.run(paths, targets, None if chosen.coverage else _cache(chosen))
     names = [family.device.name for family in found.families]
     covered = coverage.cover(found, chosen.write) if chosen.coverage else []
@@ -139,7 +143,7 @@ def _check(chosen: argparse.Namespace) -> int:
     _print(chosen.json, lambda: data, lambda: as_text(names, found.report, paths))
     if chosen.coverage and not chosen.json:
         print(coverage.as_text(covered, found))
-    if not found.report and are_built_in(targets):
+    if not found.report and are_built_in(targets, WITH_PROBLEMS):
         before.put({"families": names, "files": found.report.files})
     return 0 if coverage.is_complete(covered, found.report) else 1
 

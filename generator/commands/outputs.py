@@ -22,14 +22,14 @@ from .terminal import Stop
 _WIDTH = 79
 
 
-def targets_named(names: Iterable[str] | None = None) -> list[Target]:
-    """Return the named targets, each once. Without names, return the built-in ones whose packages are installed.
+def targets_named(names: Iterable[str] | None = None, otherwise: Iterable[str] = BUILT_IN) -> list[Target]:
+    """Return the named targets, each once. Without names, return those of ``otherwise`` that can be loaded.
 
     Raises:
         Stop: There is no such target (exit code 2), or it cannot be loaded (exit code 1).
     """
     found = []
-    for name in dict.fromkeys(names or BUILT_IN):
+    for name in dict.fromkeys(names or otherwise):
         try:
             found.append(load_target(name))
         except LookupError:

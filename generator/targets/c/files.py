@@ -29,7 +29,7 @@ from .names import called, clashes
 from .package import FILES, Package, own_programs, package_files
 from .receivers import ReceiverCode
 from .runtime import FOLDER, runtime_headers, runtime_version
-from .selftest import AllTests, FamilyTest, own_test, selftest_files
+from .selftest import AllTests, FamilyTest, SelfTest, own_test, selftest_files
 
 ONLY = Option(
     "only",
@@ -80,11 +80,11 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         def rendered(template: str, values: Mapping[str, object]) -> str:
             return _render(library, template, values)
 
-        tests = selftest_files(views, rendered)
-        sources = [*tests, *(path.removeprefix("c/") for path in files if path.startswith("c/selftest/"))]
-        package = package_files(views, sources, rendered)
-        package |= dict(assumptions_files(library, rendered))
-        files |= {f"c/{path}": text for path, text in (package | tests).items()} | licence_in("c")
+        tests = [test for test in map(SelfTest, views) if test.checks]
+        shared = selftest_files(views, tests, rendered)
+        shared |= package_files(views, [*shared, *(test.path for test in tests)], rendered)
+        shared |= dict(assumptions_files(library, rendered))
+        files |= {f"c/{path}": text for path, text in shared.items()} | licence_in("c")
         files |= {f"c/include/{FOLDER}/{name}": text for name, text in runtime_headers().items()}
     return files
 

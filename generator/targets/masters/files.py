@@ -53,6 +53,7 @@ def file_text(
     on: str,
     library: Library | None = None,
     is_short: bool = False,
+    made: Content | None = None,
 ) -> str:
     """Return the file for a master and for order codes that have the same settings.
 
@@ -64,9 +65,10 @@ def file_text(
         on: Device of the master.
         library: The library, for the user's templates.
         is_short: True to leave out the text that all order codes of a family share.
+        made: The content of the file, if it is known already.
     """
     name = rule["format"]
-    made = content(found, rule, on)
+    made = content(found, rule, on) if made is None else made
     written = {item.key for item in made.entries}
     values: MasterFile = {
         "head": [*([] if is_short else _head(device, codes, found, rule, on)), *_about(made, is_short)],
@@ -192,16 +194,16 @@ def _label(code: str, record: Record) -> str:
 def _bulk(start: str, device: Device, taken: Taken, rule: Raw, on: str, library: Library) -> dict[str, str]:
     """Return one file in which order codes with the same content share a block."""
     format_ = FILE_FORMATS[rule["format"]]
-    alike: dict[tuple[object, ...], list[tuple[Sheet, Record, Sequence[str]]]] = {}
+    alike: dict[tuple[Content, Sequence[tuple[str, str]]], list[tuple[Sheet, Record, Sequence[str]]]] = {}
     for item in taken:
         made = content(item[0], rule, on)
-        alike.setdefault((made, *item[1].answers.items()), []).append(item)
+        alike.setdefault((made, tuple(item[1].answers.items())), []).append(item)
     blocks = []
-    for same in alike.values():
+    for (made, _), same in alike.items():
         codes = [code for _, _, found in same for code in found]
         answers = [f"{name}={answer}" for name, answer in same[0][1].answers.items()]
         title = f"{', '.join(codes)}{' with ' if answers else ''}{' and '.join(answers)}"
-        blocks.append((title, file_text(device, codes, same[0][0], rule, on, library, is_short=True)))
+        blocks.append((title, file_text(device, codes, same[0][0], rule, on, library, is_short=True, made=made)))
     return {f"{start}{device.name}{format_.suffix}": _joined(device, blocks, same[0][0], rule, on)}
 
 

@@ -90,7 +90,7 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library,
     biss = (BISS,) if has_biss(devices) else ()
     values: Package = {
         "package": package,
-        "distribution": package.replace("_", "-"),
+        "distribution": maker.distribution,
         "title": plain(maker.title),
         "maker": maker,
         "notices": [plain(item) for item in maker.trademarks],
