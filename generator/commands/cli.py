@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 from . import look_up
 from .arguments import held_bytes, parse
 from .parsers import parser_for
-from .terminal import Stop, prepare, release
+from .terminal import Progress, Stop, prepare, release
 
 if TYPE_CHECKING:
     from ..cache import Cache
@@ -103,13 +103,16 @@ def _generate(chosen: argparse.Namespace) -> int:
     if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
         raise Stop("--biss-dtd needs the target biss", 2)
     families: list[Family] = []
-    devices, report = load_for(paths, targets, chosen.edition, families, _cache(chosen))
+    with Progress("codewheel: reading the specs") as progress:
+        devices, report = load_for(paths, targets, chosen.edition, families, _cache(chosen))
     if report:
         raise look_up.problems(report)
     names = [device.name for device in devices]
     print(look_up.read_line(paths, names, report))
-    kept = Kept(_cache(chosen), {item.device.name: item.content for item in families if item.content})
-    files = rendered(Library(devices, chosen.templates), targets, settings, kept)
+    contents = {item.device.name: item.content for item in families if item.content}
+    with progress:
+        kept = Kept(_cache(chosen), contents, progress.begun)
+        files = rendered(Library(devices, chosen.templates), targets, settings, kept)
     if chosen.templates is None and are_built_in(targets, chosen.target):
         made = {name: hashes(texts) for name, texts in files.items()}
         before.put({"families": names, "files": report.files, "hashes": made})
@@ -135,7 +138,8 @@ def _check(chosen: argparse.Namespace) -> int:
     from .outputs import are_built_in, targets_named
 
     targets = targets_named(chosen.target, WITH_PROBLEMS)
-    found = check.run(paths, targets, None if chosen.coverage else _cache(chosen))
+    with Progress("codewheel: checking the specs"):
+        found = check.run(paths, targets, None if chosen.coverage else _cache(chosen))
     names = [family.device.name for family in found.families]
     covered = coverage.cover(found, chosen.write) if chosen.coverage else []
     counts = coverage.as_data(covered) if chosen.coverage else {}

@@ -292,7 +292,7 @@ def selftest_files(
     values: AllTests = {
         "namespace": "_".join(names),
         "option": "_".join((*names, "encoders")).upper(),
-        "tests": tests,
+        "tests": list(tests),
     }
     for name, template in (("selftest.h", "selftest.h.jinja"), ("selftest.c", "selftest_all.c.jinja")):
         files[f"selftest/{name}"] = render(template, values)
