@@ -120,7 +120,7 @@ def _index(library: Library, families: list[order_code_page.Codes]) -> Index:
         titles = ", ".join(link(item.title, f"{device.name}/{item.name}.md") for item in device.interfaces)
         masters = link("settings", f"{device.name}-masters.md") if masters_page.has_masters(device) else ""
         manual = f"{text(device.manual.title)}, revision {family_pages.revision(device.manual)}"
-        rows.append((page, maker, titles, f"{len(device.variants)}", masters, manual))
+        rows.append((page, maker, titles, f"{len(device.variants)}", masters, manual, text(device.evidence.grade)))
     found: list[Section] = [
         {
             "pages": item.page_links(part.name),
