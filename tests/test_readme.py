@@ -148,7 +148,9 @@ def test_it_is_short() -> None:
 def test_its_table_matches_the_specs(devices: Mapping[str, Device]) -> None:
     """Interfaces, number of order codes and evidence are right, and no family is missing."""
     rows = re.findall(
-        r"^\| [^|]+ \| ([^|]+) \| ([0-9]+) \| \[[^]]+\]\(generated/docs/(\w+)\.md\) \| ([a-z ,]+) \|$", README, re.MULTILINE
+        r"^\| [^|]+ \| ([^|]+) \| ([0-9]+) \| \[[^]]+\]\(generated/docs/(\w+)\.md\) \| ([a-z ,]+) \|$",
+        README,
+        re.MULTILINE,
     )
     told = {name: (set(interfaces.split(", ")), int(codes), grade) for interfaces, codes, name, grade in rows}
     assert told == {
