@@ -11,8 +11,10 @@ _MEANING = {
     "manual": "all pages of the manufacturer's document were read",
     "quoted": "every fact is in the manufacturer's words, an independent implementation agrees, and data from real"
     " hardware pass",
-    "corroborated": "two sources that share no code agree on every fact, and data from real hardware pass",
-    "corroborated, no hardware frame seen": "two sources that share no code agree on every fact",
+    "corroborated": "every fact is in the manufacturer's words or in two implementations that share no code, and data"
+    " from real hardware pass",
+    "corroborated, no hardware frame seen": "every fact is in the manufacturer's words or in two implementations that"
+    " share no code",
     "uncorroborated": "the facts have a single source, so do not rely on them",
 }
 

@@ -43,8 +43,8 @@ def _missing(grade: str, read: Spec, agreeing: list[str], vectors: list[str]) ->
         yield "needs a document of the manufacturer: list it under 'documents', with the pages that were read"
     if len(agreeing) < _IMPLEMENTATIONS.get(grade, 0):
         yield "needs an implementation: list it under 'implementations'"
-    if grade in _CORROBORATED and len({*read, *agreeing}) < 2:
-        yield "needs two sources that share no code: list them under 'implementations' or 'documents'"
+    if grade in _CORROBORATED and len(agreeing) < (1 if read else 2):
+        yield "needs two sources that share no code: list them under 'implementations'"
     if grade in ("quoted", "corroborated") and not vectors:
         remedy = "list it under 'vectors'"
         yield f"needs an example from real hardware: {remedy}, or write 'corroborated, no hardware frame seen'"
@@ -53,16 +53,20 @@ def _missing(grade: str, read: Spec, agreeing: list[str], vectors: list[str]) ->
 
 
 def _sources(spec: Spec, grade: str, read: Spec, agreeing: list[str], report: DocumentReport) -> None:
-    """Check that each fact cites the manufacturer, or for a lower grade two sources that agree."""
-    need, known = (1, list(read)) if grade == "quoted" else (2, [*read, *agreeing])
-    if len({*known}) < need:
+    """Check that each fact cites the manufacturer or, for a lower grade, two implementations."""
+    if not (read if grade == "quoted" else read or agreeing[1:]):
         return
-    wanted = f"a source in {listed(known, 'or')}" if need == 1 else f"two sources among {listed(known)}"
+    wanted = [f"a source in {listed(read, 'or')}"] if read else []
+    if grade in _CORROBORATED and len(agreeing) > 1:
+        wanted.append(f"two sources among {listed(agreeing)}")
     for path, key, value in walk({**spec, "errata": (), "examples": ()}):
         if (key == "source" or key.endswith("_source")) and isinstance(value, str):
             cited = {match[1] or "manual" for match in map(_DOCUMENT.match, value.split(";")) if match}
-            if len(cited & {*known}) < need:
-                report.add("evidence-grade", path, f"the grade {quoted(grade)} needs {wanted} for each fact")
+            agree = grade in _CORROBORATED and len(cited & {*agreeing}) > 1
+            if not agree and cited.isdisjoint(read):
+                report.add(
+                    "evidence-grade", path, f"the grade {quoted(grade)} needs {', or '.join(wanted)} for each fact"
+                )
 
 
 def _discriminates(example: Spec) -> bool:
