@@ -280,7 +280,7 @@ SSI: Final = SsiFacts(
 # Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset, procedure store_preset, procedure
 # save_parameters and procedure activate_preset.
 # Why: The Command register was updated, so older encoders may have other values or another pause. Every procedure ends
-# with this register, so no procedure is known to be correct there.
+# by accessing this register, so no procedure is known to be correct there.
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=50_000, max_hz=10_000_000, source="6.5 p.40"),
@@ -2092,8 +2092,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used=(
             "The position is not usable if any of these is active: error, BUSY, PS error or ST error. Latched errors "
             "count until they are reset. In multiturn models, the MT error or the warning bit also makes the position "
-            "not usable. With the battery alarm, it is usable with a warning. EE_1, which combines BUSY, PS error, "
-            "battery alarm and MT error, makes the position not usable. If the frame also carries these four flags "
+            "unusable. With the battery alarm, it is usable with a warning. EE_1, which combines BUSY, PS error, "
+            "battery alarm and MT error, makes the position unusable. If the frame also carries these four flags "
             "(data ID 3), they decide instead."
         ),
         why=(
@@ -2367,8 +2367,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used=(
             "In singleturn models (.../1...), nW, BATT and MTERR have no explanation. An active bit is reported, and "
-            "the position is usable with a warning. Without ALMC (data IDs 0 and 1), EE_1 makes the position not "
-            "usable, since it may be BUSY. The step is left out."
+            "the position is usable with a warning. Without ALMC (data IDs 0 and 1), EE_1 makes the position "
+            "unusable, since it may be BUSY. The step is left out."
         ),
         why=(
             "The manual does not say what these bits mean without a battery and a multiturn system, or whether they "
@@ -2910,7 +2910,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="not known",
         why=(
             "The Command register was updated, so older encoders may have other values or another pause. Every "
-            "procedure ends with this register, so no procedure is known to be correct there."
+            "procedure ends by accessing this register, so no procedure is known to be correct there."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
