@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -21,6 +22,15 @@ def test_specs_hold_a_manual_and_examples_hold_less() -> None:
     shipped, others = (load_library([ROOT / name])[0] for name in ("specs", "examples/encoders"))
     assert {item.evidence.grade for item in shipped} <= {"manual", "quoted"}
     assert "manual" not in {item.evidence.grade for item in others}
+
+
+def test_the_index_lists_each_encoder_with_its_grade() -> None:
+    page = (ROOT / "docs" / "encoders.md").read_text(encoding="utf-8")
+    devices, report = load_library([ROOT / "specs", ENCODERS])
+    assert not report
+    assert {name: grade for grade, name in re.findall(r"\| ([a-z, ]+) \| \[(\w+)\]\(", page)} == {
+        item.name: item.evidence.grade for item in devices
+    }
 
 
 def test_it_is_in_every_output() -> None:
