@@ -18,7 +18,7 @@ _CLASSES = (
     ("example", r"examples\b.*"),
     ("prose fact", rf"({'|'.join(PROSE_FACTS)})\b.*"),
     ("source", r".*\b(source|alignment_source|output_code_source)"),
-    ("manual", r"(codewheel|device|manufacturer|title|manual\b.*|python_package|version|trademarks|vendor)"),
+    ("manual", r"(codewheel|device|manufacturer|title|(evidence|manual)\b.*|python_package|version|trademarks|vendor)"),
     ("BiSS manufacturer ID", r"biss_id"),
     ("edition", r"editions\b.*"),
     ("movement", r"movement"),
