@@ -69,7 +69,7 @@ def as_data(item: model.Device) -> list[Any]:
 
     def put(value: Any) -> Any:
         kind = type(value)
-        if value is None or kind in (bool, int, str):
+        if value is None or kind in (bool, int, float, str):
             return value
         if kind is bytes:
             return {_BYTES: value.hex()}

@@ -56,7 +56,7 @@ def test_problems_as_comments_of_a_pull_request(tmp_path: Path, capsys: pytest.C
     code, out, _ = run(capsys, "check", folder, "--format", "github")
     assert code == 1
     # The workflow commands escape a percent sign everywhere, and a comma in properties.
-    assert out.startswith(f"::error file={tmp_path}/a%2Cb/my_encoder.yaml,line=130,col=12,title=typographic-quotes::")
+    assert out.startswith(f"::error file={tmp_path}/a%2Cb/my_encoder.yaml,line=132,col=12,title=typographic-quotes::")
     assert 'write "100%25" with straight quotes' in out
 
 
@@ -78,7 +78,7 @@ def test_sarif(both: tuple[Path, Path], capsys: pytest.CaptureFixture[str], comm
     assert isinstance(result["message"]["text"], str)
     (place,) = (item["physicalLocation"] for item in result["locations"])
     assert place["artifactLocation"]["uri"] == new.as_uri()
-    line, column = (LINE, COLUMN) if command == "diff" else (119, 14)
+    line, column = (LINE, COLUMN) if command == "diff" else (121, 14)
     assert place["region"] == {"startLine": line, "startColumn": column}
 
 

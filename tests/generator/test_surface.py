@@ -94,7 +94,7 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
 # ---------------------------------------------------------------------------------------------------------- wrong usage
 
 
-KNOWN = "generate, check, list, show, decode, master, simulate, diff, reread, facts, explain, new"
+KNOWN = "generate, check, list, show, decode, master, simulate, diff, reread, facts, explain, new, migrate"
 
 
 @pytest.mark.parametrize(
