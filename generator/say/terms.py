@@ -31,8 +31,7 @@ TERMS = (
     ),
     Term(
         "Acknowledge, start bit",
-        "In a BiSS frame, SLO stays low until the data of the encoder is ready. The start bit (high) announces the "
-        "data.",
+        "In a BiSS frame, SLO stays low until the encoder's data is ready. The start bit (high) announces the data.",
         over=Biss,
         section="timings",
     ),
