@@ -104,7 +104,7 @@ def families_of(
 ) -> list[Family]:
     """Build the families of documents, sorted by name, and add their problems to ``report``.
 
-    ``known`` has devices, by the path of their specs, that were built before and had no problems.
+    ``known`` contains devices, by the path of their specs, that were built before and had no problems.
     """
     overlays = [document for document in documents if is_overlay(document)]
     documents = [document for document in documents if not is_overlay(document)]

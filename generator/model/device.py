@@ -180,7 +180,7 @@ class RegisterMeaning:
 
 @dataclass(frozen=True, slots=True)
 class Register:
-    """A register of ``length`` bytes, starting at ``address``. ``layout`` has its fields."""
+    """A register of ``length`` bytes, starting at ``address``. ``layout`` contains its fields."""
 
     name: str
     printed_name: str

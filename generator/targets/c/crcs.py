@@ -20,7 +20,7 @@ from .types import unsigned
 class CrcCode:
     """The function of a CRC over bits or bytes. ``table`` holds the remainder of each byte, if there is a table.
 
-    The function is there only if a frame calls it. Frames that are one number mostly have a CRC function of their own.
+    The function exists only if a frame calls it. Frames that are one number mostly have a CRC function of their own.
     """
 
     name: str

@@ -60,7 +60,11 @@ class Usage:
 
 @dataclass(frozen=True, slots=True)
 class Part:
+<<<<<<< HEAD
     """A header that only some users of an interface need. ``includes`` lists the headers that it needs itself."""
+=======
+    """A header with code that only some users of an interface need, by its name. ``includes`` are those before it."""
+>>>>>>> en2
 
     name: str
     file: str
@@ -107,7 +111,7 @@ class DeviceView:
 
     @property
     def header(self) -> str:
-        """The header for reading positions, as it is included."""
+        """Include path of the header for reading positions."""
         return f"{self.maker.name}/{self.stem}.h"
 
     @property
@@ -118,9 +122,9 @@ class DeviceView:
         labels = (f"{self.maker.name}/{self.stem}_labels.h",) if self.identities else ()
         registers = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else own
         found = (
-            ("labels", "order codes by the text on a label", True, (codes, own)),
-            ("reports", "texts of the reports, alarms and times", texts, (codes, own)),
-            ("registers", "registers, and identification by them", self.registers, (codes, steps, own, *labels)),
+            ("labels", "find the order code that a label shows", True, (codes, own)),
+            ("reports", "texts that describe reports, alarms and times", texts, (codes, own)),
+            ("registers", "registers, and identification of encoders", self.registers, (codes, steps, own, *labels)),
             ("procedures", "procedures, step by step", self.procedures, (steps, registers)),
             ("simulate", "the encoder's side, for simulators and tests", True, (own,)),
         )
@@ -128,7 +132,7 @@ class DeviceView:
 
     @property
     def headers(self) -> list[str]:
-        """All headers of the interface, as they are included."""
+        """Include paths of all headers of the interface."""
         return [self.header, *(f"{self.maker.name}/{item.file}" for item in self.parts)]
 
     @cached_property

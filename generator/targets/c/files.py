@@ -1,6 +1,6 @@
 """The C target: headers for firmware, some for each interface of a family, and the runtime that they include.
 
-The headers need C99 or C++11 and no library. The templates have their statements. Names, types and expressions are
+The headers need C99 or C++11 and no library. The templates contain the statements. Names, types and expressions are
 built here.
 
 Names from a spec become C names unchanged. A member whose name is reserved gets a trailing underscore. Reserved are the
@@ -104,7 +104,7 @@ def problems(library: Library) -> Iterator[TargetProblem]:
 
 
 def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, str]]:
-    """Yield the headers of an interface, by their path as they are included."""
+    """Yield the headers of an interface, by their include paths."""
     values: Family = {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view}
     yield view.header, _render(library, "device.h.jinja", values | {"runtime": runtime_version()})
     for part in view.parts:
