@@ -468,11 +468,7 @@ def _terms(layout: Layout) -> Iterator[Term]:
 
 
 def characters(item: Field) -> tuple[tuple[int, int], ...]:
-<<<<<<< HEAD
     """Return the index and byte of each character in a text field, or nothing if they do not fill whole bytes."""
-=======
-    """Return a string's characters in reading order, as index and byte. Return none unless they fill whole bytes."""
->>>>>>> en2
     if not isinstance(item.kind, Text) or any(piece.right or piece.mask != 0xFF for piece in item.pieces):
         return ()
     return tuple((item.widest // 8 - 1 - piece.left // 8, piece.byte) for piece in reversed(item.pieces))

@@ -60,11 +60,7 @@ class Usage:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-<<<<<<< HEAD
     """A header that only some users of an interface need. ``includes`` lists the headers that it needs itself."""
-=======
-    """A header with code that only some users of an interface need, by its name. ``includes`` are those before it."""
->>>>>>> en2
 
     name: str
     file: str
