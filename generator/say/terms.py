@@ -107,8 +107,8 @@ TERMS = (
     ),
     Term(
         "Gray code",
-        "A code in which only one bit changes between consecutive numbers. It must be converted to binary before "
-        "calculating with it.",
+        "A code in which only one bit changes between consecutive numbers. Convert it to binary before you "
+        "calculate with it.",
         ("gray",),
     ),
     Term(
