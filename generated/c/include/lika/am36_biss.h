@@ -16,20 +16,20 @@
  *         ... position ...
  *     }
  *
- * The word comes from a master for BiSS C-mode, or from SPI and DMA by LIKA_AM36_BISS_RECEIVE.
+ * The word comes from a master for BiSS C-mode, or from SPI and DMA with LIKA_AM36_BISS_RECEIVE.
  *
- * Further headers of this interface, only for those who need them:
- *   am36_biss_labels.h           order codes by the text on a label
- *   am36_biss_reports.h          texts of the reports, alarms and times
- *   am36_biss_registers.h        registers, and identification by them
+ * More headers of this interface, to include if you need them:
+ *   am36_biss_labels.h           find the order code that a label shows
+ *   am36_biss_reports.h          texts that describe reports, alarms and times
+ *   am36_biss_registers.h        registers, and identification of encoders
  *   am36_biss_procedures.h       procedures, step by step
  *   am36_biss_simulate.h         the encoder's side, for simulators and tests
  *
  * Manual: "AM36 AMC36", revision 1.0 of 2014 (en)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. To generate files for one, use
- * codewheel generate --edition am36=1.0.
+ * Differences from other editions of the manual are noted inline. For the files of another edition,
+ * use codewheel generate --edition am36=1.0.
  *
  * Other documents, cited by the word before the colon:
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
@@ -271,8 +271,8 @@ typedef enum lika_am36_biss_report {
 /**
  * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its
  * buffer.
- * The number of bits is the factory default, since registers can change it. The number of bytes is
- * enough for any content of the registers.
+ * The number of bits applies to the factory defaults, since registers can change it. The number of
+ * bytes is enough for any content of the registers.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
  * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
@@ -287,9 +287,9 @@ typedef enum lika_am36_biss_report {
 #define LIKA_AM36_BISS_AMC3619_4096_I7_RX_BYTES 12U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write AM3616_4096_I7 for example, as in LIKA_AM36_BISS_AM3616_4096_I7_BITS. The array rx has its
- * _RX_BYTES: another size does not compile. For buffers of other sizes, call cw_biss_receive
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be AM3616_4096_I7, as in LIKA_AM36_BISS_AM3616_4096_I7_BITS. The array rx must have the
+ * size _RX_BYTES. Any other size does not compile. For buffers of other sizes, call cw_biss_receive
  * yourself.
  */
 #define LIKA_AM36_BISS_RECEIVE(code, rx, word) \
@@ -363,8 +363,8 @@ static inline uint32_t lika_am36_biss_bits(const lika_am36_biss *variant)
  * public BiSS documents.
  * Erratum biss_crc_start (open, omission).
  * How it folds: the remainder of x^6 is x + 1. By squaring, the remainder of x^12 is x^2 + 1, and
- * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done at
- * 12 with 2 and at 6 with 1, until 6 bits are left.
+ * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done
+ * with the shifts 12 and 2, then 6 and 1, until 6 bits are left.
  */
 static inline uint32_t lika_am36_biss_crc(uint64_t word)
 {
@@ -393,7 +393,7 @@ static inline uint32_t lika_am36_biss_crc(uint64_t word)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. Its last bit sent is bit 0, and the bits above it are 0.
+ * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */

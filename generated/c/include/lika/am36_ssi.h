@@ -22,17 +22,17 @@
  * CRC protects them. CW_UNKNOWN does not mean that a word is correct. AT_MOST is the maximum
  * number of counts that the axis can move in the meantime.
  *
- * Each word comes from a master for SSI, or from SPI and DMA by LIKA_AM36_SSI_RECEIVE.
+ * Each word comes from a master for SSI, or from SPI and DMA with LIKA_AM36_SSI_RECEIVE.
  *
- * Further headers of this interface, only for those who need them:
- *   am36_ssi_labels.h            order codes by the text on a label
+ * More headers of this interface, to include if you need them:
+ *   am36_ssi_labels.h            find the order code that a label shows
  *   am36_ssi_simulate.h          the encoder's side, for simulators and tests
  *
  * Manual: "AM36 AMC36", revision 1.0 of 2014 (en)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. To generate files for one, use
- * codewheel generate --edition am36=1.0.
+ * Differences from other editions of the manual are noted inline. For the files of another edition,
+ * use codewheel generate --edition am36=1.0.
  *
  * Other documents, cited by the word before the colon:
  *   am36_1_1: AMx36 manual, English edition 1.1, Lika Electronic, single pages -
@@ -200,9 +200,9 @@ static inline uint32_t lika_am36_ssi_position_bits(const lika_am36_ssi *variant)
 #define LIKA_AM36_SSI_AMC3619_4096_GG_RX_BYTES 5U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write AM3619_4096_GG for example, as in LIKA_AM36_SSI_AM3619_4096_GG_BITS. The array rx has its
- * _RX_BYTES: another size does not compile. For buffers of other sizes, call cw_ssi_receive
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be AM3619_4096_GG, as in LIKA_AM36_SSI_AM3619_4096_GG_BITS. The array rx must have the
+ * size _RX_BYTES. Any other size does not compile. For buffers of other sizes, call cw_ssi_receive
  * yourself.
  */
 #define LIKA_AM36_SSI_RECEIVE(code, rx, word) \
@@ -263,7 +263,7 @@ static inline uint32_t lika_am36_ssi_bits(const lika_am36_ssi *variant)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. Its last bit sent is bit 0, and the bits above it are 0.
+ * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */

@@ -15,20 +15,20 @@
  *         ... position ...
  *     }
  *
- * The word comes from a master for BiSS C-mode, or from SPI and DMA by LIKA_AMM5_BISS_RECEIVE.
+ * The word comes from a master for BiSS C-mode, or from SPI and DMA with LIKA_AMM5_BISS_RECEIVE.
  *
- * Further headers of this interface, only for those who need them:
- *   amm5_biss_labels.h           order codes by the text on a label
- *   amm5_biss_reports.h          texts of the reports, alarms and times
- *   amm5_biss_registers.h        registers, and identification by them
+ * More headers of this interface, to include if you need them:
+ *   amm5_biss_labels.h           find the order code that a label shows
+ *   amm5_biss_reports.h          texts that describe reports, alarms and times
+ *   amm5_biss_registers.h        registers, and identification of encoders
  *   amm5_biss_procedures.h       procedures, step by step
  *   amm5_biss_simulate.h         the encoder's side, for simulators and tests
  *
  * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en, compared with: it 1.9)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. To generate files for one, use
- * codewheel generate --edition amm5=1.0.
+ * Differences from other editions of the manual are noted inline. For the files of another edition,
+ * use codewheel generate --edition amm5=1.0.
  * Before edition 1.4: may differ, see the page of the encoder.
  * Before edition 1.3: may differ, see the page of the encoder.
  *
@@ -261,9 +261,9 @@ typedef enum lika_amm5_biss_report {
 #define LIKA_AMM5_BISS_B23_65KSC1_RX_BYTES 12U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write A21_65KSC1 for example, as in LIKA_AMM5_BISS_A21_65KSC1_BITS. The array rx has its
- * _RX_BYTES: another size does not compile. For buffers of other sizes, call cw_biss_receive
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be A21_65KSC1, as in LIKA_AMM5_BISS_A21_65KSC1_BITS. The array rx must have the size
+ * _RX_BYTES. Any other size does not compile. For buffers of other sizes, call cw_biss_receive
  * yourself.
  */
 #define LIKA_AMM5_BISS_RECEIVE(code, rx, word) \
@@ -316,7 +316,7 @@ typedef struct lika_amm5_biss_frame {
      * reports that the battery is depleted. The encoder cannot operate with a depleted battery.
      * Active when 0: error active in the system. Inactive when 1: no active error. While it is
      * active, the position is not usable. Remedy: If the disk is misaligned, switch off, align the
-     * disk and continue with the connection. If the battery of a multiturn model is depleted,
+     * disk and continue connecting the encoder. If the battery of a multiturn model is depleted,
      * replace the battery. Steps: Battery replacement with error.
      */
     bool error;
@@ -350,8 +350,8 @@ static inline uint32_t lika_amm5_biss_bits(const lika_amm5_biss *variant)
  * public BiSS documents.
  * Erratum biss_crc_start (open, omission).
  * How it folds: the remainder of x^6 is x + 1. By squaring, the remainder of x^12 is x^2 + 1, and
- * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done at
- * 12 with 2 and at 6 with 1, until 6 bits are left.
+ * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done
+ * with the shifts 12 and 2, then 6 and 1, until 6 bits are left.
  */
 static inline uint32_t lika_amm5_biss_crc(uint64_t word)
 {
@@ -381,7 +381,7 @@ static inline uint32_t lika_amm5_biss_crc(uint64_t word)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. Its last bit sent is bit 0, and the bits above it are 0.
+ * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */

@@ -19,17 +19,17 @@
  * The bytes are the reply to LIKA_AMM5_RS485_CONTROL_ALL_DATA. cw_rs485_ask and cw_rs485_take in
  * codewheel/receive.h collect them from a serial port.
  *
- * Further headers of this interface, only for those who need them:
- *   amm5_rs485_labels.h          order codes by the text on a label
- *   amm5_rs485_reports.h         texts of the reports, alarms and times
+ * More headers of this interface, to include if you need them:
+ *   amm5_rs485_labels.h          find the order code that a label shows
+ *   amm5_rs485_reports.h         texts that describe reports, alarms and times
  *   amm5_rs485_procedures.h      procedures, step by step
  *   amm5_rs485_simulate.h        the encoder's side, for simulators and tests
  *
  * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en, compared with: it 1.9)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. To generate files for one, use
- * codewheel generate --edition amm5=1.0.
+ * Differences from other editions of the manual are noted inline. For the files of another edition,
+ * use codewheel generate --edition amm5=1.0.
  * Before edition 1.4: may differ, see the page of the encoder.
  * Before edition 1.3: may differ, see the page of the encoder.
  *
@@ -231,14 +231,15 @@ typedef enum lika_amm5_rs485_report {
  * received from the master. To check that a byte has been written to the EEPROM, read it back with
  * data ID D. The manual gives no EEPROM write time for this interface. MEM BUSY shows when a write
  * is in progress.
- * Memory read, busy 0: The byte was read. Address: that of the request. Data: the EEPROM's data
+ * Memory read, busy 0: The byte was read. Address: as in the request. Data: as read from the EEPROM
  * [7.5 p.46].
- * Memory read, busy 1: The memory is busy. It is being read (table) or written (sentence below it).
- * The request is invalid. Address: that of the request. Data: 00h [7.5 p.46].
- * Memory write, busy 0: The request was accepted. Address: that of the request. Data: that of the
+ * Memory read, busy 1: The memory is busy. A read (according to the table) or a write (according to
+ * the sentence below it) is in progress. The request is invalid. Address: as in the request. Data:
+ * 00h [7.5 p.46].
+ * Memory write, busy 0: The request was accepted. Address: as in the request. Data: as in the
  * request [7.5 p.46].
  * Memory write, busy 1: A write is in progress. The request is invalid and not executed. Address:
- * that of the request. Data: 00h [7.5 p.46].
+ * as in the request. Data: 00h [7.5 p.46].
  * Erratum error_bits_leds_alarms (open, omission).
  * Erratum unused_status_bits (open, omission).
  * Erratum position_under_error (open, omission).
@@ -246,8 +247,8 @@ typedef enum lika_amm5_rs485_report {
  * Erratum power_on_twice (open, omission).
  * Erratum singleturn_without_battery (open, omission).
  * Erratum battery_alarm_reset (open, omission).
- * Erratum data_id_8_scope (open, wrong data): Used: The outputs follow the table. Data ID 8 resets
- * singleturn and multiturn data.
+ * Erratum data_id_8_scope (open, wrong data): Used: The generated files follow the table. Data ID 8
+ * resets singleturn and multiturn data.
  * Erratum reset_interval (open, omission).
  * Erratum busy_clear (open, omission).
  * Erratum rs485_reply_time (open, omission).
@@ -284,17 +285,17 @@ typedef enum lika_amm5_rs485_data_id {
     /** Data ID D: Read one byte of the EEPROM [7.3.1 p.42]. */
     LIKA_AMM5_RS485_DATA_ID_EEPROM_READ = 0xD,
     /**
-     * Data ID 7: Reset all errors. The reply carries the singleturn position [7.3.1 p.42, 7.4.2
+     * Data ID 7: Reset all errors. The reply contains the singleturn position [7.3.1 p.42, 7.4.2
      * p.45].
      */
     LIKA_AMM5_RS485_DATA_ID_RESET_ERRORS = 0x7,
     /**
-     * Data ID 8: Reset singleturn and multiturn data to 0. The reply carries the singleturn
+     * Data ID 8: Reset singleturn and multiturn data to 0. The reply contains the singleturn
      * position [7.3.1 p.42, 7.4.2 p.45].
      */
     LIKA_AMM5_RS485_DATA_ID_RESET_SINGLETURN_AND_MULTITURN = 0x8,
     /**
-     * Data ID C: Reset multiturn data and all errors. The reply carries the singleturn position
+     * Data ID C: Reset multiturn data and all errors. The reply contains the singleturn position
      * [7.3.1 p.42, 7.4.2 p.45].
      */
     LIKA_AMM5_RS485_DATA_ID_RESET_MULTITURN_AND_ERRORS = 0xC
@@ -314,17 +315,17 @@ typedef enum lika_amm5_rs485_data_id {
 /** Data ID D: EAh, read: Read one byte of the EEPROM [7.3.1 p.42]. */
 #define LIKA_AMM5_RS485_CONTROL_EEPROM_READ 0xEAU
 /**
- * Data ID 7: BAh, reset: Reset all errors. The reply carries the singleturn position [7.3.1 p.42,
+ * Data ID 7: BAh, reset: Reset all errors. The reply contains the singleturn position [7.3.1 p.42,
  * 7.4.2 p.45].
  */
 #define LIKA_AMM5_RS485_CONTROL_RESET_ERRORS 0xBAU
 /**
- * Data ID 8: C2h, reset: Reset singleturn and multiturn data to 0. The reply carries the singleturn
- * position [7.3.1 p.42, 7.4.2 p.45].
+ * Data ID 8: C2h, reset: Reset singleturn and multiturn data to 0. The reply contains the
+ * singleturn position [7.3.1 p.42, 7.4.2 p.45].
  */
 #define LIKA_AMM5_RS485_CONTROL_RESET_SINGLETURN_AND_MULTITURN 0xC2U
 /**
- * Data ID C: 62h, reset: Reset multiturn data and all errors. The reply carries the singleturn
+ * Data ID C: 62h, reset: Reset multiturn data and all errors. The reply contains the singleturn
  * position [7.3.1 p.42, 7.4.2 p.45].
  */
 #define LIKA_AMM5_RS485_CONTROL_RESET_MULTITURN_AND_ERRORS 0x62U

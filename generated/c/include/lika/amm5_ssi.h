@@ -22,18 +22,18 @@
  * CRC protects them. CW_UNKNOWN does not mean that a word is correct. AT_MOST is the maximum
  * number of counts that the axis can move in the meantime.
  *
- * Each word comes from a master for SSI, or from SPI and DMA by LIKA_AMM5_SSI_RECEIVE.
+ * Each word comes from a master for SSI, or from SPI and DMA with LIKA_AMM5_SSI_RECEIVE.
  *
- * Further headers of this interface, only for those who need them:
- *   amm5_ssi_labels.h            order codes by the text on a label
- *   amm5_ssi_reports.h           texts of the reports, alarms and times
+ * More headers of this interface, to include if you need them:
+ *   amm5_ssi_labels.h            find the order code that a label shows
+ *   amm5_ssi_reports.h           texts that describe reports, alarms and times
  *   amm5_ssi_simulate.h          the encoder's side, for simulators and tests
  *
  * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en, compared with: it 1.9)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. To generate files for one, use
- * codewheel generate --edition amm5=1.0.
+ * Differences from other editions of the manual are noted inline. For the files of another edition,
+ * use codewheel generate --edition amm5=1.0.
  * Before edition 1.4: may differ, see the page of the encoder.
  * Before edition 1.3: may differ, see the page of the encoder.
  *
@@ -203,9 +203,9 @@ static inline uint32_t lika_amm5_ssi_revolutions(const lika_amm5_ssi *variant)
 #define LIKA_AMM5_SSI_B23_65KBG1_RX_BYTES 6U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write A23_65KBG1 for example, as in LIKA_AMM5_SSI_A23_65KBG1_BITS. The array rx has its
- * _RX_BYTES: another size does not compile. For buffers of other sizes, call cw_ssi_receive
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be A23_65KBG1, as in LIKA_AMM5_SSI_A23_65KBG1_BITS. The array rx must have the size
+ * _RX_BYTES. Any other size does not compile. For buffers of other sizes, call cw_ssi_receive
  * yourself.
  */
 #define LIKA_AMM5_SSI_RECEIVE(code, rx, word) \
@@ -264,7 +264,7 @@ static inline uint32_t lika_amm5_ssi_bits(const lika_amm5_ssi *variant)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. Its last bit sent is bit 0, and the bits above it are 0.
+ * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */

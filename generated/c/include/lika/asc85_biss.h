@@ -17,12 +17,12 @@
  *         ... position ...
  *     }
  *
- * The word comes from a master for BiSS C-mode, or from SPI and DMA by LIKA_ASC85_BISS_RECEIVE.
+ * The word comes from a master for BiSS C-mode, or from SPI and DMA with LIKA_ASC85_BISS_RECEIVE.
  *
- * Further headers of this interface, only for those who need them:
- *   asc85_biss_labels.h          order codes by the text on a label
- *   asc85_biss_reports.h         texts of the reports, alarms and times
- *   asc85_biss_registers.h       registers, and identification by them
+ * More headers of this interface, to include if you need them:
+ *   asc85_biss_labels.h          find the order code that a label shows
+ *   asc85_biss_reports.h         texts that describe reports, alarms and times
+ *   asc85_biss_registers.h       registers, and identification of encoders
  *   asc85_biss_procedures.h      procedures, step by step
  *   asc85_biss_simulate.h        the encoder's side, for simulators and tests
  *
@@ -285,9 +285,9 @@ typedef enum lika_asc85_biss_report {
 #define LIKA_ASC85_BISS_25_SC2_LEFT_OUT_RX_BYTES 10U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write 25_SC1_AS_PRINTED for example, as in LIKA_ASC85_BISS_25_SC1_AS_PRINTED_BITS. The array rx
- * has its _RX_BYTES: another size does not compile. For buffers of other sizes, call
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be 25_SC1_AS_PRINTED, as in LIKA_ASC85_BISS_25_SC1_AS_PRINTED_BITS. The array rx must
+ * have the size _RX_BYTES. Any other size does not compile. For buffers of other sizes, call
  * cw_biss_receive yourself.
  */
 #define LIKA_ASC85_BISS_RECEIVE(code, rx, word) \
@@ -359,8 +359,8 @@ static inline uint32_t lika_asc85_biss_bits(
  * bit, with the constant 0 where it is sent) come from public BiSS documents.
  * Erratum biss_crc_start (open, omission).
  * How it folds: the remainder of x^6 is x + 1. By squaring, the remainder of x^12 is x^2 + 1, and
- * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done at
- * 12 with 2 and at 6 with 1, until 6 bits are left.
+ * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done
+ * with the shifts 12 and 2, then 6 and 1, until 6 bits are left.
  */
 static inline uint32_t lika_asc85_biss_crc(uint64_t word)
 {
@@ -388,8 +388,8 @@ static inline uint32_t lika_asc85_biss_crc(uint64_t word)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param zero_bit Your answer to what the manual leaves open.
- * @param word The frame as a number. Its last bit sent is bit 0, and the bits above it are 0.
+ * @param zero_bit Your answer to the question that the manual leaves open.
+ * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */

@@ -23,10 +23,10 @@
  * CRC protects them. CW_UNKNOWN does not mean that a word is correct. AT_MOST is the maximum
  * number of counts that the axis can move in the meantime.
  *
- * Each word comes from a master for SSI, or from SPI and DMA by LIKA_ASC85_SSI_RECEIVE.
+ * Each word comes from a master for SSI, or from SPI and DMA with LIKA_ASC85_SSI_RECEIVE.
  *
- * Further headers of this interface, only for those who need them:
- *   asc85_ssi_labels.h           order codes by the text on a label
+ * More headers of this interface, to include if you need them:
+ *   asc85_ssi_labels.h           find the order code that a label shows
  *   asc85_ssi_simulate.h         the encoder's side, for simulators and tests
  *
  * Manual: "ASC85", revision 1.0 of 2017-05-19 (en)
@@ -213,9 +213,9 @@ static const lika_asc85_ssi LIKA_ASC85_SSI_25_GG2 = { 25U, 1U }; /**< ASC8525/GG
 #define LIKA_ASC85_SSI_25_GG2_RX_BYTES 4U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write 25_GG1 for example, as in LIKA_ASC85_SSI_25_GG1_BITS. The array rx has its _RX_BYTES:
- * another size does not compile. For buffers of other sizes, call cw_ssi_receive yourself.
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be 25_GG1, as in LIKA_ASC85_SSI_25_GG1_BITS. The array rx must have the size _RX_BYTES.
+ * Any other size does not compile. For buffers of other sizes, call cw_ssi_receive yourself.
  */
 #define LIKA_ASC85_SSI_RECEIVE(code, rx, word) \
     cw_ssi_receive((rx), \
@@ -269,7 +269,7 @@ static inline uint32_t lika_asc85_ssi_bits(const lika_asc85_ssi *variant)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. Its last bit sent is bit 0, and the bits above it are 0.
+ * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */

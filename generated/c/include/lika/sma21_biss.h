@@ -15,20 +15,20 @@
  *         ... position ...
  *     }
  *
- * The word comes from a master for BiSS C-mode, or from SPI and DMA by LIKA_SMA21_BISS_RECEIVE.
+ * The word comes from a master for BiSS C-mode, or from SPI and DMA with LIKA_SMA21_BISS_RECEIVE.
  *
- * Further headers of this interface, only for those who need them:
- *   sma21_biss_labels.h          order codes by the text on a label
- *   sma21_biss_reports.h         texts of the reports, alarms and times
- *   sma21_biss_registers.h       registers, and identification by them
+ * More headers of this interface, to include if you need them:
+ *   sma21_biss_labels.h          find the order code that a label shows
+ *   sma21_biss_reports.h         texts that describe reports, alarms and times
+ *   sma21_biss_registers.h       registers, and identification of encoders
  *   sma21_biss_procedures.h      procedures, step by step
  *   sma21_biss_simulate.h        the encoder's side, for simulators and tests
  *
  * Manual: "SMA21 + MTA-A154", revision 1.2 of 2024-05-10 (it)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. To generate files for one, use
- * codewheel generate --edition sma21=1.0.
+ * Differences from other editions of the manual are noted inline. For the files of another edition,
+ * use codewheel generate --edition sma21=1.0.
  * Before edition 1.1: may differ, see the page of the encoder.
  *
  * Other documents, cited by the word before the colon:
@@ -292,9 +292,10 @@ typedef enum lika_sma21_biss_report {
 #define LIKA_SMA21_BISS_SC4_0001_RX_BYTES 10U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write SC1_0050 for example, as in LIKA_SMA21_BISS_SC1_0050_BITS. The array rx has its _RX_BYTES:
- * another size does not compile. For buffers of other sizes, call cw_biss_receive yourself.
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be SC1_0050, as in LIKA_SMA21_BISS_SC1_0050_BITS. The array rx must have the size
+ * _RX_BYTES. Any other size does not compile. For buffers of other sizes, call cw_biss_receive
+ * yourself.
  */
 #define LIKA_SMA21_BISS_RECEIVE(code, rx, word) \
     cw_biss_receive((rx), \
@@ -376,8 +377,8 @@ static inline uint32_t lika_sma21_biss_bits(const lika_sma21_biss *variant)
  * public BiSS documents.
  * Erratum biss_crc_start (open, omission).
  * How it folds: the remainder of x^6 is x + 1. By squaring, the remainder of x^12 is x^2 + 1, and
- * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done at
- * 12 with 2 and at 6 with 1, until 6 bits are left.
+ * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done
+ * with the shifts 12 and 2, then 6 and 1, until 6 bits are left.
  */
 static inline uint32_t lika_sma21_biss_crc(uint64_t word)
 {
@@ -405,7 +406,7 @@ static inline uint32_t lika_sma21_biss_crc(uint64_t word)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. Its last bit sent is bit 0, and the bits above it are 0.
+ * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */

@@ -19,17 +19,17 @@
  * The bytes are the reply to LIKA_SMA21_RS485_CONTROL_POSITION. cw_rs485_ask and cw_rs485_take in
  * codewheel/receive.h collect them from a serial port.
  *
- * Further headers of this interface, only for those who need them:
- *   sma21_rs485_labels.h         order codes by the text on a label
- *   sma21_rs485_reports.h        texts of the reports, alarms and times
+ * More headers of this interface, to include if you need them:
+ *   sma21_rs485_labels.h         find the order code that a label shows
+ *   sma21_rs485_reports.h        texts that describe reports, alarms and times
  *   sma21_rs485_procedures.h     procedures, step by step
  *   sma21_rs485_simulate.h       the encoder's side, for simulators and tests
  *
  * Manual: "SMA21 + MTA-A154", revision 1.2 of 2024-05-10 (it)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. To generate files for one, use
- * codewheel generate --edition sma21=1.0.
+ * Differences from other editions of the manual are noted inline. For the files of another edition,
+ * use codewheel generate --edition sma21=1.0.
  * Before edition 1.1: may differ, see the page of the encoder.
  *
  * Other documents, cited by the word before the colon:

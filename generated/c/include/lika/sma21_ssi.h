@@ -22,18 +22,18 @@
  * CRC protects them. CW_UNKNOWN does not mean that a word is correct. AT_MOST is the maximum
  * number of counts that the axis can move in the meantime.
  *
- * Each word comes from a master for SSI, or from SPI and DMA by LIKA_SMA21_SSI_RECEIVE.
+ * Each word comes from a master for SSI, or from SPI and DMA with LIKA_SMA21_SSI_RECEIVE.
  *
- * Further headers of this interface, only for those who need them:
- *   sma21_ssi_labels.h           order codes by the text on a label
- *   sma21_ssi_reports.h          texts of the reports, alarms and times
+ * More headers of this interface, to include if you need them:
+ *   sma21_ssi_labels.h           find the order code that a label shows
+ *   sma21_ssi_reports.h          texts that describe reports, alarms and times
  *   sma21_ssi_simulate.h         the encoder's side, for simulators and tests
  *
  * Manual: "SMA21 + MTA-A154", revision 1.2 of 2024-05-10 (it)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. To generate files for one, use
- * codewheel generate --edition sma21=1.0.
+ * Differences from other editions of the manual are noted inline. For the files of another edition,
+ * use codewheel generate --edition sma21=1.0.
  * Before edition 1.1: may differ, see the page of the encoder.
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
@@ -246,9 +246,10 @@ typedef enum lika_sma21_ssi_report {
 #define LIKA_SMA21_SSI_G14_0001_RX_BYTES 4U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write BG1_0001 for example, as in LIKA_SMA21_SSI_BG1_0001_BITS. The array rx has its _RX_BYTES:
- * another size does not compile. For buffers of other sizes, call cw_ssi_receive yourself.
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be BG1_0001, as in LIKA_SMA21_SSI_BG1_0001_BITS. The array rx must have the size
+ * _RX_BYTES. Any other size does not compile. For buffers of other sizes, call cw_ssi_receive
+ * yourself.
  */
 #define LIKA_SMA21_SSI_RECEIVE(code, rx, word) \
     cw_ssi_receive((rx), \
@@ -313,7 +314,7 @@ static inline uint32_t lika_sma21_ssi_bits(const lika_sma21_ssi *variant)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. Its last bit sent is bit 0, and the bits above it are 0.
+ * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */

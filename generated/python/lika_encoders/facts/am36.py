@@ -907,7 +907,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="emc_directive_superseded",
         printed="In compliance with the 2004/108/EC norm on electromagnetic compatibility",
-        used="The outputs give the directive as printed.",
+        used="The generated files give the directive as printed.",
         why=(
             "Directive 2014/30/EU replaced 2004/108/EC on 20 April 2016. The manual is from 2014. Only the "
             "manufacturer can say which directive it declares for encoders made later."
@@ -920,7 +920,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="do_not_tool",
         printed="Do not tool the encoder or its shaft.",
-        used="The outputs say that neither the encoder nor its shaft may be machined.",
+        used="The generated files say that neither the encoder nor its shaft may be machined.",
         why="\"To tool\" means to work a part with a tool.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -1088,7 +1088,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="ssi_clock_count",
         printed="5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks as data bits",
-        used="The outputs do not enforce either rule. n + 1 clocks satisfy both.",
+        used="The generated files do not enforce either rule. n + 1 clocks satisfy both.",
         why=(
             "The word is left-aligned, so one extra clock reads a zero after it. With one clock too few, the LSB may "
             "be lost."
@@ -1204,7 +1204,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="control_data_bit",
         printed="Control Data is the transmission of a single bit that follows the SCD data.",
-        used="The outputs do not derive a layout of the control frame from this sentence.",
+        used="The generated files do not derive a layout of the control frame from this sentence.",
         why=(
             "In the BiSS protocol description, to which 6.4 refers, the encoder's bit comes before the data. After "
             "the data, only the master's bit is sent, during the time-out."
@@ -1253,7 +1253,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="profile_id_variant",
         printed="Profile ID 00 00. See Standard encoder profile, Variant 0-24",
-        used="The value is 00 00. The outputs do not derive a data length from it.",
+        used="The value is 00 00. The generated files do not derive a data length from it.",
         why=(
             "In the BiSS protocol description, 0000 means no profile. The SMA21 and ASC85 manuals have 28xx, with the "
             "data length in the low byte, for variants 0-24 and similar ones. Nor does a position of up to 36 bits "
@@ -1333,7 +1333,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="italian_words",
         printed="\"non usato\" in the configuration example, \"e seg.\" in the index",
-        used="The outputs use \"Not used\" and \"and the following page\".",
+        used="The generated files use \"Not used\" and \"and the following page\".",
         why=(
             "These words were left over from the Italian edition. The table of the register prints Not used for the "
             "same bits."
@@ -1383,7 +1383,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="revolutions_above_max",
         printed="A value greater than the maximum allowed value is forced to the default value.",
-        used="The outputs do not apply this rule. Every value of the register is allowed.",
+        used="The generated files do not apply this rule. Every value of the register is allowed.",
         why="The two bytes cover 1 to 65,535 and, as 00 00h, the maximum 65,536. A greater value cannot be entered.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -1458,7 +1458,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="insulating",
         printed="Possibility of insulting the circuits galvanically",
-        used="The outputs do not use the sentence.",
+        used="The generated files do not use the sentence.",
         why="The sentence is about optocouplers, which insulate circuits.",
         status=Status.SETTLED,
         severity=Severity.WORDING,

@@ -269,7 +269,7 @@ SSI: Final = SsiFacts(
 #
 # Erratum profile_id_missing (open, omission) [6 p.31, 6.4 p.35, prot: p.14-15]:
 # Printed: The encoder complies with the "Standard encoder profile". No register 42h to 43h is listed.
-# Used: The outputs have no profile ID.
+# Used: The generated files have no profile ID.
 #
 # Erratum biss_min_clock (open, wrong limit) [6.5 p.40, prot: p.18]:
 # Printed: The clock frequency is at least 50 kHz. The time-out is also calculated for 50 kHz.
@@ -363,7 +363,7 @@ BISS: Final = BissFacts(
 # Erratum data_id_8_scope (open, wrong data) [7.4.2 p.45, ti_sdk:
 # docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]:
 # Printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8.
-# Used: The outputs follow the table. Data ID 8 resets singleturn and multiturn data.
+# Used: The generated files follow the table. Data ID 8 resets singleturn and multiturn data.
 # Why: The table says it twice, the note only in passing. However, public T-format documents list three resets: of the
 # data in one revolution, of the multiturn data, and of errors. C and 7 are two of them, so the first would be this
 # request.
@@ -374,7 +374,7 @@ BISS: Final = BissFacts(
 #
 # Erratum rs485_reply_time (open, omission) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2 p.41]:
 # Printed: The manual describes requests and replies, but not the time between them.
-# Used: The outputs have no reply time and no time-out. The master chooses its time-out.
+# Used: The generated files have no reply time and no time-out. The master chooses its time-out.
 #
 # Before edition 1.6 [Document release]:
 # Not present: SSI and RS-485.
@@ -436,7 +436,7 @@ RS485: Final = Rs485Facts(
             id=0x07,
             control=0xBA,
             purpose=Purpose.RESET,
-            meaning="Reset all errors. The reply carries the singleturn position",
+            meaning="Reset all errors. The reply contains the singleturn position",
             source="7.3.1 p.42, 7.4.2 p.45",
         ),
         DataIdFacts(
@@ -444,7 +444,7 @@ RS485: Final = Rs485Facts(
             id=0x08,
             control=0xC2,
             purpose=Purpose.RESET,
-            meaning="Reset singleturn and multiturn data to 0. The reply carries the singleturn position",
+            meaning="Reset singleturn and multiturn data to 0. The reply contains the singleturn position",
             source="7.3.1 p.42, 7.4.2 p.45",
         ),
         DataIdFacts(
@@ -452,7 +452,7 @@ RS485: Final = Rs485Facts(
             id=0x0C,
             control=0x62,
             purpose=Purpose.RESET,
-            meaning="Reset multiturn data and all errors. The reply carries the singleturn position",
+            meaning="Reset multiturn data and all errors. The reply contains the singleturn position",
             source="7.3.1 p.42, 7.4.2 p.45",
         ),
     ),
@@ -460,33 +460,34 @@ RS485: Final = Rs485Facts(
         MemoryAccess(
             access="read",
             busy=False,
-            address="that of the request",
-            data="the EEPROM's data",
+            address="as in the request",
+            data="as read from the EEPROM",
             meaning="The byte was read",
             source="7.5 p.46",
         ),
         MemoryAccess(
             access="read",
             busy=True,
-            address="that of the request",
+            address="as in the request",
             data="00h",
             meaning=(
-                "The memory is busy. It is being read (table) or written (sentence below it). The request is invalid"
+                "The memory is busy. A read (according to the table) or a write (according to the sentence below it) "
+                "is in progress. The request is invalid"
             ),
             source="7.5 p.46",
         ),
         MemoryAccess(
             access="write",
             busy=False,
-            address="that of the request",
-            data="that of the request",
+            address="as in the request",
+            data="as in the request",
             meaning="The request was accepted",
             source="7.5 p.46",
         ),
         MemoryAccess(
             access="write",
             busy=True,
-            address="that of the request",
+            address="as in the request",
             data="00h",
             meaning="A write is in progress. The request is invalid and not executed",
             source="7.5 p.46",
@@ -534,7 +535,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
                 "that the battery is depleted. The encoder cannot operate with a depleted battery."
             ),
             remedy=(
-                "If the disk is misaligned, switch off, align the disk and continue with the connection. If the "
+                "If the disk is misaligned, switch off, align the disk and continue connecting the encoder. If the "
                 "battery of a multiturn model is depleted, replace the battery. Steps on the hardware page: Battery "
                 "replacement with error"
             ),
@@ -1620,7 +1621,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="disk_misaligned",
         value=(
             "If the disk is misaligned, the encoder reports an error at power-on. Switch off, align the disk and "
-            "continue with the connection."
+            "continue connecting the encoder."
         ),
         source="3.4",
     ),
@@ -1814,7 +1815,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="do_not_tool",
         printed="Do not tool the encoder or the disk/ring.",
-        used="The outputs say that neither the encoder nor the disk or ring may be machined.",
+        used="The generated files say that neither the encoder nor the disk or ring may be machined.",
         why="The Italian edition says \"non eseguire lavorazioni meccaniche\", which means \"do not machine\".",
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -1891,7 +1892,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "5.1: up to n + 1 rising edges for n bits (Italian: n + 1 are necessary), 14 for 13 bits. 5.2: at least "
             "as many clocks as data bits"
         ),
-        used="The outputs do not enforce either rule. n + 1 clocks satisfy both.",
+        used="The generated files do not enforce either rule. n + 1 clocks satisfy both.",
         why=(
             "The word is left-aligned, so one extra clock reads a zero after it. With one clock too few, the LSB may "
             "be lost."
@@ -1970,7 +1971,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="profile_id_missing",
         printed="The encoder complies with the \"Standard encoder profile\". No register 42h to 43h is listed.",
-        used="The outputs have no profile ID.",
+        used="The generated files have no profile ID.",
         why=(
             "The BiSS register map has the profile ID at 42h to 43h. The manual does not say what an unlisted "
             "register returns."
@@ -1983,7 +1984,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="control_data_bit",
         printed="Control Data is the transmission of a single bit that follows the SCD data.",
-        used="The outputs do not derive a layout of the control frame from this sentence.",
+        used="The generated files do not derive a layout of the control frame from this sentence.",
         why=(
             "In the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data. After "
             "the data, only the master's bit is sent, during the time-out."
@@ -2416,7 +2417,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed=(
             "Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8"
         ),
-        used="The outputs follow the table. Data ID 8 resets singleturn and multiturn data.",
+        used="The generated files follow the table. Data ID 8 resets singleturn and multiturn data.",
         why=(
             "The table says it twice, the note only in passing. However, public T-format documents list three resets: "
             "of the data in one revolution, of the multiturn data, and of errors. C and 7 are two of them, so the "
@@ -2500,7 +2501,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="crc_code_undeclared",
         printed="CRC8 = 0; as the first line of the function",
-        used="The outputs do not use the printed code.",
+        used="The generated files do not use the printed code.",
         why="CRC8 is not declared anywhere, so the printed function does not compile.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -2513,7 +2514,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "Clockwise rotation seen from the shaft side (English) or from the flange side (Italian, vista dal lato "
             "flangia)"
         ),
-        used="The outputs quote both.",
+        used="The generated files quote both.",
         why=(
             "According to 4.6 of both editions, the position counts up clockwise as seen from the flange side. If the "
             "shaft side is the opposite side, the order of A and B would be reversed. The waveforms are lost."
@@ -2670,7 +2671,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="rs485_reply_time",
         printed="The manual describes requests and replies, but not the time between them",
-        used="The outputs have no reply time and no time-out. The master chooses its time-out.",
+        used="The generated files have no reply time and no time-out. The master chooses its time-out.",
         why=(
             "The manual gives neither the shortest nor the longest time from the end of a request to the reply. "
             "Without a shortest time, the master must release the line immediately after the stop bit of its request. "

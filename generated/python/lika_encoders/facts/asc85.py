@@ -200,7 +200,7 @@ SSI: Final = SsiFacts(
 #
 # Erratum biss_timeout (open, omission) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
 # Printed: BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz).
-# Used: Only this value is used. The outputs have no rule for other clock frequencies.
+# Used: Only this value is used. The generated files have no rule for other clock frequencies.
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=100_000, max_hz=10_000_000, source="6.5 p.32"),
@@ -1032,7 +1032,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="do_not_touch",
         printed="Do not touch the encoder or its shaft.",
-        used="The outputs say that neither the encoder nor its shaft may be machined.",
+        used="The generated files say that neither the encoder nor its shaft may be machined.",
         why=(
             "Mounting the encoder as in 3.3 requires touching both. The same list has \"do not tool\" in the AM36 and "
             "AMM5 manuals, so touch is probably a misprint of tool. This manual does not prove it."
@@ -1120,7 +1120,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="ssi_clock_count",
         printed="5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks as data bits",
-        used="The outputs do not enforce either rule. n + 1 clocks satisfy both.",
+        used="The generated files do not enforce either rule. n + 1 clocks satisfy both.",
         why=(
             "The word is left-aligned, so one extra clock reads a zero after it. With one clock too few, the LSB may "
             "be lost."
@@ -1247,7 +1247,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="control_data_bit",
         printed="Control Data is the transmission of a single bit that follows the SCD data.",
-        used="The outputs do not derive a layout of the control frame from this sentence.",
+        used="The generated files do not derive a layout of the control frame from this sentence.",
         why=(
             "In the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data. After "
             "the data, only the master's bit is sent, during the time-out."
@@ -1445,7 +1445,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="biss_timeout",
         printed="BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz)",
-        used="Only this value is used. The outputs have no rule for other clock frequencies.",
+        used="Only this value is used. The generated files have no rule for other clock frequencies.",
         why=(
             "An adaptive time-out depends on the clock, but the manual gives no rule. At 10 MHz, the one and a half "
             "clock periods of the BiSS description and of the AMM5 manual are 0.15 µs. 0.35 µs are three and a half "
@@ -1459,7 +1459,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="insulating",
         printed="Possibility of insulting the circuits galvanically",
-        used="The outputs do not use the sentence.",
+        used="The generated files do not use the sentence.",
         why="The sentence is about optocouplers, which insulate circuits.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -1468,7 +1468,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="eds_bank_missing",
         printed="Status bit 3: write access permitted to the EDS memory area. No registers 40h and 41h are listed.",
-        used="The outputs have no EDS.",
+        used="The generated files have no EDS.",
         why=(
             "In the BiSS register map, 40h selects the bank and 41h contains the EDS bank. The manual does not say "
             "whether there is an EDS, or where."

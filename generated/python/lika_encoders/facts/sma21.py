@@ -331,7 +331,7 @@ BISS: Final = BissFacts(
 #
 # Erratum rs485_reply_time (open, omission) [7.1 p.37, 7.2 p.37]:
 # Printed: The manual describes requests and replies, but not the time between them.
-# Used: The outputs have no reply time and no time-out. The master chooses its time-out.
+# Used: The generated files have no reply time and no time-out. The master chooses its time-out.
 
 RS485: Final = Rs485Facts(
     port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.37"),
@@ -1032,7 +1032,10 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 FieldFacts(name="unused_7", meaning="Not used", constant=0, names=ReadOnly({"it": "Non utilizzato"})),
                 FieldFacts(
                     name="counting_direction",
-                    meaning="Counting direction of the absolute position. The incremental signals keep their own",
+                    meaning=(
+                        "Counting direction of the absolute position. The incremental signals keep their own "
+                        "direction"
+                    ),
                     default=0,
                     names=ReadOnly({"it": "Direzione di conteggio"}),
                     source="6.4 p.31",
@@ -1118,8 +1121,9 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     min="0",
                     max="2^scd_position_bits - 2^position_bits",
                     meaning=(
-                        "Value by which the transmitted positions are shifted. Their number stays the same, and they "
-                        "start at the offset. The offset is applied to the position of the sensor at the activation."
+                        "Value by which the transmitted positions are shifted. The number of positions stays the "
+                        "same, and they start at the offset. The offset is applied to the position of the sensor at "
+                        "the time of activation."
                     ),
                     source="6.4 p.32",
                 ),
@@ -2018,8 +2022,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "data bits"
         ),
         used=(
-            "The outputs do not enforce either rule. Sending one more clock than there are bits in the word satisfies "
-            "both."
+            "The generated files do not enforce either rule. Sending one more clock than there are bits in the word "
+            "satisfies both."
         ),
         why=(
             "Because of the error bit, the word is one bit longer than the resolution. n + 1 edges with the "
@@ -2074,7 +2078,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="control_data_bit",
         printed="Control Data is the transmission of a single bit that follows the SCD data.",
-        used="The outputs do not derive a layout of the control frame from this sentence.",
+        used="The generated files do not derive a layout of the control frame from this sentence.",
         why=(
             "In the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data. After "
             "the data, only the master's bit is sent, during the time-out."
@@ -2458,7 +2462,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "Send no request until the initialization is over. No request is accepted while the position is being "
             "reset. No time is given."
         ),
-        used="The outputs give no waiting time.",
+        used="The generated files give no waiting time.",
         why=(
             "The AMM5 manual has 2 ms and 18 ms for its resets. This manual does not say that they apply to this "
             "encoder."
@@ -2614,7 +2618,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="rs485_reply_time",
         printed="The manual describes requests and replies, but not the time between them",
-        used="The outputs have no reply time and no time-out. The master chooses its time-out.",
+        used="The generated files have no reply time and no time-out. The master chooses its time-out.",
         why=(
             "The manual gives neither the shortest nor the longest time from the end of a request to the reply. "
             "Without a shortest time, the master must release the line immediately after the stop bit of its request. "
