@@ -33,7 +33,7 @@ class CrcCode:
         if self.is_called:
             yield self.name, ("crcs", self.crc.name)
         if self.table:
-            yield f"{self.name}_entry", ("crcs", self.crc.name)
+            yield f"{self.name}_entries", ("crcs", self.crc.name)
 
     @property
     def type(self) -> str:

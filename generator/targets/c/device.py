@@ -131,12 +131,22 @@ class DeviceView:
         """Include paths of all headers of the interface."""
         return [self.header, *(f"{self.maker.name}/{item.file}" for item in self.parts)]
 
+    @property
+    def cpp_header(self) -> str:
+        """The header for C++17."""
+        return f"{self.header}pp"
+
+    @property
+    def space(self) -> str:
+        """The namespace of the functions for C++17."""
+        return f"{c_name(self.maker.name)}::{c_name(self.stem)}"
+
     @cached_property
     def names(self) -> Names:
         return Names(self._declared())
 
     def _declared(self) -> Iterator[Declared]:
-        yield f"{self.PREFIX}_H", ()
+        yield from ((f"{self.PREFIX}_{ending}", ()) for ending in ("H", "HPP"))
         yield from ((f"{self.PREFIX}_{item.name}_H".upper(), ()) for item in self.parts)
         yield f"{self.PREFIX}_VERSION", ()
         if self.read_state:

@@ -72,7 +72,7 @@ static inline uint32_t cw_received_zeros(uint32_t value)
     uint32_t left = value;
     uint32_t zeros = 0U;
     while (left < 0x1000000U) {
-        left <<= 8U;
+        left = (left << 4U) << 4U; /* SDCC 4.2 miscompiles <<= 8 for STM8 */
         zeros += 8U;
     }
     while (left < 0x80000000U) {
@@ -251,9 +251,10 @@ static inline size_t cw_biss_start(const uint8_t *rx, size_t received)
     size_t at;
     for (at = 0U; (at + 32U) <= received; at += 32U) {
         const uint32_t bits = cw_received_4_bytes(&rx[at / 8U]);
-        const uint32_t rising = bits & ~(before | (bits >> 1U));
+        const uint32_t follows = before | (bits >> 1U);
+        const uint32_t rising = (bits | follows) ^ follows; /* SDCC 4.2 miscompiles & ~ for STM8 */
         if (rising != 0U) {
-            return at + cw_received_zeros(rising);
+            return at + (size_t)cw_received_zeros(rising);
         }
         before = (bits & 1U) << 31U;
     }

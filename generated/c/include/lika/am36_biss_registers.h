@@ -58,6 +58,7 @@ typedef struct lika_am36_biss_reg_profile_id {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_profile_id_decode(
     const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_profile_id *out)
@@ -73,6 +74,7 @@ static inline cw_result lika_am36_biss_reg_profile_id_decode(
 
 /** Encode 2 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_profile_id_encode(
     const lika_am36_biss *variant, const lika_am36_biss_reg_profile_id *in, uint8_t *bytes,
     size_t length)
@@ -90,6 +92,7 @@ static inline cw_result lika_am36_biss_reg_profile_id_encode(
 #define LIKA_AM36_BISS_REG_PROFILE_ID_PROFILE_EXPECTED 0x00U
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_am36_biss_reg_profile_id_is_expected(
     const lika_am36_biss *variant, const lika_am36_biss_reg_profile_id *in)
 {
@@ -143,6 +146,7 @@ typedef struct lika_am36_biss_reg_serial_number {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_serial_number_decode(
     const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_serial_number *out)
@@ -162,6 +166,7 @@ static inline cw_result lika_am36_biss_reg_serial_number_decode(
 
 /** Encode 4 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_serial_number_encode(
     const lika_am36_biss *variant, const lika_am36_biss_reg_serial_number *in, uint8_t *bytes,
     size_t length)
@@ -325,6 +330,7 @@ typedef struct lika_am36_biss_reg_configuration {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_configuration_decode(
     const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_configuration *out)
@@ -348,6 +354,7 @@ static inline cw_result lika_am36_biss_reg_configuration_decode(
 
 /** Encode 1 byte. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_configuration_encode(
     const lika_am36_biss *variant, const lika_am36_biss_reg_configuration *in, uint8_t *bytes,
     size_t length)
@@ -443,6 +450,7 @@ typedef struct lika_am36_biss_reg_information_per_revolution {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_information_per_revolution_decode(
     const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_information_per_revolution *out)
@@ -459,6 +467,7 @@ static inline cw_result lika_am36_biss_reg_information_per_revolution_decode(
 
 /** Encode 3 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_information_per_revolution_encode(
     const lika_am36_biss *variant, const lika_am36_biss_reg_information_per_revolution *in,
     uint8_t *bytes, size_t length)
@@ -558,6 +567,7 @@ typedef struct lika_am36_biss_reg_number_of_revolutions {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_number_of_revolutions_decode(
     const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_number_of_revolutions *out)
@@ -573,6 +583,7 @@ static inline cw_result lika_am36_biss_reg_number_of_revolutions_decode(
 
 /** Encode 2 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_number_of_revolutions_encode(
     const lika_am36_biss *variant, const lika_am36_biss_reg_number_of_revolutions *in,
     uint8_t *bytes, size_t length)
@@ -634,6 +645,7 @@ static inline cw_result lika_am36_biss_write_number_of_revolutions(
 #define LIKA_AM36_BISS_REG_PRESET_POSITION_MASK UINT64_C(0xFFFFFFFFF) /**< bits of position */
 
 /** Return the highest position: used_information * used_revolutions - 1. */
+CW_CONSTEXPR
 static inline uint64_t lika_am36_biss_reg_preset_max(const lika_am36_biss *variant)
 {
     return ((uint64_t)variant->used_information * variant->used_revolutions) - 1U;
@@ -669,6 +681,7 @@ typedef struct lika_am36_biss_reg_preset {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_preset_decode(
     const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_preset *out)
@@ -689,6 +702,7 @@ static inline cw_result lika_am36_biss_reg_preset_decode(
 
 /** Encode 5 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_preset_encode(
     const lika_am36_biss *variant, const lika_am36_biss_reg_preset *in, uint8_t *bytes,
     size_t length)
@@ -876,6 +890,7 @@ typedef struct lika_am36_biss_reg_device_id {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_device_id_decode(
     const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_device_id *out)
@@ -895,6 +910,7 @@ static inline cw_result lika_am36_biss_reg_device_id_decode(
 
 /** Encode 6 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_device_id_encode(
     const lika_am36_biss *variant, const lika_am36_biss_reg_device_id *in, uint8_t *bytes,
     size_t length)
@@ -919,6 +935,7 @@ static inline cw_result lika_am36_biss_reg_device_id_encode(
 #define LIKA_AM36_BISS_REG_DEVICE_ID_ENCLOSURE_EXPECTED "2"
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_am36_biss_reg_device_id_is_expected(
     const lika_am36_biss *variant, const lika_am36_biss_reg_device_id *in)
 {
@@ -971,6 +988,7 @@ typedef struct lika_am36_biss_reg_manufacturer_id {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_manufacturer_id_decode(
     const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_manufacturer_id *out)
@@ -986,6 +1004,7 @@ static inline cw_result lika_am36_biss_reg_manufacturer_id_decode(
 
 /** Encode 2 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_manufacturer_id_encode(
     const lika_am36_biss *variant, const lika_am36_biss_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
@@ -1003,6 +1022,7 @@ static inline cw_result lika_am36_biss_reg_manufacturer_id_encode(
 #define LIKA_AM36_BISS_REG_MANUFACTURER_ID_NAME_EXPECTED "Li"
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_am36_biss_reg_manufacturer_id_is_expected(
     const lika_am36_biss *variant, const lika_am36_biss_reg_manufacturer_id *in)
 {

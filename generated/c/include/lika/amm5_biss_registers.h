@@ -59,6 +59,7 @@ static inline uint64_t lika_amm5_biss_reg_preset_singleturn_mask(const lika_amm5
 }
 
 /** Return the highest position: 2^position_bits - 1. */
+CW_CONSTEXPR
 static inline uint64_t lika_amm5_biss_reg_preset_max(const lika_amm5_biss *variant)
 {
     return cw_mask(lika_amm5_biss_position_bits(variant));
@@ -94,6 +95,7 @@ typedef struct lika_amm5_biss_reg_preset {
 
 /** Set position together with multiturn and singleturn. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_preset_set_position(
     const lika_amm5_biss *variant, uint64_t position, lika_amm5_biss_reg_preset *out)
 {
@@ -113,6 +115,7 @@ static inline cw_result lika_amm5_biss_reg_preset_set_position(
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_preset_decode(
     const lika_amm5_biss *variant, const uint8_t *bytes, size_t length,
     lika_amm5_biss_reg_preset *out)
@@ -149,6 +152,7 @@ static inline cw_result lika_amm5_biss_reg_preset_decode(
 
 /** Encode 7 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_preset_encode(
     const lika_amm5_biss *variant, const lika_amm5_biss_reg_preset *in, uint8_t *bytes,
     size_t length)
@@ -271,6 +275,7 @@ typedef struct lika_amm5_biss_reg_serial_number {
 
 /** Set serial together with year, week, number. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_serial_number_set_serial(
     const lika_amm5_biss *variant, uint32_t serial, lika_amm5_biss_reg_serial_number *out)
 {
@@ -291,6 +296,7 @@ static inline cw_result lika_amm5_biss_reg_serial_number_set_serial(
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_serial_number_decode(
     const lika_amm5_biss *variant, const uint8_t *bytes, size_t length,
     lika_amm5_biss_reg_serial_number *out)
@@ -313,6 +319,7 @@ static inline cw_result lika_amm5_biss_reg_serial_number_decode(
 
 /** Encode 4 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_serial_number_encode(
     const lika_amm5_biss *variant, const lika_amm5_biss_reg_serial_number *in, uint8_t *bytes,
     size_t length)
@@ -430,6 +437,7 @@ typedef struct lika_amm5_biss_reg_device_id {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_device_id_decode(
     const lika_amm5_biss *variant, const uint8_t *bytes, size_t length,
     lika_amm5_biss_reg_device_id *out)
@@ -449,6 +457,7 @@ static inline cw_result lika_amm5_biss_reg_device_id_decode(
 
 /** Encode 6 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_device_id_encode(
     const lika_amm5_biss *variant, const lika_amm5_biss_reg_device_id *in, uint8_t *bytes,
     size_t length)
@@ -469,6 +478,7 @@ static inline cw_result lika_amm5_biss_reg_device_id_encode(
 #define LIKA_AMM5_BISS_REG_DEVICE_ID_NAME_EXPECTED "AMM5" /**< value of name stated by the manual */
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_amm5_biss_reg_device_id_is_expected(
     const lika_amm5_biss *variant, const lika_amm5_biss_reg_device_id *in)
 {
@@ -521,6 +531,7 @@ typedef struct lika_amm5_biss_reg_manufacturer_id {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_manufacturer_id_decode(
     const lika_amm5_biss *variant, const uint8_t *bytes, size_t length,
     lika_amm5_biss_reg_manufacturer_id *out)
@@ -536,6 +547,7 @@ static inline cw_result lika_amm5_biss_reg_manufacturer_id_decode(
 
 /** Encode 2 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_manufacturer_id_encode(
     const lika_amm5_biss *variant, const lika_amm5_biss_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
@@ -553,6 +565,7 @@ static inline cw_result lika_amm5_biss_reg_manufacturer_id_encode(
 #define LIKA_AMM5_BISS_REG_MANUFACTURER_ID_NAME_EXPECTED "Li"
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_amm5_biss_reg_manufacturer_id_is_expected(
     const lika_amm5_biss *variant, const lika_amm5_biss_reg_manufacturer_id *in)
 {

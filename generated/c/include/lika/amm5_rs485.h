@@ -112,23 +112,24 @@ typedef struct lika_amm5_rs485 {
     uint8_t multiturn_bits;
 } lika_amm5_rs485;
 
-static const lika_amm5_rs485 LIKA_AMM5_RS485_A17_1JP1 = { 17U, 0U }; /**< AMM5A17/1JP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_A17_65KJP1 = { 17U, 16U }; /**< AMM5A17/65KJP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_A21_1JP1 = { 21U, 0U }; /**< AMM5A21/1JP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_A21_65KJP1 = { 21U, 16U }; /**< AMM5A21/65KJP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_A23_1JP1 = { 23U, 0U }; /**< AMM5A23/1JP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_A23_65KJP1 = { 23U, 16U }; /**< AMM5A23/65KJP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_B17_1JP1 = { 17U, 0U }; /**< AMM5B17/1JP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_B17_65KJP1 = { 17U, 16U }; /**< AMM5B17/65KJP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_B21_1JP1 = { 21U, 0U }; /**< AMM5B21/1JP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_B21_65KJP1 = { 21U, 16U }; /**< AMM5B21/65KJP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_B23_1JP1 = { 23U, 0U }; /**< AMM5B23/1JP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_B23_65KJP1 = { 23U, 16U }; /**< AMM5B23/65KJP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_A17_1JP1 = { 17U, 0U }; /**< AMM5A17/1JP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_A17_65KJP1 = { 17U, 16U }; /**< AMM5A17/65KJP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_A21_1JP1 = { 21U, 0U }; /**< AMM5A21/1JP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_A21_65KJP1 = { 21U, 16U }; /**< AMM5A21/65KJP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_A23_1JP1 = { 23U, 0U }; /**< AMM5A23/1JP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_A23_65KJP1 = { 23U, 16U }; /**< AMM5A23/65KJP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_B17_1JP1 = { 17U, 0U }; /**< AMM5B17/1JP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_B17_65KJP1 = { 17U, 16U }; /**< AMM5B17/65KJP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_B21_1JP1 = { 21U, 0U }; /**< AMM5B21/1JP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_B21_65KJP1 = { 21U, 16U }; /**< AMM5B21/65KJP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_B23_1JP1 = { 23U, 0U }; /**< AMM5B23/1JP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_B23_65KJP1 = { 23U, 16U }; /**< AMM5B23/65KJP1 */
 
 /**
  * Width of the whole position, revolutions included, 17 to 39 bits. The manual calls it "encoder
  * resolution" and "nbitres" [6.2.1 p.32]. Unit: bits.
  */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_position_bits(const lika_amm5_rs485 *variant)
 {
     return (uint32_t)variant->singleturn_bits + variant->multiturn_bits;
@@ -138,6 +139,7 @@ static inline uint32_t lika_amm5_rs485_position_bits(const lika_amm5_rs485 *vari
  * Number of revolutions that the encoder distinguishes [Preliminary information p.7]. Unit:
  * revolutions.
  */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_revolutions(const lika_amm5_rs485 *variant)
 {
     return (uint32_t)((uint64_t)1U << variant->multiturn_bits);
@@ -155,11 +157,11 @@ static inline uint32_t lika_amm5_rs485_revolutions(const lika_amm5_rs485 *varian
  * Erratum crc_code_bit_order (settled, wrong data).
  * With this polynomial, the CRC of whole bytes is their XOR.
  */
+CW_CONSTEXPR
 static inline uint8_t lika_amm5_rs485_crc_rs485_8(const uint8_t *bytes, size_t length)
 {
-    size_t index;
     uint8_t crc = 0x00U;
-    for (index = 0U; index < length; index++) {
+    for (size_t index = 0U; index < length; index++) {
         crc = (uint8_t)(crc ^ bytes[index]);
     }
     return crc;
@@ -186,6 +188,7 @@ typedef enum lika_amm5_rs485_eeprom_address {
 } lika_amm5_rs485_eeprom_address;
 
 /** Lowest bit of the EEPROM address in ADF [7.5 p.46]. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_eeprom_address_bit(
     lika_amm5_rs485_eeprom_address eeprom_address)
 {
@@ -193,6 +196,7 @@ static inline uint32_t lika_amm5_rs485_eeprom_address_bit(
 }
 
 /** Bit of ADF that contains MEM BUSY [7.5 p.46]. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_mem_busy_bit(lika_amm5_rs485_eeprom_address eeprom_address)
 {
     return (eeprom_address == LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_PRINTED) ? 0U : 7U;
@@ -348,6 +352,7 @@ typedef struct lika_amm5_rs485_data_request {
 
 /** Encode 1 byte. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_data_request_encode(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_data_request *in, uint8_t *bytes,
     size_t length)
@@ -399,6 +404,7 @@ typedef struct lika_amm5_rs485_eeprom_write_request {
 
 /** Encode 4 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_write_request_encode(
     const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const lika_amm5_rs485_eeprom_write_request *in, uint8_t *bytes, size_t length)
@@ -450,6 +456,7 @@ typedef struct lika_amm5_rs485_eeprom_read_request {
 
 /** Encode 3 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_read_request_encode(
     const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const lika_amm5_rs485_eeprom_read_request *in, uint8_t *bytes, size_t length)
@@ -531,6 +538,7 @@ typedef struct lika_amm5_rs485_singleturn_reply {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_singleturn_reply_decode(
     const lika_amm5_rs485 *variant, const uint8_t *bytes, size_t length,
     lika_amm5_rs485_singleturn_reply *out)
@@ -570,6 +578,7 @@ static inline cw_result lika_amm5_rs485_singleturn_reply_decode(
 }
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_amm5_rs485_singleturn_reply_is_expected(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_singleturn_reply *in)
 {
@@ -579,6 +588,7 @@ static inline bool lika_amm5_rs485_singleturn_reply_is_expected(
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_amm5_rs485_singleturn_reply_verdict(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_singleturn_reply *frame)
 {
@@ -593,6 +603,7 @@ static inline cw_verdict lika_amm5_rs485_singleturn_reply_verdict(
 }
 
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_singleturn_reply_reports(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_singleturn_reply *frame)
 {
@@ -656,6 +667,7 @@ typedef struct lika_amm5_rs485_multiturn_reply {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_multiturn_reply_decode(
     const lika_amm5_rs485 *variant, const uint8_t *bytes, size_t length,
     lika_amm5_rs485_multiturn_reply *out)
@@ -690,6 +702,7 @@ static inline cw_result lika_amm5_rs485_multiturn_reply_decode(
 }
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_amm5_rs485_multiturn_reply_is_expected(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_multiturn_reply *in)
 {
@@ -699,6 +712,7 @@ static inline bool lika_amm5_rs485_multiturn_reply_is_expected(
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_amm5_rs485_multiturn_reply_verdict(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_multiturn_reply *frame)
 {
@@ -713,6 +727,7 @@ static inline cw_verdict lika_amm5_rs485_multiturn_reply_verdict(
 }
 
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_multiturn_reply_reports(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_multiturn_reply *frame)
 {
@@ -777,6 +792,7 @@ typedef struct lika_amm5_rs485_encoder_id_reply {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_encoder_id_reply_decode(
     const lika_amm5_rs485 *variant, const uint8_t *bytes, size_t length,
     lika_amm5_rs485_encoder_id_reply *out)
@@ -809,6 +825,7 @@ static inline cw_result lika_amm5_rs485_encoder_id_reply_decode(
 #define LIKA_AMM5_RS485_ENCODER_ID_REPLY_ENCODER_ID_EXPECTED 0x23U
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_amm5_rs485_encoder_id_reply_is_expected(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_encoder_id_reply *in)
 {
@@ -818,6 +835,7 @@ static inline bool lika_amm5_rs485_encoder_id_reply_is_expected(
 }
 
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_encoder_id_reply_reports(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_encoder_id_reply *frame)
 {
@@ -935,6 +953,7 @@ typedef struct lika_amm5_rs485_complete_reply {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_complete_reply_decode(
     const lika_amm5_rs485 *variant, const uint8_t *bytes, size_t length,
     lika_amm5_rs485_complete_reply *out)
@@ -989,6 +1008,7 @@ static inline cw_result lika_amm5_rs485_complete_reply_decode(
 #define LIKA_AMM5_RS485_COMPLETE_REPLY_ENCODER_ID_EXPECTED 0x23U
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_amm5_rs485_complete_reply_is_expected(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_complete_reply *in)
 {
@@ -999,6 +1019,7 @@ static inline bool lika_amm5_rs485_complete_reply_is_expected(
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_amm5_rs485_complete_reply_verdict(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_complete_reply *frame)
 {
@@ -1015,6 +1036,7 @@ static inline cw_verdict lika_amm5_rs485_complete_reply_verdict(
 }
 
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_complete_reply_reports(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_complete_reply *frame)
 {
@@ -1073,6 +1095,7 @@ typedef struct lika_amm5_rs485_eeprom_write_reply {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_write_reply_decode(
     const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const uint8_t *bytes, size_t length, lika_amm5_rs485_eeprom_write_reply *out)
@@ -1108,6 +1131,7 @@ static inline cw_result lika_amm5_rs485_eeprom_write_reply_decode(
 }
 
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_eeprom_write_reply_reports(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_eeprom_write_reply *frame)
 {
@@ -1151,6 +1175,7 @@ typedef struct lika_amm5_rs485_eeprom_read_reply {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_read_reply_decode(
     const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const uint8_t *bytes, size_t length, lika_amm5_rs485_eeprom_read_reply *out)
@@ -1186,6 +1211,7 @@ static inline cw_result lika_amm5_rs485_eeprom_read_reply_decode(
 }
 
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_eeprom_read_reply_reports(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_eeprom_read_reply *frame)
 {
@@ -1207,6 +1233,7 @@ typedef enum lika_amm5_rs485_frame {
 } lika_amm5_rs485_frame;
 
 /** Return the number of bytes in a frame. */
+CW_CONSTEXPR
 static inline size_t lika_amm5_rs485_frame_length(lika_amm5_rs485_frame frame)
 {
     switch (frame) {
@@ -1235,6 +1262,7 @@ static inline size_t lika_amm5_rs485_frame_length(lika_amm5_rs485_frame frame)
 
 /** Find the frame that the encoder sends for this data ID. The result is RANGE if there is none. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_reply_for(
     uint32_t data_id, lika_amm5_rs485_frame *frame)
 {
@@ -1270,6 +1298,7 @@ static inline cw_result lika_amm5_rs485_reply_for(
  * RANGE if there is no such frame.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_reply_frame(
     const uint8_t *bytes, size_t length, lika_amm5_rs485_frame *frame)
 {
@@ -1282,6 +1311,7 @@ static inline cw_result lika_amm5_rs485_reply_frame(
 /* -- positions --------------------------------------------------------------------------------- */
 
 /** Return the number of counts in one revolution [Preliminary information p.7]. */
+CW_CONSTEXPR
 static inline uint64_t lika_amm5_rs485_counts_per_turn(const lika_amm5_rs485 *variant)
 {
     return (uint64_t)1U << variant->singleturn_bits;
@@ -1290,6 +1320,7 @@ static inline uint64_t lika_amm5_rs485_counts_per_turn(const lika_amm5_rs485 *va
 /**
  * Return the number of counts after which the position wraps around to 0, which is all revolutions.
  */
+CW_CONSTEXPR
 static inline uint64_t lika_amm5_rs485_modulus(const lika_amm5_rs485 *variant)
 {
     return lika_amm5_rs485_counts_per_turn(variant) * ((uint64_t)1U << variant->multiturn_bits);
@@ -1299,6 +1330,7 @@ static inline uint64_t lika_amm5_rs485_modulus(const lika_amm5_rs485 *variant)
  * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
+CW_CONSTEXPR
 static inline int64_t lika_amm5_rs485_position_difference(
     const lika_amm5_rs485 *variant, uint64_t now, uint64_t before)
 {
@@ -1306,6 +1338,7 @@ static inline int64_t lika_amm5_rs485_position_difference(
 }
 
 /** Convert a position to revolutions. */
+CW_CONSTEXPR
 static inline double lika_amm5_rs485_turns(const lika_amm5_rs485 *variant, uint64_t position)
 {
     const uint64_t counts = lika_amm5_rs485_counts_per_turn(variant);
@@ -1313,6 +1346,7 @@ static inline double lika_amm5_rs485_turns(const lika_amm5_rs485 *variant, uint6
 }
 
 /** Convert a position to degrees within its revolution, 0 to below 360. */
+CW_CONSTEXPR
 static inline double lika_amm5_rs485_degrees(const lika_amm5_rs485 *variant, uint64_t position)
 {
     const uint64_t counts = lika_amm5_rs485_counts_per_turn(variant);

@@ -66,6 +66,7 @@ typedef struct lika_asc85_biss_reg_profile_id {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_profile_id_decode(
     const lika_asc85_biss *variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_profile_id *out)
@@ -83,6 +84,7 @@ static inline cw_result lika_asc85_biss_reg_profile_id_decode(
 
 /** Encode 2 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_profile_id_encode(
     const lika_asc85_biss *variant, const lika_asc85_biss_reg_profile_id *in, uint8_t *bytes,
     size_t length)
@@ -100,6 +102,7 @@ static inline cw_result lika_asc85_biss_reg_profile_id_encode(
 #define LIKA_ASC85_BISS_REG_PROFILE_ID_VARIANT_EXPECTED 0x28U
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_asc85_biss_reg_profile_id_is_expected(
     const lika_asc85_biss *variant, const lika_asc85_biss_reg_profile_id *in)
 {
@@ -144,6 +147,7 @@ typedef struct lika_asc85_biss_reg_serial_number {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_serial_number_decode(
     const lika_asc85_biss *variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_serial_number *out)
@@ -160,6 +164,7 @@ static inline cw_result lika_asc85_biss_reg_serial_number_decode(
 
 /** Encode 4 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_serial_number_encode(
     const lika_asc85_biss *variant, const lika_asc85_biss_reg_serial_number *in, uint8_t *bytes,
     size_t length)
@@ -273,6 +278,7 @@ typedef struct lika_asc85_biss_reg_diagnostic_data {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_diagnostic_data_decode(
     const lika_asc85_biss *variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_diagnostic_data *out)
@@ -295,6 +301,7 @@ static inline cw_result lika_asc85_biss_reg_diagnostic_data_decode(
 
 /** Encode 1 byte. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_diagnostic_data_encode(
     const lika_asc85_biss *variant, const lika_asc85_biss_reg_diagnostic_data *in, uint8_t *bytes,
     size_t length)
@@ -487,6 +494,7 @@ typedef struct lika_asc85_biss_reg_status {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_status_decode(
     const lika_asc85_biss *variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_status *out)
@@ -509,6 +517,7 @@ static inline cw_result lika_asc85_biss_reg_status_decode(
 
 /** Encode 1 byte. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_status_encode(
     const lika_asc85_biss *variant, const lika_asc85_biss_reg_status *in, uint8_t *bytes,
     size_t length)
@@ -572,6 +581,7 @@ typedef struct lika_asc85_biss_reg_position {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_position_decode(
     const lika_asc85_biss *variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_position *out)
@@ -592,6 +602,7 @@ static inline cw_result lika_asc85_biss_reg_position_decode(
 
 /** Encode 4 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_position_encode(
     const lika_asc85_biss *variant, const lika_asc85_biss_reg_position *in, uint8_t *bytes,
     size_t length)
@@ -695,6 +706,7 @@ typedef struct lika_asc85_biss_reg_error_register {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_error_register_decode(
     const lika_asc85_biss *variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_error_register *out)
@@ -715,6 +727,7 @@ static inline cw_result lika_asc85_biss_reg_error_register_decode(
 
 /** Encode 1 byte. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_error_register_encode(
     const lika_asc85_biss *variant, const lika_asc85_biss_reg_error_register *in, uint8_t *bytes,
     size_t length)
@@ -775,6 +788,7 @@ typedef struct lika_asc85_biss_reg_device_id {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_device_id_decode(
     const lika_asc85_biss *variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_device_id *out)
@@ -794,6 +808,7 @@ static inline cw_result lika_asc85_biss_reg_device_id_decode(
 
 /** Encode 6 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_device_id_encode(
     const lika_asc85_biss *variant, const lika_asc85_biss_reg_device_id *in, uint8_t *bytes,
     size_t length)
@@ -815,6 +830,7 @@ static inline cw_result lika_asc85_biss_reg_device_id_encode(
 #define LIKA_ASC85_BISS_REG_DEVICE_ID_NAME_EXPECTED "AS85"
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_asc85_biss_reg_device_id_is_expected(
     const lika_asc85_biss *variant, const lika_asc85_biss_reg_device_id *in)
 {
@@ -866,6 +882,7 @@ typedef struct lika_asc85_biss_reg_manufacturer_id {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_manufacturer_id_decode(
     const lika_asc85_biss *variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_manufacturer_id *out)
@@ -881,6 +898,7 @@ static inline cw_result lika_asc85_biss_reg_manufacturer_id_decode(
 
 /** Encode 2 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_manufacturer_id_encode(
     const lika_asc85_biss *variant, const lika_asc85_biss_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
@@ -898,6 +916,7 @@ static inline cw_result lika_asc85_biss_reg_manufacturer_id_encode(
 #define LIKA_ASC85_BISS_REG_MANUFACTURER_ID_NAME_EXPECTED "Li"
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_asc85_biss_reg_manufacturer_id_is_expected(
     const lika_asc85_biss *variant, const lika_asc85_biss_reg_manufacturer_id *in)
 {

@@ -55,6 +55,7 @@ typedef struct lika_sma21_biss_reg_profile_id {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_profile_id_decode(
     const lika_sma21_biss *variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_profile_id *out)
@@ -70,6 +71,7 @@ static inline cw_result lika_sma21_biss_reg_profile_id_decode(
 
 /** Encode 2 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_profile_id_encode(
     const lika_sma21_biss *variant, const lika_sma21_biss_reg_profile_id *in, uint8_t *bytes,
     size_t length)
@@ -84,6 +86,7 @@ static inline cw_result lika_sma21_biss_reg_profile_id_encode(
 }
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_sma21_biss_reg_profile_id_is_expected(
     const lika_sma21_biss *variant, const lika_sma21_biss_reg_profile_id *in)
 {
@@ -135,6 +138,7 @@ typedef struct lika_sma21_biss_reg_serial_number {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_serial_number_decode(
     const lika_sma21_biss *variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_serial_number *out)
@@ -154,6 +158,7 @@ static inline cw_result lika_sma21_biss_reg_serial_number_decode(
 
 /** Encode 4 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_serial_number_encode(
     const lika_sma21_biss *variant, const lika_sma21_biss_reg_serial_number *in, uint8_t *bytes,
     size_t length)
@@ -323,6 +328,7 @@ typedef struct lika_sma21_biss_reg_configuration {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_configuration_decode(
     const lika_sma21_biss *variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_configuration *out)
@@ -347,6 +353,7 @@ static inline cw_result lika_sma21_biss_reg_configuration_decode(
 
 /** Encode 1 byte. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_configuration_encode(
     const lika_sma21_biss *variant, const lika_sma21_biss_reg_configuration *in, uint8_t *bytes,
     size_t length)
@@ -451,6 +458,7 @@ static inline cw_result lika_sma21_biss_read_absolute_resolution(
 #define LIKA_SMA21_BISS_REG_PRESET_OFFSET_PRESET_MIN 0U /**< limit of its value */
 
 /** Return the highest preset: 2^position_bits - 1. */
+CW_CONSTEXPR
 static inline uint32_t lika_sma21_biss_reg_preset_offset_preset_max(const lika_sma21_biss *variant)
 {
     return (uint32_t)cw_mask(variant->position_bits);
@@ -459,6 +467,7 @@ static inline uint32_t lika_sma21_biss_reg_preset_offset_preset_max(const lika_s
 #define LIKA_SMA21_BISS_REG_PRESET_OFFSET_OFFSET_MIN 0U /**< limit of its value */
 
 /** Return the highest offset: 2^scd_position_bits - 2^position_bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_sma21_biss_reg_preset_offset_offset_max(const lika_sma21_biss *variant)
 {
     return (uint32_t)(((uint64_t)1U << lika_sma21_biss_scd_position_bits(variant)) -
@@ -504,6 +513,7 @@ typedef struct lika_sma21_biss_reg_preset_offset {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_preset_offset_decode(
     const lika_sma21_biss *variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_preset_offset *out)
@@ -520,6 +530,7 @@ static inline cw_result lika_sma21_biss_reg_preset_offset_decode(
 
 /** Encode 4 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_preset_offset_encode(
     const lika_sma21_biss *variant, const lika_sma21_biss_reg_preset_offset *in, uint8_t *bytes,
     size_t length)
@@ -689,6 +700,7 @@ typedef struct lika_sma21_biss_reg_device_id {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_device_id_decode(
     const lika_sma21_biss *variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_device_id *out)
@@ -708,6 +720,7 @@ static inline cw_result lika_sma21_biss_reg_device_id_decode(
 
 /** Encode 6 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_device_id_encode(
     const lika_sma21_biss *variant, const lika_sma21_biss_reg_device_id *in, uint8_t *bytes,
     size_t length)
@@ -729,6 +742,7 @@ static inline cw_result lika_sma21_biss_reg_device_id_encode(
 #define LIKA_SMA21_BISS_REG_DEVICE_ID_NAME_EXPECTED "SM21"
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_sma21_biss_reg_device_id_is_expected(
     const lika_sma21_biss *variant, const lika_sma21_biss_reg_device_id *in)
 {
@@ -782,6 +796,7 @@ typedef struct lika_sma21_biss_reg_manufacturer_id {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_manufacturer_id_decode(
     const lika_sma21_biss *variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_manufacturer_id *out)
@@ -797,6 +812,7 @@ static inline cw_result lika_sma21_biss_reg_manufacturer_id_decode(
 
 /** Encode 2 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_manufacturer_id_encode(
     const lika_sma21_biss *variant, const lika_sma21_biss_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
@@ -814,6 +830,7 @@ static inline cw_result lika_sma21_biss_reg_manufacturer_id_encode(
 #define LIKA_SMA21_BISS_REG_MANUFACTURER_ID_NAME_EXPECTED "Li"
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_sma21_biss_reg_manufacturer_id_is_expected(
     const lika_sma21_biss *variant, const lika_sma21_biss_reg_manufacturer_id *in)
 {

@@ -112,36 +112,36 @@ typedef struct lika_sma21_ssi {
     uint8_t ssi_gray;
 } lika_sma21_ssi;
 
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG1_0050 = { 50U, 20U, 0U }; /**< SMA21-BG1-0050 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG1_0010 = { 10U, 22U, 0U }; /**< SMA21-BG1-0010 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG1_0005 = { 5U, 23U, 0U }; /**< SMA21-BG1-0005 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG1_0002 = { 2U, 24U, 0U }; /**< SMA21-BG1-0002 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG1_0001 = { 1U, 25U, 0U }; /**< SMA21-BG1-0001 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG4_0050 = { 50U, 20U, 0U }; /**< SMA21-BG4-0050 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG4_0010 = { 10U, 22U, 0U }; /**< SMA21-BG4-0010 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG4_0005 = { 5U, 23U, 0U }; /**< SMA21-BG4-0005 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG4_0002 = { 2U, 24U, 0U }; /**< SMA21-BG4-0002 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG4_0001 = { 1U, 25U, 0U }; /**< SMA21-BG4-0001 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG1_0050 = { 50U, 20U, 1U }; /**< SMA21-GG1-0050 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG1_0010 = { 10U, 22U, 1U }; /**< SMA21-GG1-0010 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG1_0005 = { 5U, 23U, 1U }; /**< SMA21-GG1-0005 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG1_0002 = { 2U, 24U, 1U }; /**< SMA21-GG1-0002 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG1_0001 = { 1U, 25U, 1U }; /**< SMA21-GG1-0001 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG4_0050 = { 50U, 20U, 1U }; /**< SMA21-GG4-0050 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG4_0010 = { 10U, 22U, 1U }; /**< SMA21-GG4-0010 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG4_0005 = { 5U, 23U, 1U }; /**< SMA21-GG4-0005 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG4_0002 = { 2U, 24U, 1U }; /**< SMA21-GG4-0002 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG4_0001 = { 1U, 25U, 1U }; /**< SMA21-GG4-0001 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G11_0050 = { 50U, 20U, 1U }; /**< SMA21-G11-0050 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G11_0010 = { 10U, 22U, 1U }; /**< SMA21-G11-0010 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G11_0005 = { 5U, 23U, 1U }; /**< SMA21-G11-0005 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G11_0002 = { 2U, 24U, 1U }; /**< SMA21-G11-0002 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G11_0001 = { 1U, 25U, 1U }; /**< SMA21-G11-0001 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G14_0050 = { 50U, 20U, 1U }; /**< SMA21-G14-0050 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G14_0010 = { 10U, 22U, 1U }; /**< SMA21-G14-0010 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G14_0005 = { 5U, 23U, 1U }; /**< SMA21-G14-0005 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G14_0002 = { 2U, 24U, 1U }; /**< SMA21-G14-0002 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G14_0001 = { 1U, 25U, 1U }; /**< SMA21-G14-0001 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG1_0050 = { 50U, 20U, 0U }; /**< SMA21-BG1-0050 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG1_0010 = { 10U, 22U, 0U }; /**< SMA21-BG1-0010 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG1_0005 = { 5U, 23U, 0U }; /**< SMA21-BG1-0005 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG1_0002 = { 2U, 24U, 0U }; /**< SMA21-BG1-0002 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG1_0001 = { 1U, 25U, 0U }; /**< SMA21-BG1-0001 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG4_0050 = { 50U, 20U, 0U }; /**< SMA21-BG4-0050 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG4_0010 = { 10U, 22U, 0U }; /**< SMA21-BG4-0010 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG4_0005 = { 5U, 23U, 0U }; /**< SMA21-BG4-0005 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG4_0002 = { 2U, 24U, 0U }; /**< SMA21-BG4-0002 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG4_0001 = { 1U, 25U, 0U }; /**< SMA21-BG4-0001 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG1_0050 = { 50U, 20U, 1U }; /**< SMA21-GG1-0050 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG1_0010 = { 10U, 22U, 1U }; /**< SMA21-GG1-0010 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG1_0005 = { 5U, 23U, 1U }; /**< SMA21-GG1-0005 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG1_0002 = { 2U, 24U, 1U }; /**< SMA21-GG1-0002 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG1_0001 = { 1U, 25U, 1U }; /**< SMA21-GG1-0001 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG4_0050 = { 50U, 20U, 1U }; /**< SMA21-GG4-0050 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG4_0010 = { 10U, 22U, 1U }; /**< SMA21-GG4-0010 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG4_0005 = { 5U, 23U, 1U }; /**< SMA21-GG4-0005 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG4_0002 = { 2U, 24U, 1U }; /**< SMA21-GG4-0002 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG4_0001 = { 1U, 25U, 1U }; /**< SMA21-GG4-0001 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G11_0050 = { 50U, 20U, 1U }; /**< SMA21-G11-0050 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G11_0010 = { 10U, 22U, 1U }; /**< SMA21-G11-0010 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G11_0005 = { 5U, 23U, 1U }; /**< SMA21-G11-0005 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G11_0002 = { 2U, 24U, 1U }; /**< SMA21-G11-0002 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G11_0001 = { 1U, 25U, 1U }; /**< SMA21-G11-0001 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G14_0050 = { 50U, 20U, 1U }; /**< SMA21-G14-0050 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G14_0010 = { 10U, 22U, 1U }; /**< SMA21-G14-0010 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G14_0005 = { 5U, 23U, 1U }; /**< SMA21-G14-0005 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G14_0002 = { 2U, 24U, 1U }; /**< SMA21-G14-0002 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G14_0001 = { 1U, 25U, 1U }; /**< SMA21-G14-0001 */
 
 /* -- reports ----------------------------------------------------------------------------------- */
 
@@ -248,18 +248,19 @@ typedef enum lika_sma21_ssi_report {
 /**
  * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
  * code can be BG1_0001, as in LIKA_SMA21_SSI_BG1_0001_BITS. The array rx must have the size
- * _RX_BYTES. Any other size does not compile. For buffers of other sizes, call cw_ssi_receive
+ * _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call cw_ssi_receive
  * yourself.
  */
 #define LIKA_SMA21_SSI_RECEIVE(code, rx, word) \
-    cw_ssi_receive((rx), \
-        sizeof(rx) * sizeof(char[(sizeof(rx) == LIKA_SMA21_SSI_##code##_RX_BYTES) ? 1 : -1]), \
+    cw_ssi_receive((rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_SMA21_SSI_##code##_RX_BYTES])&(rx))), \
         LIKA_SMA21_SSI_##code##_BITS, (word))
 
 /**
  * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
  * 0 if the manual gives none for this length [5.3 p.22].
  */
+CW_CONSTEXPR
 static inline uint32_t lika_sma21_ssi_clock_limit_hz(uint32_t cable_m)
 {
     if (cable_m < 50U) {
@@ -305,6 +306,7 @@ typedef struct lika_sma21_ssi_frame {
 } lika_sma21_ssi_frame;
 
 /** Return the number of bits in the word. */
+CW_CONSTEXPR
 static inline uint32_t lika_sma21_ssi_bits(const lika_sma21_ssi *variant)
 {
     return 1U + variant->position_bits;
@@ -319,6 +321,7 @@ static inline uint32_t lika_sma21_ssi_bits(const lika_sma21_ssi *variant)
  * @return CW_OK, or the first error.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_ssi_decode(
     const lika_sma21_ssi *variant, uint64_t word, lika_sma21_ssi_frame *out)
 {
@@ -335,6 +338,7 @@ static inline cw_result lika_sma21_ssi_decode(
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_sma21_ssi_verdict(
     const lika_sma21_ssi *variant, const lika_sma21_ssi_frame *frame)
 {
@@ -367,6 +371,7 @@ static inline cw_verdict lika_sma21_ssi_position(
 }
 
 /** Return the active reports, as a mask of LIKA_SMA21_SSI_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_sma21_ssi_reports(
     const lika_sma21_ssi *variant, const lika_sma21_ssi_frame *frame)
 {
@@ -379,6 +384,7 @@ static inline uint32_t lika_sma21_ssi_reports(
 /** Erratum position_below_zero (open, omission). */
 
 /** Return the number of counts after which the position wraps around to 0 [5.2 p.20, 6.2 p.25]. */
+CW_CONSTEXPR
 static inline uint64_t lika_sma21_ssi_modulus(const lika_sma21_ssi *variant)
 {
     return (uint64_t)1U << variant->position_bits;
@@ -388,6 +394,7 @@ static inline uint64_t lika_sma21_ssi_modulus(const lika_sma21_ssi *variant)
  * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
+CW_CONSTEXPR
 static inline int64_t lika_sma21_ssi_position_difference(
     const lika_sma21_ssi *variant, uint64_t now, uint64_t before)
 {
@@ -395,6 +402,7 @@ static inline int64_t lika_sma21_ssi_position_difference(
 }
 
 /** Convert a position to micrometres [5.2 p.20, 6.2 p.25]. The product must fit in 64 bits. */
+CW_CONSTEXPR
 static inline int64_t lika_sma21_ssi_micrometres(const lika_sma21_ssi *variant, int64_t position)
 {
     const int64_t step = (int64_t)variant->resolution_um;
@@ -402,6 +410,7 @@ static inline int64_t lika_sma21_ssi_micrometres(const lika_sma21_ssi *variant, 
 }
 
 /** Convert a position to millimetres. */
+CW_CONSTEXPR
 static inline double lika_sma21_ssi_millimetres(const lika_sma21_ssi *variant, int64_t position)
 {
     const int64_t micrometres = lika_sma21_ssi_micrometres(variant, position);

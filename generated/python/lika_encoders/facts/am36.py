@@ -36,6 +36,7 @@ from codewheel_runtime.facts import (
     Manual,
     NamedValue,
     Network,
+    Quantity,
     Register,
     Revision,
     Severity,
@@ -843,7 +844,12 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         source="Electrical safety p.8, 4",
     ),
-    Characteristic(name="supply", value="+10 V DC to +30 V DC", source="4"),
+    Characteristic(
+        name="supply",
+        value="+10 V DC to +30 V DC",
+        source="4",
+        values=(Quantity(quantity="supply", unit="V", min=10, max=30),),
+    ),
     Characteristic(
         name="supply_class",
         value=(
@@ -851,13 +857,40 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "with no more than 30 V DC. For the supply voltage, the manual refers to the order code."
         ),
         source="Back cover",
+        values=(Quantity(quantity="voltage", unit="V", max=30, where="source"),),
     ),
     Characteristic(name="cable_model", value="LIKA HI-FLEX SENSOR CABLE (M8 type cable)", source="4.2"),
-    Characteristic(name="cable_cross_section", value="6 × 0.14 mm² + 2 × 0.22 mm² (26/24 AWG)", source="4.2"),
+    Characteristic(
+        name="cable_cross_section",
+        value="6 × 0.14 mm² + 2 × 0.22 mm² (26/24 AWG)",
+        source="4.2",
+        values=(
+            Quantity(quantity="area", unit="mm²", typical=0.14, where="six wires"),
+            Quantity(quantity="area", unit="mm²", typical=0.22, where="two wires"),
+        ),
+    ),
     Characteristic(name="cable_shield", value="Tinned copper braid", source="4.2"),
-    Characteristic(name="cable_diameter", value="5.3 mm to 5.6 mm", source="4.2"),
-    Characteristic(name="cable_resistance", value="148 Ω/km (0.14 mm²), 90 Ω/km (0.22 mm²)", source="4.2"),
-    Characteristic(name="cable_bending_radius", value="At least 7.5 × the outer diameter", source="4.2"),
+    Characteristic(
+        name="cable_diameter",
+        value="5.3 mm to 5.6 mm",
+        source="4.2",
+        values=(Quantity(quantity="length", unit="mm", min=5.3, max=5.6),),
+    ),
+    Characteristic(
+        name="cable_resistance",
+        value="148 Ω/km (0.14 mm²), 90 Ω/km (0.22 mm²)",
+        source="4.2",
+        values=(
+            Quantity(quantity="resistance_per_length", unit="Ω/km", typical=148, where="wires of 0.14 mm²"),
+            Quantity(quantity="resistance_per_length", unit="Ω/km", typical=90, where="wires of 0.22 mm²"),
+        ),
+    ),
+    Characteristic(
+        name="cable_bending_radius",
+        value="At least 7.5 × the outer diameter",
+        source="4.2",
+        values=(Quantity(quantity="bending_radius", unit="diameters", min=7.5),),
+    ),
     Characteristic(
         name="revolutions_while_off",
         value=(

@@ -41,6 +41,7 @@ from codewheel_runtime.facts import (
     Port,
     PrintedTimeout,
     Purpose,
+    Quantity,
     Register,
     Revision,
     Rs485Facts,
@@ -1540,6 +1541,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "and dissipative gloves, which also keep the code disk clean."
         ),
         source="1.4 p.9",
+        values=(Quantity(quantity="resistance", unit="MΩ", typical=1),),
     ),
     Characteristic(
         name="handling",
@@ -1580,6 +1582,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "sleeves"
         ),
         source="3.1",
+        values=(Quantity(quantity="length", unit="mm", max=24),),
     ),
     Characteristic(
         name="spacer",
@@ -1597,7 +1600,12 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         source="3.3, it: 3.3",
     ),
-    Characteristic(name="disk_grub_screw_torque", value="At most 1.3 Nm", source="it: 3.3"),
+    Characteristic(
+        name="disk_grub_screw_torque",
+        value="At most 1.3 Nm",
+        source="it: 3.3",
+        values=(Quantity(quantity="torque", unit="Nm", max=1.3),),
+    ),
     Characteristic(
         name="encoder_placement",
         value=(
@@ -1611,11 +1619,17 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         value="Two cylinder-head bolts, M2.5 × 6 UNI5931. Hold the unit down while tightening",
         source="3.4",
     ),
-    Characteristic(name="encoder_screw_torque", value="At most 0.8 Nm", source="3.4"),
+    Characteristic(
+        name="encoder_screw_torque",
+        value="At most 0.8 Nm",
+        source="3.4",
+        values=(Quantity(quantity="torque", unit="Nm", max=0.8),),
+    ),
     Characteristic(
         name="disk_alignment",
         value="The mark punched in the disk is centred in the encoder unit to within ±10° mechanical",
         source="3.4",
+        values=(Quantity(quantity="angle", unit="°", min=-10, max=10),),
     ),
     Characteristic(
         name="disk_misaligned",
@@ -1652,7 +1666,12 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         source="4 p.20",
     ),
-    Characteristic(name="supply", value="+5 V DC ±5 %", source="4.1.1 p.20, 4.1.3 p.21"),
+    Characteristic(
+        name="supply",
+        value="+5 V DC ±5 %",
+        source="4.1.1 p.20, 4.1.3 p.21",
+        values=(Quantity(quantity="supply", unit="V", min=4.75, typical=5, max=5.25),),
+    ),
     Characteristic(name="cable", value="EC-DF19-LK-TF12-..., ordered separately", source="4.1.2 p.20, 4.1.4 p.22"),
     Characteristic(name="cable_model", value="Lika TF12 encoder cable", source="4.1.5 p.22"),
     Characteristic(
@@ -1665,14 +1684,40 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="cable_shield",
         value="Tinned copper braid, coverage above 80 %, with tinned copper drain wire",
         source="4.1.5 p.22",
+        values=(Quantity(quantity="coverage", unit="%", min=80),),
     ),
-    Characteristic(name="cable_diameter", value="5.4 mm ±0.1 mm (0.213 in ±0.004 in)", source="4.1.5 p.22"),
-    Characteristic(name="cable_bending_radius", value="At least 10 × the outer diameter", source="4.1.5 p.22"),
-    Characteristic(name="cable_temperature", value="−15 °C to +80 °C (+5 °F to +176 °F)", source="4.1.5 p.22"),
+    Characteristic(
+        name="cable_diameter",
+        value="5.4 mm ±0.1 mm (0.213 in ±0.004 in)",
+        source="4.1.5 p.22",
+        values=(
+            Quantity(quantity="length", unit="mm", min=5.3, typical=5.4, max=5.5),
+            Quantity(quantity="length", unit="in", min=0.209, typical=0.213, max=0.217),
+        ),
+    ),
+    Characteristic(
+        name="cable_bending_radius",
+        value="At least 10 × the outer diameter",
+        source="4.1.5 p.22",
+        values=(Quantity(quantity="bending_radius", unit="diameters", min=10),),
+    ),
+    Characteristic(
+        name="cable_temperature",
+        value="−15 °C to +80 °C (+5 °F to +176 °F)",
+        source="4.1.5 p.22",
+        values=(
+            Quantity(quantity="temperature", unit="°C", min=-15, max=80),
+            Quantity(quantity="temperature", unit="°F", min=5, max=176),
+        ),
+    ),
     Characteristic(
         name="cable_resistance",
         value="Below 242.02 Ω/km per conductor at +20 °C (UL 758, table 5.2.1)",
         source="4.1.5 p.22",
+        values=(
+            Quantity(quantity="resistance_per_length", unit="Ω/km", max=242.02),
+            Quantity(quantity="temperature", unit="°C", typical=20, where="reference"),
+        ),
     ),
     Characteristic(name="ground", value="Connect the encoder to a noise-free ground through pin 1", source="4.2 p.22"),
     Characteristic(
@@ -1680,6 +1725,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         value="3 V to 5.5 V between +Vb and 0Vb, typically 3.6 V",
         only=".../65K...",
         source="4.3 p.23",
+        values=(Quantity(quantity="battery", unit="V", min=3, typical=3.6, max=5.5),),
     ),
     Characteristic(
         name="battery_replacement_without_error",
@@ -1692,6 +1738,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         only=".../65K...",
         source="4.3.1 p.23",
+        values=(Quantity(quantity="time", unit="min", max=1, where="without a battery"),),
     ),
     Characteristic(
         name="battery_replacement_with_error",
@@ -1748,12 +1795,17 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         only="...BG1-..., ...SC1-...",
         source="8 p.49, 8.1 p.49",
+        values=(Quantity(quantity="voltage", unit="Vpp", typical=1),),
     ),
     Characteristic(
         name="sine_cosine_receiver",
         value="Recommended input circuit with Vref = 2.5 V ±0.5 V, VA = 1 Vpp × Av, Av = R2 / R1",
         only="...BG1-..., ...SC1-...",
         source="8.1",
+        values=(
+            Quantity(quantity="voltage", unit="V", min=2, typical=2.5, max=3, where="Vref"),
+            Quantity(quantity="voltage", unit="Vpp", typical=1, where="VA / Av"),
+        ),
     ),
     Characteristic(name="disposal", value="Dispose of separately", source="Back cover"),
 )

@@ -35,6 +35,7 @@ from codewheel_runtime.facts import (
     NamedValue,
     Network,
     PrintedTimeout,
+    Quantity,
     Register,
     Revision,
     Severity,
@@ -866,8 +867,21 @@ TABLES: Final[tuple[Table, ...]] = (
 #: Further facts of the manual, as text.
 CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(name="scanning", value="Singleturn rotary encoder with optical scanning", source="Cover"),
-    Characteristic(name="shaft", value="Thru-bore shaft of 50 mm (1.9685 in)", source="Cover"),
-    Characteristic(name="accuracy", value="±0.005°", source="Cover, Preliminary information p.7"),
+    Characteristic(
+        name="shaft",
+        value="Thru-bore shaft of 50 mm (1.9685 in)",
+        source="Cover",
+        values=(
+            Quantity(quantity="length", unit="mm", typical=50, where="bore"),
+            Quantity(quantity="length", unit="in", typical=1.9685, where="bore"),
+        ),
+    ),
+    Characteristic(
+        name="accuracy",
+        value="±0.005°",
+        source="Cover, Preliminary information p.7",
+        values=(Quantity(quantity="angle", unit="°", min=-0.005, max=0.005),),
+    ),
     Characteristic(name="applications", value="Direct integration into robots, radars and motors", source="Cover"),
     Characteristic(
         name="personnel",
@@ -921,9 +935,24 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         source="3.3 p.12",
     ),
     Characteristic(name="fixing_plate_screws", value="Four, M4, with washers", source="3.3 p.12"),
-    Characteristic(name="fixing_plate_screw_torque", value="2 Nm ±0.2 Nm, given as a maximum", source="3.3 p.12"),
-    Characteristic(name="eccentric_screws", value="Three, M4, for a hex key of 3.0 mm", source="3.3 p.12"),
-    Characteristic(name="eccentric_screw_torque", value="2.5 Nm ±0.5 Nm, given as a maximum", source="3.3 p.12"),
+    Characteristic(
+        name="fixing_plate_screw_torque",
+        value="2 Nm ±0.2 Nm, given as a maximum",
+        source="3.3 p.12",
+        values=(Quantity(quantity="torque", unit="Nm", min=1.8, typical=2, max=2.2),),
+    ),
+    Characteristic(
+        name="eccentric_screws",
+        value="Three, M4, for a hex key of 3.0 mm",
+        source="3.3 p.12",
+        values=(Quantity(quantity="length", unit="mm", typical=3, where="hex key"),),
+    ),
+    Characteristic(
+        name="eccentric_screw_torque",
+        value="2.5 Nm ±0.5 Nm, given as a maximum",
+        source="3.3 p.12",
+        values=(Quantity(quantity="torque", unit="Nm", min=2, typical=2.5, max=3),),
+    ),
     Characteristic(
         name="wiring",
         value=(
@@ -932,8 +961,20 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         source="4 p.13",
     ),
-    Characteristic(name="supply_1", value="+5 V DC ±5 %", only=".../SC1-...", source="4 p.13"),
-    Characteristic(name="supply_2", value="+10 V DC to +30 V DC", only=".../SC2-...", source="4 p.13"),
+    Characteristic(
+        name="supply_1",
+        value="+5 V DC ±5 %",
+        only=".../SC1-...",
+        source="4 p.13",
+        values=(Quantity(quantity="supply", unit="V", min=4.75, typical=5, max=5.25),),
+    ),
+    Characteristic(
+        name="supply_2",
+        value="+10 V DC to +30 V DC",
+        only=".../SC2-...",
+        source="4 p.13",
+        values=(Quantity(quantity="supply", unit="V", min=10, max=30),),
+    ),
     Characteristic(
         name="supply_source",
         value=(
@@ -941,35 +982,70 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "with no more than 30 V DC. The order code gives the supply voltage."
         ),
         source="Back cover",
+        values=(Quantity(quantity="voltage", unit="V", max=30, where="source"),),
     ),
     Characteristic(name="cable_model", value="LIKA HI-FLEX sensor cable, type M8", source="4.3 p.14"),
     Characteristic(
         name="cable_cross_section",
         value="2 × 0.22 mm² and 6 × 0.14 mm² (24 and 26 AWG)",
         source="4.3 p.14",
+        values=(
+            Quantity(quantity="area", unit="mm²", typical=0.22, where="two wires"),
+            Quantity(quantity="area", unit="mm²", typical=0.14, where="six wires"),
+        ),
     ),
     Characteristic(
         name="cable_jacket",
         value="Matt polyurethane (TPU), halogen free, resistant to oil, hydrolysis and abrasion",
         source="4.3 p.14",
     ),
-    Characteristic(name="cable_shield", value="Tinned copper braid, coverage 85 % or more", source="4.3 p.14"),
-    Characteristic(name="cable_diameter", value="5.3 mm to 5.6 mm (0.209 in to 0.220 in)", source="4.3 p.14"),
-    Characteristic(name="cable_bending_radius", value="At least 7.5 × the outer diameter", source="4.3 p.14"),
+    Characteristic(
+        name="cable_shield",
+        value="Tinned copper braid, coverage 85 % or more",
+        source="4.3 p.14",
+        values=(Quantity(quantity="coverage", unit="%", min=85),),
+    ),
+    Characteristic(
+        name="cable_diameter",
+        value="5.3 mm to 5.6 mm (0.209 in to 0.220 in)",
+        source="4.3 p.14",
+        values=(
+            Quantity(quantity="length", unit="mm", min=5.3, max=5.6),
+            Quantity(quantity="length", unit="in", min=0.209, max=0.22),
+        ),
+    ),
+    Characteristic(
+        name="cable_bending_radius",
+        value="At least 7.5 × the outer diameter",
+        source="4.3 p.14",
+        values=(Quantity(quantity="bending_radius", unit="diameters", min=7.5),),
+    ),
     Characteristic(
         name="cable_temperature_dynamic",
         value="−40 °C to +90 °C (−40 °F to +194 °F) in dynamic installation",
         source="4.3 p.14",
+        values=(
+            Quantity(quantity="temperature", unit="°C", min=-40, max=90),
+            Quantity(quantity="temperature", unit="°F", min=-40, max=194),
+        ),
     ),
     Characteristic(
         name="cable_temperature_fixed",
         value="−50 °C to +90 °C (−58 °F to +194 °F) in fixed installation",
         source="4.3 p.14",
+        values=(
+            Quantity(quantity="temperature", unit="°C", min=-50, max=90),
+            Quantity(quantity="temperature", unit="°F", min=-58, max=194),
+        ),
     ),
     Characteristic(
         name="cable_resistance",
         value="Per conductor at most 90 Ω/km (0.22 mm²) and 148 Ω/km (0.14 mm²)",
         source="4.3 p.14",
+        values=(
+            Quantity(quantity="resistance_per_length", unit="Ω/km", max=90, where="wires of 0.22 mm²"),
+            Quantity(quantity="resistance_per_length", unit="Ω/km", max=148, where="wires of 0.14 mm²"),
+        ),
     ),
     Characteristic(
         name="counting_direction",

@@ -38,6 +38,7 @@ from codewheel_runtime.facts import (
     Network,
     Port,
     Purpose,
+    Quantity,
     Register,
     RegisterMeaning,
     Revision,
@@ -1484,6 +1485,7 @@ TABLES: Final[tuple[Table, ...]] = (
             ("SMA21-xxx-0001-...", "1", "2.4", "below 1.4"),
         ),
         source="4.10 p.18",
+        units=("", "µm", "m/s", "m/s"),
     ),
     Table(
         name="lengths",
@@ -1495,6 +1497,7 @@ TABLES: Final[tuple[Table, ...]] = (
             "bits, 33,554,432, over SSI and BiSS, and 24 bits, 16,777,216, over RS-485."
         ),
         source="4.10 p.18, Informazioni preliminari p.8, Cover",
+        units=("", "mm", "mm"),
     ),
     Table(
         name="ab_signals",
@@ -1520,6 +1523,7 @@ TABLES: Final[tuple[Table, ...]] = (
             "manual, the frequencies are calculated at the maximum speed with the minimum time between edges."
         ),
         source="8 p.44",
+        units=("", "µm", "µs", "kHz", "kHz", "m/s", "m/s"),
     ),
     Table(
         name="troubleshooting",
@@ -1594,7 +1598,12 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         source="Informazioni preliminari p.8, 3.2 p.11",
     ),
     Characteristic(name="tape_resistance", value="Immune to dust and liquids", source="Cover"),
-    Characteristic(name="pole_pitch", value="2 mm", source="Cover, 4.10 p.18, 8"),
+    Characteristic(
+        name="pole_pitch",
+        value="2 mm",
+        source="Cover, 4.10 p.18, 8",
+        values=(Quantity(quantity="length", unit="mm", typical=2),),
+    ),
     Characteristic(
         name="tape_orientation",
         value=(
@@ -1677,18 +1686,31 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="mounting_screws",
         value="Two M3 cylinder-head screws, at least 20 mm long, through the two holes",
         source="3.3 p.12",
+        values=(Quantity(quantity="length", unit="mm", min=20),),
     ),
-    Characteristic(name="mounting_torque", value="1.1 Nm recommended", source="3.3 p.12"),
-    Characteristic(name="cable_bending_radius_mounted", value="At least 45 mm recommended", source="3.3 p.12"),
+    Characteristic(
+        name="mounting_torque",
+        value="1.1 Nm recommended",
+        source="3.3 p.12",
+        values=(Quantity(quantity="torque", unit="Nm", typical=1.1),),
+    ),
+    Characteristic(
+        name="cable_bending_radius_mounted",
+        value="At least 45 mm recommended",
+        source="3.3 p.12",
+        values=(Quantity(quantity="bending_radius", unit="mm", min=45),),
+    ),
     Characteristic(
         name="gap_without_cover",
         value="0.1 mm to 0.6 mm between sensor and tape (D) without cover strip",
         source="3.3",
+        values=(Quantity(quantity="clearance", unit="mm", min=0.1, max=0.6),),
     ),
     Characteristic(
         name="gap_with_cover",
         value="0.1 mm to 0.4 mm between sensor and tape (D) with cover strip",
         source="3.3",
+        values=(Quantity(quantity="clearance", unit="mm", min=0.1, max=0.4),),
     ),
     Characteristic(
         name="zero_setting",
@@ -1707,6 +1729,13 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "least 5,071 mm."
         ),
         source="3.4 p.14",
+        values=(
+            Quantity(quantity="length", unit="mm", typical=63, where="base of the sensor head"),
+            Quantity(quantity="length", unit="mm", typical=4, where="two pole pitches"),
+            Quantity(quantity="length", unit="mm", typical=10, where="end cap"),
+            Quantity(quantity="length", unit="mm", typical=5000, where="travel in the example"),
+            Quantity(quantity="length", unit="mm", min=5071, where="tape in the example"),
+        ),
     ),
     Characteristic(
         name="wiring",
@@ -1716,31 +1745,70 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         source="1.2 p.9, 4 p.15",
     ),
-    Characteristic(name="supply_1", value="+5 V DC ±5 %", only="SMA21-xx1-...", source="4.1 p.15, 4.2 p.16"),
-    Characteristic(name="supply_4", value="+5 V DC to +30 V DC", only="SMA21-xx4-...", source="4.1 p.15"),
+    Characteristic(
+        name="supply_1",
+        value="+5 V DC ±5 %",
+        only="SMA21-xx1-...",
+        source="4.1 p.15, 4.2 p.16",
+        values=(Quantity(quantity="supply", unit="V", min=4.75, typical=5, max=5.25),),
+    ),
+    Characteristic(
+        name="supply_4",
+        value="+5 V DC to +30 V DC",
+        only="SMA21-xx4-...",
+        source="4.1 p.15",
+        values=(Quantity(quantity="supply", unit="V", min=5, max=30),),
+    ),
     Characteristic(name="cable_model", value="Lika High-Flex twisted encoder cable type T12", source="4.5 p.16"),
     Characteristic(
         name="cable_cross_section",
         value="Twisted pairs, 4 × 2 × 0.14 mm² + 4 × 0.25 mm² (26/24 AWG)",
         source="4.5 p.16",
+        values=(
+            Quantity(quantity="area", unit="mm²", typical=0.14, where="pairs"),
+            Quantity(quantity="area", unit="mm²", typical=0.25, where="other wires"),
+        ),
     ),
     Characteristic(
         name="cable_jacket",
         value="TPU, halogen free, resistant to oil, abrasion and hydrolysis",
         source="4.5 p.16",
     ),
-    Characteristic(name="cable_shield", value="Tinned copper braid, coverage above 85 %", source="4.5 p.16"),
-    Characteristic(name="cable_diameter", value="6.1 mm ±0.1 mm", source="4.5 p.16"),
-    Characteristic(name="cable_bending_radius", value="7.5 × outer diameter", source="4.5 p.16"),
+    Characteristic(
+        name="cable_shield",
+        value="Tinned copper braid, coverage above 85 %",
+        source="4.5 p.16",
+        values=(Quantity(quantity="coverage", unit="%", min=85),),
+    ),
+    Characteristic(
+        name="cable_diameter",
+        value="6.1 mm ±0.1 mm",
+        source="4.5 p.16",
+        values=(Quantity(quantity="length", unit="mm", min=6, typical=6.1, max=6.2),),
+    ),
+    Characteristic(
+        name="cable_bending_radius",
+        value="7.5 × outer diameter",
+        source="4.5 p.16",
+        values=(Quantity(quantity="bending_radius", unit="diameters", typical=7.5),),
+    ),
     Characteristic(
         name="cable_temperature",
         value="−50 °C to +90 °C with fixed, −40 °C to +90 °C with moving installation",
         source="4.5 p.16",
+        values=(
+            Quantity(quantity="temperature", unit="°C", min=-50, max=90, where="fixed"),
+            Quantity(quantity="temperature", unit="°C", min=-40, max=90, where="moving"),
+        ),
     ),
     Characteristic(
         name="cable_resistance",
         value="At most 148 Ω/km (0.14 mm²) and 90 Ω/km (0.25 mm²)",
         source="4.5 p.16",
+        values=(
+            Quantity(quantity="resistance_per_length", unit="Ω/km", max=148, where="wires of 0.14 mm²"),
+            Quantity(quantity="resistance_per_length", unit="Ω/km", max=90, where="wires of 0.25 mm²"),
+        ),
     ),
     Characteristic(
         name="cable_length",
@@ -1776,6 +1844,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         value="The internal position is updated at 30 kHz",
         only="SMA21-SCx-...",
         source="6.5 p.34",
+        values=(Quantity(quantity="frequency", unit="kHz", typical=30),),
     ),
     Characteristic(
         name="incremental_signals",
@@ -1785,6 +1854,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         only="SMA21-G1x-..., SMA21-SCx-...",
         source="Informazioni preliminari p.8, 4.1 p.15, 4.8 p.17, 8 p.44",
+        values=(Quantity(quantity="current", unit="mA", max=20),),
     ),
     Characteristic(
         name="incremental_resolution",
@@ -1794,18 +1864,27 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         only="SMA21-G1x-..., SMA21-SCx-...",
         source="8 p.44",
+        values=(
+            Quantity(quantity="length", unit="µm", typical=2000, where="pole pitch"),
+            Quantity(quantity="length", unit="µm", typical=50, where="resolution in the example"),
+        ),
     ),
     Characteristic(
         name="incremental_load",
         value="The load supply is typically +5 V DC. It may be higher if the current stays within 20 mA",
         only="SMA21-G1x-..., SMA21-SCx-...",
         source="8.1 p.46",
+        values=(
+            Quantity(quantity="voltage", unit="V", typical=5, where="load supply"),
+            Quantity(quantity="current", unit="mA", max=20),
+        ),
     ),
     Characteristic(
         name="incremental_cable_length",
         value="At most 150 m. The highest frequency depends on cable length and load",
         only="SMA21-G1x-..., SMA21-SCx-...",
         source="8.1 p.46",
+        values=(Quantity(quantity="length", unit="m", max=150),),
     ),
     Characteristic(
         name="error_position",
