@@ -271,3 +271,8 @@ class Manufacturer:
     python_package: str
     version: str
     trademarks: tuple[str, ...]
+
+    @property
+    def distribution(self) -> str:
+        """Name of the Python package to install, and of the command that it installs."""
+        return self.python_package.replace("_", "-")

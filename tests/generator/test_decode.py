@@ -598,3 +598,15 @@ def test_the_status_bits_of_biss_need_no_word(tmp_path: Path, capsys: Capture) -
         layout = next(item for item in devices[0].interface("biss").layouts if item.sender == "encoder")
         found.append([item.kind.makes_position for item in layout.fields if isinstance(item.kind, Flag)])
     assert found == [[Verdict.NOT_USABLE, Verdict.USABLE_WITH_WARNING]] * 2
+
+
+def test_many_frames_lead_to_the_command_of_the_package(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("codewheel.commands.decode_run.MANY", 3)
+    told = "codewheel: 3 frames; for files, the Python package is faster: lika-encoders decode\n"
+    for count, expected in ((3, ""), (4, told), (6, told)):
+        monkeypatch.setattr("sys.stdin", io.StringIO("0xF4243D3\n\n" * count))
+        assert main(["decode", "AMM5A21/65KSC1", "-", "--json"]) == 0
+        out, err = capsys.readouterr()
+        assert (out.count("\n"), err) == (count, expected)
