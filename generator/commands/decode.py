@@ -112,6 +112,7 @@ def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: 
 
 
 def decoded_data(
+    device: Device,
     variant: Variant,
     sender: str,
     decoded: codec.Decoded,
@@ -129,6 +130,7 @@ def decoded_data(
         "line": line.number,
         "time": line.time or None,
         "order_code": variant.code,
+        "evidence": device.evidence.grade,
         "alternatives": dict(taken),
         "layout": decoded.layout.name if decoded.layout is not None else None,
         "direction": sender,
@@ -226,6 +228,7 @@ def explain(
     if not decoded.problems:
         lines += _last_words(decoded, said)
     lines += _why_lines(why, decoded.layout) if why is not None else []
+    lines.append(f"evidence: {device.evidence.grade}")
     return "\n".join(lines)
 
 

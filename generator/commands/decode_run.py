@@ -131,7 +131,7 @@ class Decoding:
     def _text(self, line: Line, decoded: codec.Decoded, said: Findings, why: Why | None) -> str:
         asked, taken = self._request, self._taken(decoded)
         if asked.as_json:
-            data = decoded_data(asked.match.variant, asked.sender, decoded, said, why, line, taken)
+            data = decoded_data(asked.device, asked.match.variant, asked.sender, decoded, said, why, line, taken)
             return json.dumps(data, indent=2, ensure_ascii=False) if line.number is None else _ONE_LINE.encode(data)
         between = "" if self._is_first else "\n"
         self._is_first = False

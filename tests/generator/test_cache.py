@@ -369,7 +369,7 @@ def test_only_changed_families_are_checked_again(folder: Path, specs: Path, caps
     code, out, err = check()
     assert (code, out, err) == check("--no-cache")
     assert code == 1
-    assert "asc86.yaml:116:12: order-code-ambiguous" in out
+    assert "asc86.yaml:117:12: order-code-ambiguous" in out
 
 
 @pytest.mark.slow

@@ -103,13 +103,13 @@ def test_the_text_ends_with_what_the_encoder_reports(capsys: Capture) -> None:
     assert "°" not in out
     assert "the encoder reports: - error (Error, nE): error active in the system." in out
     assert "- warning (Warning, nW): " in out
-    assert out.endswith("so the position is not usable")
+    assert out.endswith("so the position is not usable evidence: manual")
     code, out = text(capsys, "AMM5A17/1SC1", "0b" + "0" * 17 + "10" + CRCS["10"])
     assert code == 0
     assert "no frame error" not in out
-    assert out.endswith("so the position is usable, with a warning")
+    assert out.endswith("so the position is usable, with a warning evidence: manual")
     assert text(capsys, "AMM5A21/65KSC1", "0xf4243d3")[1].endswith(
-        "(x^6 + x + 1, sent inverted) no frame error; the position is usable"
+        "(x^6 + x + 1, sent inverted) no frame error; the position is usable evidence: manual"
     )
 
 
@@ -209,6 +209,7 @@ def test_where_there_is_no_verdict(
 def test_ssi(capsys: Capture) -> None:
     assert text(capsys, "AMM5A17/1BG1", "0b" + "0" * 16 + "1")[1].endswith(
         "no frame error; this frame has no CRC; no bit of this frame indicates whether the position is usable"
+        " evidence: manual"
     )
     code, data = decode(capsys, "SMA21-BG1-0050", "0b" + "0" * 20 + "0")
     assert (code, names(data), data["verdict"]) == (3, ["error"], "not_usable")
@@ -398,7 +399,7 @@ def test_the_register_of_another_encoder(capsys: Capture, arguments: tuple[str, 
     code, out = text(capsys, "SMA21-SC1-0010", *arguments)
     assert code == 1
     assert message in out
-    assert out.endswith("no other error")
+    assert out.endswith("no other error evidence: manual")
 
 
 def test_registers_of_another_encoder_beside_a_frame(capsys: Capture) -> None:

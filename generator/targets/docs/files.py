@@ -156,7 +156,7 @@ def _index(library: Library, order_codes: list[Section]) -> Index:
         titles = ", ".join(link(item.title, f"{device.name}/{item.name}.md") for item in device.interfaces)
         masters = link("settings", f"{device.name}-masters.md") if masters_page.has_masters(device) else ""
         manual = f"{text(device.manual.title)}, revision {family_pages.revision(device.manual)}"
-        rows.append((page, maker, titles, f"{len(device.variants)}", masters, manual))
+        rows.append((page, maker, titles, f"{len(device.variants)}", masters, manual, text(device.evidence.grade)))
     trademarks = list(dict.fromkeys(note for maker, _ in library.by_manufacturer() for note in maker.trademarks))
     return {"rows": rows, "usable_page": verdict_page.PAGE, "order_codes": order_codes, "trademarks": trademarks}
 
