@@ -205,7 +205,7 @@ def sheet(master: Master, record: Record) -> Sheet:
         return Sheet(master, (Refusal(reason, master.standing, ""),), (), (), speaks=False)
     refusals = [
         Refusal(
-            f"{item['reason']} Here: {_actual(item['item'], record)}.",
+            f"{item['reason']} For this encoder: {_actual(item['item'], record)}.",
             item.get("standing", master.standing),
             item["source"],
         )

@@ -146,7 +146,7 @@ def conditions(setting: Setting, sheet: Sheet) -> Iterator[str]:
     """Yield the conditions only for this setting, after the advice to leave a protected factory default unchanged."""
     own = sheet.writing_of(setting)
     if setting.is_default and any(rule.needs for rule in own):
-        yield f"{setting.text} is the factory default. Leave it unless it was changed."
+        yield f"{setting.text} is the factory default. Write it only if the setting was changed."
     yield from (condition(item) for item in own)
 
 

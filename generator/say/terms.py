@@ -31,8 +31,7 @@ TERMS = (
     ),
     Term(
         "Acknowledge, start bit",
-        "In a BiSS frame, SLO stays low until the data of the encoder is ready. The start bit (high) announces the "
-        "data.",
+        "In a BiSS frame, SLO stays low until the encoder's data is ready. The start bit (high) announces the data.",
         over=Biss,
         section="timings",
     ),
@@ -108,8 +107,8 @@ TERMS = (
     ),
     Term(
         "Gray code",
-        "A code in which only one bit changes between consecutive numbers. It must be converted to binary before "
-        "calculating with it.",
+        "A code in which only one bit changes between consecutive numbers. Convert it to binary before you "
+        "calculate with it.",
         ("gray",),
     ),
     Term(

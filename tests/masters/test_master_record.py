@@ -160,10 +160,10 @@ def test_gray_over_biss(devices: Mapping[str, Device], masters: dict[str, Master
     )
     assert {item.name: item.value for item in sheet(masters["beckhoff_el5042"], gray).settings}["Coding"] == 1
     assert (
-        "Gray code over both parts cannot be specified. Here: coding gray."
+        "Gray code over both parts cannot be specified. For this encoder: coding gray."
         in sheet(masters["linuxcnc_hostmot2"], gray).refusals[0].reason
     )
-    assert "Here: coding gray." in sheet(masters["ic_mb"], gray).refusals[0].reason
+    assert "For this encoder: coding gray." in sheet(masters["ic_mb"], gray).refusals[0].reason
 
 
 def test_rs485_has_no_master(record_of: RecordOf) -> None:

@@ -408,20 +408,20 @@ def test_example_of_siemens(told: Told) -> None:
         (
             "keb_f5",
             "ASC8525/SC1 as_printed",
-            "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. Here: padding right 1.",
+            "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. For this encoder: padding right 1.",
         ),
         (
             "keb_f6",
             "ASC8525/SC1 as_printed",
-            "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. Here: padding right 1.",
+            "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. For this encoder: padding right 1.",
         ),
         # 16 + 23 bits; 16 + 17 are one too many.
-        ("omron_nx", "AMM5A23/65KBG1", "A frame has at most 32 data bits in total. Here: frame bits 39."),
-        ("omron_nx", "AMM5A17/65KBG1", "A frame has at most 32 data bits in total. Here: frame bits 33."),
+        ("omron_nx", "AMM5A23/65KBG1", "A frame has at most 32 data bits in total. For this encoder: frame bits 39."),
+        ("omron_nx", "AMM5A17/65KBG1", "A frame has at most 32 data bits in total. For this encoder: frame bits 33."),
         (
             "keb_f5",
             "SMA21-SC1-0002",
-            "The data word consists of the turns and the position within one turn. Here: movement linear.",
+            "The data word consists of the turns and the position within one turn. For this encoder: movement linear.",
         ),
     ],
 )

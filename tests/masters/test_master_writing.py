@@ -76,7 +76,7 @@ def test_an_order_names_only_settings_of_the_sheet(sheet_of: SheetOf) -> None:
 
 def test_what_is_printed(capsys: pytest.CaptureFixture[str], pages: dict[str, str]) -> None:
     said = [
-        "50 is the factory default. Leave it unless it was changed.",
+        "50 is the factory default. Write it only if the setting was changed.",
         "Before writing Supply Voltage, F008 (Code word) must be 0x72657375.",
         "Supply Voltage takes effect only in the INIT state.",
         "Write Disable Status Bits and CRC Polynomial after Mode. ",

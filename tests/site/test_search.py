@@ -143,7 +143,7 @@ crc fails                       | Why a CRC fails     | docs/why-a-crc-fails.htm
 nE bit                          | Deciding bits       | docs/usable-or-not.html#deciding-bits
 AMM5A21/65KSC1 how long is a frame | Frame            | amm5/AMM5A21-65KSC1.html#frame
 AMM5A21/65KSC1 which bit says error | Frame           | amm5/AMM5A21-65KSC1.html#frame
-tape                            | Length of tape and travel, and information | -and-travel-and-information
+tape                            | Tape length, travel and number of positions | -travel-and-number-of-positions
 mounting                        | Characteristics, mounting, safety | am36/hardware.html#characteristics-mounting-safety
 acknowledge                     | Times               | am36/biss.html#times
 siemens                         | Siemens TM PosInput | docs/am36-masters.html#siemens-tm-posinput

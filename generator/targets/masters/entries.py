@@ -138,7 +138,7 @@ def _reason(setting: Setting, sheet: Sheet, format_: FileFormat) -> str:
         return f"it must be below {setting.text}, and you choose the value"
     is_optional = format_.needs != "name"  # a tool with names of its own needs all of them
     if is_optional and setting.is_default and any(item.needs for item in sheet.writing_of(setting)):
-        return f"{setting.text} is the factory default. Leave it unless it was changed"
+        return f"{setting.text} is the factory default. Write it only if the setting was changed"
     return ""
 
 
