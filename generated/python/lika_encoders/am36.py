@@ -1108,8 +1108,7 @@ class NumberOfRevolutions(FixedRegister, _NumberOfRevolutions):
     position is lost.
 
     Errata (full text in ERRATA):
-        revolutions_4096 (open, wrong limit): The registers and the frame use 65,536. 4096 is used only as the text on
-            the label.
+        revolutions_4096 (open, wrong limit): The registers and the frame use 65,536. 4096 is used only on the label.
         scd_length_at_run_time (open, omission): As soon as a resolution is written, the position has the number of bits
             given by registers 56h and 57h.
         resolution_byte_order (open, omission): The high byte comes first.
@@ -1309,8 +1308,7 @@ class MultiturnBitsUsed(FixedRegister, _MultiturnBitsUsed):
     Default: ``10``.
 
     Errata (full text in ERRATA):
-        revolutions_4096 (open, wrong limit): The registers and the frame use 65,536. 4096 is used only as the text on
-            the label.
+        revolutions_4096 (open, wrong limit): The registers and the frame use 65,536. 4096 is used only on the label.
         scd_length_at_run_time (open, omission): As soon as a resolution is written, the position has the number of bits
             given by registers 56h and 57h.
         revolution_bits_rounding (open, omission): The number of bits is read from register 57h, not computed.
@@ -1724,8 +1722,7 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     than 2,047 revolutions in either direction while the encoder is off. Otherwise the absolute position is lost.
 
     Errata (full text in ERRATA):
-        revolutions_4096 (open, wrong limit): The registers and the frame use 65,536. 4096 is used only as the text on
-            the label.
+        revolutions_4096 (open, wrong limit): The registers and the frame use 65,536. 4096 is used only on the label.
         scd_length_at_run_time (open, omission): As soon as a resolution is written, the position has the number of bits
             given by registers 56h and 57h.
 

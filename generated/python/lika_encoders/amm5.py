@@ -617,7 +617,7 @@ class EepromAddress(Enum):
 
     Errata (full text in ERRATA):
         mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
-            default. With the wrong choice, an access reaches twice the address or half of it, and a write destroys
+            default. With the wrong choice, an access reaches twice the address or half of it, and a write overwrites
             other data there. Read and compare before you write.
     """
 
@@ -963,7 +963,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
 
     Errata (full text in ERRATA):
         mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
-            default. With the wrong choice, an access reaches twice the address or half of it, and a write destroys
+            default. With the wrong choice, an access reaches twice the address or half of it, and a write overwrites
             other data there. Read and compare before you write.
 
     See also in ERRATA: control_field_structure.
@@ -1087,7 +1087,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
 
     Errata (full text in ERRATA):
         mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
-            default. With the wrong choice, an access reaches twice the address or half of it, and a write destroys
+            default. With the wrong choice, an access reaches twice the address or half of it, and a write overwrites
             other data there. Read and compare before you write.
 
     See also in ERRATA: control_field_structure.
@@ -1792,7 +1792,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
 
     Errata (full text in ERRATA):
         mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
-            default. With the wrong choice, an access reaches twice the address or half of it, and a write destroys
+            default. With the wrong choice, an access reaches twice the address or half of it, and a write overwrites
             other data there. Read and compare before you write.
 
     See also in ERRATA: control_field_structure.
@@ -1919,7 +1919,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
 
     Errata (full text in ERRATA):
         mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
-            default. With the wrong choice, an access reaches twice the address or half of it, and a write destroys
+            default. With the wrong choice, an access reaches twice the address or half of it, and a write overwrites
             other data there. Read and compare before you write.
 
     See also in ERRATA: control_field_structure.

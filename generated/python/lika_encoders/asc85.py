@@ -494,7 +494,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
     The word has as many bits as the position, 20 to 25, and starts with the most significant bit. Further clock pulses
     read zeros after the word. There is no error bit, no warning bit and no CRC. The constant 0 bit of the BiSS frame is
-    not sent either.
+    also absent.
 
     Errata (full text in ERRATA):
         ssi_code_letters (open, wrong data): BG is binary, GG is Gray.
@@ -586,8 +586,8 @@ class SingleCycleData(Sent, InBits, _SingleCycleData, Positioned):
         scd_length (open, wrong data): Either layout is possible. The user must choose, and there is no default:
             position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
             If the CRC of every frame fails, the other layout is likely.
-        profile_id_data_length (open, wrong data): The profile ID is 281Ah for all models, as printed. It determines
-            neither the resolution nor the zero bit of the frame.
+        profile_id_data_length (open, wrong data): The profile ID is 281Ah for all models, as printed. It does not
+            indicate the resolution or the zero bit of the frame.
         warning_sources (open, omission): No bit of the error register is interpreted as a warning.
         position_under_error (open, omission): Error bit active: the position is not usable.
 
@@ -744,7 +744,7 @@ class ProfileId(FixedRegister, _ProfileId):
 
     Byte order: high byte first, at 42h. Default: ``28 1A``.
 
-    The manual prints one value for all models, although the data length fits only the model of 25 bits. The length is
+    The manual prints one value for all models, although the data length fits only the model with 25 bits. The length is
     therefore not used to identify the encoder. For the variant, the manual refers to the standard encoder profile, data
     format.
 
@@ -752,8 +752,8 @@ class ProfileId(FixedRegister, _ProfileId):
         scd_length (open, wrong data): Either layout is possible. The user must choose, and there is no default:
             position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
             If the CRC of every frame fails, the other layout is likely.
-        profile_id_data_length (open, wrong data): The profile ID is 281Ah for all models, as printed. It determines
-            neither the resolution nor the zero bit of the frame.
+        profile_id_data_length (open, wrong data): The profile ID is 281Ah for all models, as printed. It does not
+            indicate the resolution or the zero bit of the frame.
     """
 
     __slots__ = ()
@@ -795,7 +795,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
     Byte order: high byte first, at 44h.
 
     Errata (full text in ERRATA):
-        serial_number_digits (open, omission): The serial number is one number.
+        serial_number_digits (open, omission): The serial number is a single number.
     """
 
     __slots__ = ()
@@ -905,7 +905,7 @@ class Command(IntEnum):
     valid is 0. They are read from the position register.
     """
     SAVE_CONFIGURATION = 1
-    """Write current configuration to EEPROM: Writes the configuration registers, 00h to 2Dh, and a new check sum to
+    """Write current configuration to EEPROM: Writes the configuration registers, 00h to 2Dh, and a new checksum to
     the EEPROM. These registers are reserved for the manufacturer. During the write, the status Internal data bus
     busy and the error Configuration error are 1. The error remains if the write failed. Without an EEPROM connected
     at power-on, the command has no effect.
@@ -923,7 +923,7 @@ class Command(IntEnum):
     starts as configured.
     """
     VERIFY_CONFIGURATION = 4
-    """Verify CRC of internal configuration: Checks all configuration registers against the check sum. During the
+    """Verify CRC of internal configuration: Checks all configuration registers against the checksum. During the
     check, the status Internal data bus busy and the error Configuration error are 1. The error remains if the check
     failed.
     """
@@ -1053,7 +1053,7 @@ class Position(RegisterOf["BissEncoder"], _Position):
     The table uses bits 31:6, which are 26 bits, and calls bits 5:0 "not used". It does not give their content. If the
     resolution is 25 bits, the 26 bits are interpreted as the position and, in bit 6, the constant 0 bit of the BiSS
     frame. At a lower resolution, the position is also interpreted as left-aligned. The low byte comes first, unlike in
-    the other registers of several bytes.
+    the other multi-byte registers.
 
     Errata (full text in ERRATA):
         scd_length (open, wrong data): Either layout is possible. The user must choose, and there is no default:
@@ -1332,7 +1332,7 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Before: An EEPROM was connected at power-on. Without it, the command has no effect.
 
-    Result: The configuration registers and a new check sum are in the EEPROM.
+    Result: The configuration registers and a new checksum are in the EEPROM.
 
     The configuration registers, 00h to 2Dh, are reserved for the manufacturer.
 
@@ -1425,7 +1425,7 @@ def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Verify the CRC of the configuration [6.4 p.27].
 
-    Result: Configuration error shows whether the configuration registers agree with their check sum.
+    Result: Configuration error shows whether the configuration registers match their checksum.
 
     Errata (full text in ERRATA):
         internal_data_bus_busy_bit (settled, wrong data): Internal data bus busy is bit 2.
@@ -1545,7 +1545,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        Read(Address.MANUFACTURER_ID, 2, "manufacturer_id", "Li means an encoder of Lika Electronic"),
+        Read(Address.MANUFACTURER_ID, 2, "manufacturer_id", "Li means Lika Electronic"),
         Read(Address.DEVICE_ID, 6, "device_id", "AS85 and the release"),
         Read(Address.PROFILE_ID, 2, "profile_id", "281Ah is printed for all models"),
         Read(Address.SERIAL_NUMBER, 4, "serial_number"),

@@ -270,7 +270,7 @@ class Variant(Linear, Wrapping):
 
     @property
     def scd_value_bits(self) -> int:
-        """Width of the position in the BiSS single cycle data. It is the whole field while an offset is selected
+        """Width of the position in the BiSS single cycle data, which is the whole field while an offset is selected
         [6.2 p.25, 6.4 p.32]. Unit: bits. Equals ``position_bits + scd_padding_bits * offset_selected``.
         """
         return self.position_bits + self.scd_padding_bits * self.offset_selected
@@ -671,7 +671,7 @@ class OutputCode(IntEnum):
 
 
 class EnablePresetOffset(IntEnum):
-    """Abilita preset / offset: Enables preset and offset. 0 enables."""
+    """Abilita preset / offset: Enables preset and offset when it is 0."""
 
     ENABLE = 0
     """Abilita: Preset and offset can be used."""
@@ -809,14 +809,14 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
     The frame has 32 bits at resolutions of 50 µm to 2 µm and 33 bits at 1 µm. The position is right-aligned in a field
     of 24 or 25 bits, most significant bit first, with zeros above it. While an offset is selected (bit 1 of the
-    Configuration register), the position takes the whole field. With the output code Gray, zeros above a number remain
+    Configuration register), the position takes up the whole field. With Gray output code, zeros above a number remain
     zeros, so it does not matter whether they are converted. The error and warning bits are assumed not to be converted.
 
     Errata (full text in ERRATA):
         gray_scope (open, omission): Only the position is coded.
         scd_length (settled, wrong data): The frame has 32 bits at resolutions of 50 µm to 2 µm and 33 bits at 1 µm.
         offset_in_the_padding (open, wrong data): While an offset is selected in the Configuration register, 6.4
-            applies: the position takes the whole field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the
+            applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the
             position are zero, and a frame with a nonzero bit there is rejected.
         position_below_zero (open, omission): Over SSI and BiSS, the position wraps around after 2^position_bits counts.
         warning_level (open, omission): 0 means a warning, as with the error bit.
@@ -1735,7 +1735,7 @@ class Configuration(FixedRegister, _Configuration):
         counting_direction: Direzione di conteggio: Counting direction of the absolute position. The incremental signals
             keep their own direction. Default: 0.
         output_code: Codice d'uscita: Code of the absolute position. Default: 1.
-        enable_preset_offset: Abilita preset / offset: Enables preset and offset. 0 enables. Default: 0.
+        enable_preset_offset: Abilita preset / offset: Enables preset and offset when it is 0. Default: 0.
         select_preset_offset: Seleziona preset / offset: Content of the Preset / Offset register. The bit is available
             only while the function is enabled (bit 2). Default: 0.
 
@@ -1863,7 +1863,7 @@ class PresetOffset(FixedRegister, _PresetOffset):
 
     Errata (full text in ERRATA):
         offset_in_the_padding (open, wrong data): While an offset is selected in the Configuration register, 6.4
-            applies: the position takes the whole field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the
+            applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the
             position are zero, and a frame with a nonzero bit there is rejected.
         offset_meaning (open, wrong data): All transmitted values are shifted by the offset.
         offset_range (settled, wrong limit): The highest value is that sum minus 1.
@@ -2303,7 +2303,7 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
 
     Errata (full text in ERRATA):
         offset_in_the_padding (open, wrong data): While an offset is selected in the Configuration register, 6.4
-            applies: the position takes the whole field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the
+            applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the
             position are zero, and a frame with a nonzero bit there is rejected.
         offset_meaning (open, wrong data): All transmitted values are shifted by the offset.
 

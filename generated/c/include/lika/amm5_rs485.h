@@ -175,7 +175,7 @@ static inline uint8_t lika_amm5_rs485_crc_rs485_8(const uint8_t *bytes, size_t l
  * Choose the answer for your encoder. No known source settles it, and there is no default.
  * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
  * choose, and there is no default. With the wrong choice, an access reaches twice the address or
- * half of it, and a write destroys other data there. Read and compare before you write.
+ * half of it, and a write overwrites other data there. Read and compare before you write.
  */
 typedef enum lika_amm5_rs485_eeprom_address {
     /** Bits 7:1, with MEM BUSY in bit 0, as the manual prints it [7.5 p.46]. */
@@ -396,7 +396,7 @@ static inline cw_result lika_amm5_rs485_data_request_encode(
  *   byte 3                                  crc       CRC. CRC rs485_8 over everything before it.
  * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
  * choose, and there is no default. With the wrong choice, an access reaches twice the address or
- * half of it, and a write destroys other data there. Read and compare before you write.
+ * half of it, and a write overwrites other data there. Read and compare before you write.
  */
 typedef struct lika_amm5_rs485_eeprom_write_request {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address. */
@@ -449,7 +449,7 @@ static inline cw_result lika_amm5_rs485_eeprom_write_request_encode(
  *   byte 2                                  crc       CRC. CRC rs485_8 over everything before it.
  * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
  * choose, and there is no default. With the wrong choice, an access reaches twice the address or
- * half of it, and a write destroys other data there. Read and compare before you write.
+ * half of it, and a write overwrites other data there. Read and compare before you write.
  */
 typedef struct lika_amm5_rs485_eeprom_read_request {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address. */
@@ -1078,7 +1078,7 @@ static inline uint32_t lika_amm5_rs485_complete_reply_reports(
  *   byte 3                                  crc       CRC. CRC rs485_8 over everything before it.
  * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
  * choose, and there is no default. With the wrong choice, an access reaches twice the address or
- * half of it, and a write destroys other data there. Read and compare before you write.
+ * half of it, and a write overwrites other data there. Read and compare before you write.
  */
 typedef struct lika_amm5_rs485_eeprom_write_reply {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address of the request. */
@@ -1158,7 +1158,7 @@ static inline uint32_t lika_amm5_rs485_eeprom_write_reply_reports(
  *   byte 3                                  crc       CRC. CRC rs485_8 over everything before it.
  * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
  * choose, and there is no default. With the wrong choice, an access reaches twice the address or
- * half of it, and a write destroys other data there. Read and compare before you write.
+ * half of it, and a write overwrites other data there. Read and compare before you write.
  */
 typedef struct lika_amm5_rs485_eeprom_read_reply {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address of the request. */

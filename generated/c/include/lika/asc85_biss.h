@@ -317,7 +317,7 @@ typedef enum lika_asc85_biss_report {
  * there is no default: position_bits + 9 bits with the 0 bit between position and error bit, or
  * position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.
  * Erratum profile_id_data_length (open, wrong data): Used: The profile ID is 281Ah for all models,
- * as printed. It determines neither the resolution nor the zero bit of the frame.
+ * as printed. It does not indicate the resolution or the zero bit of the frame.
  * Erratum warning_sources (open, omission).
  * Erratum position_under_error (open, omission).
  */

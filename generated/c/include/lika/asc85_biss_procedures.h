@@ -103,7 +103,7 @@ typedef struct lika_asc85_biss_save_configuration_read {
 /**
  * Save the configuration [6.4 p.26].
  * Before: An EEPROM was connected at power-on. Without it, the command has no effect.
- * Result: The configuration registers and a new check sum are in the EEPROM.
+ * Result: The configuration registers and a new checksum are in the EEPROM.
  * The configuration registers, 00h to 2Dh, are reserved for the manufacturer.
  * Erratum internal_data_bus_busy_bit (settled, wrong data).
  * Save the configuration, over BiSS C-mode. The transport needs read_registers, write_registers and
@@ -268,7 +268,7 @@ typedef struct lika_asc85_biss_verify_configuration_read {
 
 /**
  * Verify the CRC of the configuration [6.4 p.27].
- * Result: Configuration error shows whether the configuration registers agree with their check sum.
+ * Result: Configuration error shows whether the configuration registers match their checksum.
  * Erratum internal_data_bus_busy_bit (settled, wrong data).
  * Verify the CRC of the configuration, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
@@ -456,8 +456,7 @@ static inline cw_result lika_asc85_biss_reset_errors(
 static inline const cw_step *lika_asc85_biss_identify_steps(size_t *count)
 {
     static const cw_step steps[LIKA_ASC85_BISS_IDENTIFY_STEPS_COUNT] = {
-        /* Manufacturer ID: Li means an encoder of Lika Electronic */
-        { CW_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U },
+        { CW_STEP_READ, 0x7EU, 0xFFU, 0U, 1U, 0U }, /* Manufacturer ID: Li means Lika Electronic */
         { CW_STEP_READ, 0x7FU, 0xFFU, 0U, 1U, 0U },
         { CW_STEP_READ, 0x78U, 0xFFU, 0U, 1U, 0U }, /* Device ID: AS85 and the release */
         { CW_STEP_READ, 0x79U, 0xFFU, 0U, 1U, 0U },
@@ -481,7 +480,7 @@ static inline const cw_step *lika_asc85_biss_identify_steps(size_t *count)
  * Bytes that it reads, in ascending order of address, for the _decode functions of the registers.
  */
 typedef struct lika_asc85_biss_identify_read {
-    uint8_t manufacturer_id[2]; /**< Manufacturer ID: Li means an encoder of Lika Electronic */
+    uint8_t manufacturer_id[2]; /**< Manufacturer ID: Li means Lika Electronic */
     uint8_t device_id[6]; /**< Device ID: AS85 and the release */
     uint8_t profile_id[2]; /**< Profile ID: 281Ah is printed for all models */
     uint8_t serial_number[4]; /**< Serial number */

@@ -41,14 +41,14 @@ extern "C" {
  * Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.4 p.23].
  * Identification code of the encoder profile, BP1 (Standard Encoder Profile).
  * Byte order: high byte first, at 42h.
- * The manual prints one value for all models, although the data length fits only the model of 25
+ * The manual prints one value for all models, although the data length fits only the model with 25
  * bits. The length is therefore not used to identify the encoder. For the variant, the manual
  * refers to the standard encoder profile, data format.
  * Erratum scd_length (open, wrong data): Used: Either layout is possible. The user must choose, and
  * there is no default: position_bits + 9 bits with the 0 bit between position and error bit, or
  * position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.
  * Erratum profile_id_data_length (open, wrong data): Used: The profile ID is 281Ah for all models,
- * as printed. It determines neither the resolution nor the zero bit of the frame.
+ * as printed. It does not indicate the resolution or the zero bit of the frame.
  */
 typedef struct lika_asc85_biss_reg_profile_id {
     /**
@@ -355,7 +355,7 @@ typedef enum lika_asc85_biss_command {
     LIKA_ASC85_BISS_COMMAND_REQUEST_POSITION = 0x00,
     /**
      * Write current configuration to EEPROM: Writes the configuration registers, 00h to 2Dh, and a
-     * new check sum to the EEPROM. These registers are reserved for the manufacturer. During the
+     * new checksum to the EEPROM. These registers are reserved for the manufacturer. During the
      * write, the status Internal data bus busy and the error Configuration error are 1. The error
      * remains if the write failed. Without an EEPROM connected at power-on, the command has no
      * effect. [6.4 p.26]
@@ -377,9 +377,9 @@ typedef enum lika_asc85_biss_command {
      */
     LIKA_ASC85_BISS_COMMAND_SOFTWARE_RESET = 0x03,
     /**
-     * Verify CRC of internal configuration: Checks all configuration registers against the check
-     * sum. During the check, the status Internal data bus busy and the error Configuration error
-     * are 1. The error remains if the check failed. [6.4 p.27]
+     * Verify CRC of internal configuration: Checks all configuration registers against the
+     * checksum. During the check, the status Internal data bus busy and the error Configuration
+     * error are 1. The error remains if the check failed. [6.4 p.27]
      */
     LIKA_ASC85_BISS_COMMAND_VERIFY_CONFIGURATION = 0x04,
     /**
@@ -560,8 +560,7 @@ static inline cw_result lika_asc85_biss_read_status(
  * The table uses bits 31:6, which are 26 bits, and calls bits 5:0 "not used". It does not give
  * their content. If the resolution is 25 bits, the 26 bits are interpreted as the position and, in
  * bit 6, the constant 0 bit of the BiSS frame. At a lower resolution, the position is also
- * interpreted as left-aligned. The low byte comes first, unlike in the other registers of several
- * bytes.
+ * interpreted as left-aligned. The low byte comes first, unlike in the other multi-byte registers.
  * Erratum scd_length (open, wrong data): Used: Either layout is possible. The user must choose, and
  * there is no default: position_bits + 9 bits with the 0 bit between position and error bit, or
  * position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is likely.

@@ -251,7 +251,7 @@ static inline uint32_t lika_asc85_ssi_clock_limit_hz(uint32_t cable_m)
  * position is in Gray code while ssi_gray is 1, and in binary while it is 0.
  * The word has as many bits as the position, 20 to 25, and starts with the most significant bit.
  * Further clock pulses read zeros after the word. There is no error bit, no warning bit and no CRC.
- * The constant 0 bit of the BiSS frame is not sent either.
+ * The constant 0 bit of the BiSS frame is also absent.
  *   starting at bit 0  position  position_bits bits.
  * Erratum ssi_code_letters (open, wrong data): Used: BG is binary, GG is Gray.
  * Erratum ssi_clock_count (open, wrong limit).

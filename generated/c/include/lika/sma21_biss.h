@@ -99,7 +99,7 @@ extern "C" {
  * electrically. It may come with its own documentation for special connections (Technical Info).
  * Erratum order_code_key (open, omission).
  * Erratum offset_in_the_padding (open, wrong data): Used: While an offset is selected in the
- * Configuration register, 6.4 applies: the position takes the whole field of 24 or 25 bits.
+ * Configuration register, 6.4 applies: the position takes up the whole field of 24 or 25 bits.
  * Otherwise 6.2 applies: the bits above the position are zero, and a frame with a nonzero bit there
  * is rejected.
  * Erratum profile_variants (open, wrong data): Used: Each is used as printed.
@@ -165,7 +165,7 @@ static inline uint32_t lika_sma21_biss_scd_position_bits(const lika_sma21_biss *
 }
 
 /**
- * Width of the position in the BiSS single cycle data. It is the whole field while an offset is
+ * Width of the position in the BiSS single cycle data, which is the whole field while an offset is
  * selected [6.2 p.25, 6.4 p.32]. Unit: bits.
  */
 CW_CONSTEXPR
@@ -317,9 +317,9 @@ typedef enum lika_sma21_biss_report {
  * position is in Gray code while biss_gray is 1, and in binary while it is 0.
  * The frame has 32 bits at resolutions of 50 um to 2 um and 33 bits at 1 um. The position is
  * right-aligned in a field of 24 or 25 bits, most significant bit first, with zeros above it. While
- * an offset is selected (bit 1 of the Configuration register), the position takes the whole field.
- * With the output code Gray, zeros above a number remain zeros, so it does not matter whether they
- * are converted. The error and warning bits are assumed not to be converted.
+ * an offset is selected (bit 1 of the Configuration register), the position takes up the whole
+ * field. With Gray output code, zeros above a number remain zeros, so it does not matter whether
+ * they are converted. The error and warning bits are assumed not to be converted.
  *   starting at bit scd_value_bits + 8  padding   position_bits + scd_padding_bits - scd_value_bits
  *                                                 bits. Zeros above the position, part of the
  *                                                 manual's Posizione. There are none while an
@@ -332,7 +332,7 @@ typedef enum lika_sma21_biss_report {
  * Erratum gray_scope (open, omission).
  * Erratum scd_length (settled, wrong data).
  * Erratum offset_in_the_padding (open, wrong data): Used: While an offset is selected in the
- * Configuration register, 6.4 applies: the position takes the whole field of 24 or 25 bits.
+ * Configuration register, 6.4 applies: the position takes up the whole field of 24 or 25 bits.
  * Otherwise 6.2 applies: the bits above the position are zero, and a frame with a nonzero bit there
  * is rejected.
  * Erratum position_below_zero (open, omission).

@@ -246,7 +246,7 @@ static inline cw_result lika_sma21_biss_set_offset_steps(
  * position takes up the whole field of the single cycle data, so a decoder must know the content of
  * the Configuration register.
  * Erratum offset_in_the_padding (open, wrong data): Used: While an offset is selected in the
- * Configuration register, 6.4 applies: the position takes the whole field of 24 or 25 bits.
+ * Configuration register, 6.4 applies: the position takes up the whole field of 24 or 25 bits.
  * Otherwise 6.2 applies: the bits above the position are zero, and a frame with a nonzero bit there
  * is rejected.
  * Erratum offset_meaning (open, wrong data): Used: All transmitted values are shifted by the

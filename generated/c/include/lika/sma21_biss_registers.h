@@ -266,7 +266,7 @@ typedef enum lika_sma21_biss_output_code {
     LIKA_SMA21_BISS_OUTPUT_CODE_BINARY = 0x1 /**< Binario: Position sent in binary. */
 } lika_sma21_biss_output_code;
 
-/** Abilita preset / offset: Enables preset and offset. 0 enables. */
+/** Abilita preset / offset: Enables preset and offset when it is 0. */
 typedef enum lika_sma21_biss_enable_preset_offset {
     /** Abilita: Preset and offset can be used. */
     LIKA_SMA21_BISS_ENABLE_PRESET_OFFSET_ENABLE = 0x0,
@@ -495,7 +495,7 @@ static inline uint32_t lika_sma21_biss_reg_preset_offset_offset_max(const lika_s
  * positions of the 24-bit or 25-bit field minus the number of positions at that resolution: F0 00
  * 00h at 50 um, C0 00 00h at 10 um, 80 00 00h at 5 um, 0 at 2 um and 1 um.
  * Erratum offset_in_the_padding (open, wrong data): Used: While an offset is selected in the
- * Configuration register, 6.4 applies: the position takes the whole field of 24 or 25 bits.
+ * Configuration register, 6.4 applies: the position takes up the whole field of 24 or 25 bits.
  * Otherwise 6.2 applies: the bits above the position are zero, and a frame with a nonzero bit there
  * is rejected.
  * Erratum offset_meaning (open, wrong data): Used: All transmitted values are shifted by the

@@ -11,7 +11,7 @@
 #- Copy the lines below your order code and remove the first #- of each line.
 
 #- === AMM5A17/1BG1, AMM5B17/1BG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -32,7 +32,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A17/65KBG1, AMM5B17/65KBG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -53,7 +53,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A21/1BG1, AMM5B21/1BG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -74,7 +74,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A21/65KBG1, AMM5B21/65KBG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -95,7 +95,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A23/1BG1, AMM5B23/1BG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -116,7 +116,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A23/65KBG1, AMM5B23/65KBG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -137,7 +137,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A17/1SC1, AMM5B17/1SC1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -160,7 +160,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A17/65KSC1, AMM5B17/65KSC1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -183,7 +183,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A21/1SC1, AMM5B21/1SC1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -206,7 +206,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A21/65KSC1, AMM5B21/65KSC1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -229,7 +229,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A23/1SC1, AMM5B23/1SC1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -252,7 +252,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A23/65KSC1, AMM5B23/65KSC1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode

@@ -13,7 +13,7 @@
 #- Copy the lines below your order code and remove the first #- of each line.
 
 #- === AMM5A17/1BG1, AMM5B17/1BG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -34,7 +34,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A17/65KBG1, AMM5B17/65KBG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -55,7 +55,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A21/1BG1, AMM5B21/1BG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -76,7 +76,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A21/65KBG1, AMM5B21/65KBG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -97,7 +97,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A23/1BG1, AMM5B23/1BG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -118,7 +118,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A23/65KBG1, AMM5B23/65KBG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -139,7 +139,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A17/1SC1, AMM5B17/1SC1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -162,7 +162,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A17/65KSC1, AMM5B17/65KSC1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -185,7 +185,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A21/1SC1, AMM5B21/1SC1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -208,7 +208,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A21/65KSC1, AMM5B21/65KSC1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -231,7 +231,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A23/1SC1, AMM5B23/1SC1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -254,7 +254,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === AMM5A23/65KSC1, AMM5B23/65KSC1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode

@@ -10,7 +10,7 @@
 #- Copy the lines below your order code and remove the first #- of each line.
 
 #- === ASC8520/BG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -52,7 +52,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === ASC8520/GG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -94,7 +94,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === ASC8521/BG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -136,7 +136,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === ASC8521/GG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -178,7 +178,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === ASC8522/BG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -220,7 +220,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === ASC8522/GG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -262,7 +262,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === ASC8523/BG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -304,7 +304,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === ASC8523/GG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -346,7 +346,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === ASC8524/BG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -388,7 +388,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === ASC8524/GG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -430,7 +430,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === ASC8525/BG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -472,7 +472,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === ASC8525/GG1
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -514,7 +514,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === ASC8520/SC1 with zero_bit=as_printed
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -537,7 +537,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,1,1)"
 
 #- === ASC8520/SC1 with zero_bit=left_out
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -606,7 +606,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === ASC8521/SC1 with zero_bit=as_printed
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -629,7 +629,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,1,1)"
 
 #- === ASC8521/SC1 with zero_bit=left_out
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -698,7 +698,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === ASC8522/SC1 with zero_bit=as_printed
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -721,7 +721,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,1,1)"
 
 #- === ASC8522/SC1 with zero_bit=left_out
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -790,7 +790,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === ASC8523/SC1 with zero_bit=as_printed
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -813,7 +813,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,1,1)"
 
 #- === ASC8523/SC1 with zero_bit=left_out
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -882,7 +882,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === ASC8524/SC1 with zero_bit=as_printed
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -905,7 +905,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,1,1)"
 
 #- === ASC8524/SC1 with zero_bit=left_out
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -974,7 +974,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === ASC8525/SC1 with zero_bit=as_printed
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -997,7 +997,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,1,1)"
 
 #- === ASC8525/SC1 with zero_bit=left_out
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode

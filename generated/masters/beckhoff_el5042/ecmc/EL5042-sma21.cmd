@@ -12,7 +12,7 @@
 #- Copy the lines below your order code and remove the first #- of each line.
 
 #- === SMA21-BG1-0050, SMA21-BG4-0050
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -33,7 +33,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,1,1)"
 
 #- === SMA21-BG1-0010, SMA21-BG4-0010
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -54,7 +54,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,1,1)"
 
 #- === SMA21-BG1-0005, SMA21-BG4-0005
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -75,7 +75,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,1,1)"
 
 #- === SMA21-BG1-0002, SMA21-BG4-0002
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -96,7 +96,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,1,1)"
 
 #- === SMA21-BG1-0001, SMA21-BG4-0001
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -117,7 +117,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,1,1)"
 
 #- === SMA21-GG1-0050, SMA21-G11-0050, SMA21-GG4-0050, SMA21-G14-0050
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -138,7 +138,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,1,1)"
 
 #- === SMA21-GG1-0010, SMA21-G11-0010, SMA21-GG4-0010, SMA21-G14-0010
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -159,7 +159,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,1,1)"
 
 #- === SMA21-GG1-0005, SMA21-G11-0005, SMA21-GG4-0005, SMA21-G14-0005
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -180,7 +180,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,1,1)"
 
 #- === SMA21-GG1-0002, SMA21-G11-0002, SMA21-GG4-0002, SMA21-G14-0002
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -201,7 +201,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,1,1)"
 
 #- === SMA21-GG1-0001, SMA21-G11-0001, SMA21-GG4-0001, SMA21-G14-0001
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -223,7 +223,7 @@
 
 #- === SMA21-SC1-0050, SMA21-SC1-0010, SMA21-SC1-0005, SMA21-SC1-0002, SMA21-SC4-0050, SMA21-SC4-0010, SMA21-SC4-0005,
 #-   SMA21-SC4-0002
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode
@@ -246,7 +246,7 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x17,0,1)"
 
 #- === SMA21-SC1-0001, SMA21-SC4-0001
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #-
 #- #- channel 1
 #- #- Mode

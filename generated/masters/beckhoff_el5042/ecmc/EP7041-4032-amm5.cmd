@@ -12,7 +12,7 @@
 
 #- === AMM5A17/1BG1, AMM5B17/1BG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -29,7 +29,7 @@
 
 #- === AMM5A17/65KBG1, AMM5B17/65KBG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -46,7 +46,7 @@
 
 #- === AMM5A21/1BG1, AMM5B21/1BG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -63,7 +63,7 @@
 
 #- === AMM5A21/65KBG1, AMM5B21/65KBG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -80,7 +80,7 @@
 
 #- === AMM5A23/1BG1, AMM5B23/1BG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -97,7 +97,7 @@
 
 #- === AMM5A23/65KBG1, AMM5B23/65KBG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -114,7 +114,7 @@
 
 #- === AMM5A17/1SC1, AMM5B17/1SC1
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
@@ -133,7 +133,7 @@
 
 #- === AMM5A17/65KSC1, AMM5B17/65KSC1
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
@@ -152,7 +152,7 @@
 
 #- === AMM5A21/1SC1, AMM5B21/1SC1
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
@@ -171,7 +171,7 @@
 
 #- === AMM5A21/65KSC1, AMM5B21/65KSC1
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
@@ -190,7 +190,7 @@
 
 #- === AMM5A23/1SC1, AMM5B23/1SC1
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
@@ -209,7 +209,7 @@
 
 #- === AMM5A23/65KSC1, AMM5B23/65KSC1
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"

@@ -10,7 +10,7 @@
 
 #- === ASC8520/BG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -43,7 +43,7 @@
 
 #- === ASC8520/GG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -76,7 +76,7 @@
 
 #- === ASC8521/BG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -109,7 +109,7 @@
 
 #- === ASC8521/GG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -142,7 +142,7 @@
 
 #- === ASC8522/BG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -175,7 +175,7 @@
 
 #- === ASC8522/GG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -208,7 +208,7 @@
 
 #- === ASC8523/BG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -241,7 +241,7 @@
 
 #- === ASC8523/GG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -274,7 +274,7 @@
 
 #- === ASC8524/BG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -307,7 +307,7 @@
 
 #- === ASC8524/GG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -340,7 +340,7 @@
 
 #- === ASC8525/BG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -373,7 +373,7 @@
 
 #- === ASC8525/GG1
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -406,7 +406,7 @@
 
 #- === ASC8520/SC1 with zero_bit=as_printed
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 1: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
@@ -425,7 +425,7 @@
 
 #- === ASC8520/SC1 with zero_bit=left_out
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
@@ -480,7 +480,7 @@
 
 #- === ASC8521/SC1 with zero_bit=as_printed
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 1: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
@@ -499,7 +499,7 @@
 
 #- === ASC8521/SC1 with zero_bit=left_out
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
@@ -554,7 +554,7 @@
 
 #- === ASC8522/SC1 with zero_bit=as_printed
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 1: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
@@ -573,7 +573,7 @@
 
 #- === ASC8522/SC1 with zero_bit=left_out
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
@@ -628,7 +628,7 @@
 
 #- === ASC8523/SC1 with zero_bit=as_printed
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 1: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
@@ -647,7 +647,7 @@
 
 #- === ASC8523/SC1 with zero_bit=left_out
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
@@ -702,7 +702,7 @@
 
 #- === ASC8524/SC1 with zero_bit=as_printed
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 1: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
@@ -721,7 +721,7 @@
 
 #- === ASC8524/SC1 with zero_bit=left_out
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
@@ -776,7 +776,7 @@
 
 #- === ASC8525/SC1 with zero_bit=as_printed
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 1: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
@@ -795,7 +795,7 @@
 
 #- === ASC8525/SC1 with zero_bit=left_out
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"

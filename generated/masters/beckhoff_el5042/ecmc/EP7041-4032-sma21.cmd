@@ -12,7 +12,7 @@
 
 #- === SMA21-BG1-0050, SMA21-BG4-0050
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 1: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -29,7 +29,7 @@
 
 #- === SMA21-BG1-0010, SMA21-BG4-0010
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 1: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -46,7 +46,7 @@
 
 #- === SMA21-BG1-0005, SMA21-BG4-0005
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 1: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -63,7 +63,7 @@
 
 #- === SMA21-BG1-0002, SMA21-BG4-0002
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 1: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -80,7 +80,7 @@
 
 #- === SMA21-BG1-0001, SMA21-BG4-0001
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 1: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -97,7 +97,7 @@
 
 #- === SMA21-GG1-0050, SMA21-G11-0050, SMA21-GG4-0050, SMA21-G14-0050
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 1: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -114,7 +114,7 @@
 
 #- === SMA21-GG1-0010, SMA21-G11-0010, SMA21-GG4-0010, SMA21-G14-0010
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 1: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -131,7 +131,7 @@
 
 #- === SMA21-GG1-0005, SMA21-G11-0005, SMA21-GG4-0005, SMA21-G14-0005
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 1: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -148,7 +148,7 @@
 
 #- === SMA21-GG1-0002, SMA21-G11-0002, SMA21-GG4-0002, SMA21-G14-0002
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 1: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -165,7 +165,7 @@
 
 #- === SMA21-GG1-0001, SMA21-G11-0001, SMA21-GG4-0001, SMA21-G14-0001
 #- #- Not in this file: Mode = 1: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 1: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,1,1)"
@@ -183,7 +183,7 @@
 #- === SMA21-SC1-0050, SMA21-SC1-0010, SMA21-SC1-0005, SMA21-SC1-0002, SMA21-SC4-0050, SMA21-SC4-0010, SMA21-SC4-0005,
 #-   SMA21-SC4-0002
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"
@@ -202,7 +202,7 @@
 
 #- === SMA21-SC1-0001, SMA21-SC4-0001
 #- #- Not in this file: Mode = 0: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Supply Voltage: 50 is the factory default. Leave it unless it was changed.
+#- #- Not in this file: Supply Voltage: 50 is the factory default. Write it only if the setting was changed.
 #- #- Not in this file: Offset LSB Bit [Bit] = 0: not given: index, subindex and a width in whole bytes.
 #- #- Disable Status Bits
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x8008,0x2,0,1)"

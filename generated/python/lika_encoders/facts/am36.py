@@ -250,7 +250,7 @@ SSI: Final = SsiFacts(
 # Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
 # Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: if more than 4,096
 # are set, the shaft may turn by at most 2,047 revolutions in either direction while the encoder is switched off.
-# Used: The registers and the frame use 65,536. 4096 is used only as the text on the label.
+# Used: The registers and the frame use 65,536. 4096 is used only on the label.
 #
 # Erratum biss_timeout_length (open, omission) [6.6 p.32, prot: p.18]:
 # Printed: BiSS time-out: "Self-adaptable to the clock, 10 µs max.".
@@ -792,8 +792,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="mechanical_safety",
         value=(
-            "Do not disassemble the encoder. Do not machine the encoder or its shaft. Do not knock or shock the "
-            "device or its shaft. Observe the ambient conditions specified by the manufacturer."
+            "Do not disassemble the encoder. Do not machine the encoder or its shaft. Do not subject the device or "
+            "its shaft to knocks or shocks. Observe the ambient conditions specified by the manufacturer."
         ),
         source="Mechanical safety p.9",
     ),
@@ -998,9 +998,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "and with a digit after them."
         ),
         why=(
-            "Only the BiSS pages of edition 1.1 are available. The series under which that manual is listed is AM "
-            "3616/4096BG, without the hyphen. The meaning of the digit x is not known. In other families it stands "
-            "for the supply. AMM is assumed to be a misprint for AM."
+            "Only the BiSS pages of edition 1.1 are available. That manual is listed under the series AM 3616/4096BG, "
+            "without the hyphen. The meaning of the digit x is not known. In other families it stands for the supply. "
+            "AMM is assumed to be a misprint for AM."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -1053,7 +1053,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "4,096 are set, the shaft may turn by at most 2,047 revolutions in either direction while the encoder is "
             "switched off"
         ),
-        used="The registers and the frame use 65,536. 4096 is used only as the text on the label.",
+        used="The registers and the frame use 65,536. 4096 is used only on the label.",
         why=(
             "An encoder that stores 65,536 revolutions could be turned by 32,767 while off. 2,047 is half of 4,096 "
             "minus one. Perhaps the encoder distinguishes only the 4,096 revolutions of the order code while it is "
@@ -1289,8 +1289,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The value is 00 00. The generated files do not derive a data length from it.",
         why=(
             "In the BiSS protocol description, 0000 means no profile. The SMA21 and ASC85 manuals have 28xx, with the "
-            "data length in the low byte, for variants 0-24 and similar ones. Nor does a position of up to 36 bits "
-            "fit into 24."
+            "data length in the low byte, for variants 0-24 and similar ones. A position of up to 36 bits also does "
+            "not fit into 24 bits."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -1342,8 +1342,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="0 enables the preset function. 1 disables it.",
         why=(
-            "The table, the default (0 = Enable), 4.4, both examples and the list of defaults use 0 for enable. So "
-            "does the same bit in the SMA21 manual. Edition 1.1 repeats the warning in Preset."
+            "The table, the default (0 = Enable), 4.4, both examples and the list of defaults use 0 for enable. The "
+            "same bit in the SMA21 manual also has this polarity. Edition 1.1 repeats the warning in Preset."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -1401,8 +1401,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The bytes are written in ascending order of address, without another access in between.",
         why=(
             "The registers are written byte by byte. In a change from 10 00 00h to 00 10 00h, the first byte alone "
-            "gives 00 00 00h, which is not a power of two. The manual does not say when a value of several bytes "
-            "counts as transmitted."
+            "gives 00 00 00h, which is not a power of two. The manual does not say when a multi-byte value counts as "
+            "transmitted."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1457,8 +1457,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="The manual gives one device ID, AM I7 2 with the software version, for all models",
         used="The device ID is used as printed.",
         why=(
-            "BiSS requires a different device ID for each data length. Here the length follows the current "
-            "resolution, while the device ID remains the same. A master must read 56h and 57h to know the length."
+            "BiSS requires a different device ID for each data length. In this encoder, the length follows the "
+            "current resolution, while the device ID remains the same. A master must read 56h and 57h to know the "
+            "length."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1542,8 +1543,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="configuration.note",
         used=(
             "For edition 1.1, only two facts are known: the address of the register, and that one of its bits must be "
-            "1 before a preset can be entered. Edition 1.0 prints the same sentence, where it is an erratum. The bits "
-            "are assumed to have the same meaning as in edition 1.0. One of them sets the code of the position."
+            "1 before a preset can be entered. Edition 1.0 prints the same sentence, which is listed as an erratum. "
+            "The bits are assumed to have the same meaning as in edition 1.0. One of them sets the code of the "
+            "position."
         ),
         why="The page that describes it is not public.",
         status=Status.SETTLED,

@@ -80,10 +80,10 @@ MANUAL: Final = Manual(
         Revision("1.7", "BiSS registers 44h to 47h and 78h to 7Dh updated.", date="2020-05-06"),
         Revision(
             "1.8",
-            "AMM5B introduced: mounting information, mounting flange, encumbrance sizes.",
+            "AMM5B introduced: mounting information, mounting flange, overall dimensions.",
             date="2021-04-21",
         ),
-        Revision("1.9", "Drawings of the encumbrance sizes updated.", date="2021-12-09"),
+        Revision("1.9", "Drawings of the overall dimensions updated.", date="2021-12-09"),
     ),
 )
 
@@ -201,8 +201,8 @@ CRCS: Final[tuple[Crc, ...]] = (
 # Printed: 5.1: the output code can be Binary or Gray, see the order code. 5.2: the output code is BINARY, see the order
 # code.
 # Used: Binary.
-# Why: 5.1 describes SSI in general, and 5.2 describes this encoder. The order code has no part for the output code and
-# only one SSI variant, BG1.
+# Why: Section 5.1 describes SSI in general, and 5.2 describes this encoder. The order code has no part for the output
+# code and only one SSI variant, BG1.
 #
 # Erratum ssi_cable_400_m (open, wrong limit) [5.3]:
 # Printed: With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 4 MHz.
@@ -281,7 +281,7 @@ SSI: Final = SsiFacts(
 # Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset, procedure store_preset, procedure
 # save_parameters and procedure activate_preset.
 # Why: The Command register was updated, so older encoders may have other values or another pause. Every procedure ends
-# by accessing this register, so no procedure is known to be correct there.
+# by accessing this register, so no procedure is known to be correct for these encoders.
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=50_000, max_hz=10_000_000, source="6.5 p.40"),
@@ -358,7 +358,7 @@ BISS: Final = BissFacts(
 # Printed: ENID: encoder ID, fixed value = 23h.
 # Used: 23h is the expected encoder ID. A frame with another ID is decoded, and the ID is reported.
 # Why: T-format encoders of 23 bits usually have 17h, which is 23 in decimal. HPMicro's sample prints ENID 0x17. The 23h
-# may be a decimal 23 that was mistaken for hexadecimal. The ID does not show whether the frame is valid. Sync code,
+# may be a decimal 23 that was mistaken for hexadecimal. The ID does not show whether the frame is valid. The sync code,
 # data ID, length and CRC do.
 #
 # Erratum data_id_8_scope (open, wrong data) [7.4.2 p.45, ti_sdk:
@@ -1734,7 +1734,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "(LED and bit) is active. The absolute position is kept. 1. Stop the disk at any point. 2. The 5 V supply "
             "must be on. 3. Remove the depleted battery, and replace it within 1 minute. 4. Install and connect the "
             "new battery. 5. Switch the supply off. 6. Switch the supply on. 7. The singleturn and multiturn "
-            "positions are correct, the same as before. 8. Turn the disk: both LEDs are off."
+            "positions are correct and the same as before. 8. Turn the disk: both LEDs are off."
         ),
         only=".../65K...",
         source="4.3.1 p.23",
@@ -1930,8 +1930,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="Binary",
         why=(
-            "5.1 describes SSI in general, and 5.2 describes this encoder. The order code has no part for the output "
-            "code and only one SSI variant, BG1."
+            "Section 5.1 describes SSI in general, and 5.2 describes this encoder. The order code has no part for the "
+            "output code and only one SSI variant, BG1."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -2144,10 +2144,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used=(
             "The position is not usable if any of these is active: error, BUSY, PS error or ST error. Latched errors "
-            "count until they are reset. In multiturn models, the MT error or the warning bit also makes the position "
-            "unusable. With the battery alarm, it is usable with a warning. EE_1, which combines BUSY, PS error, "
-            "battery alarm and MT error, makes the position unusable. If the frame also carries these four flags "
-            "(data ID 3), they decide instead."
+            "stay active until they are reset. In multiturn models, the MT error or the warning bit also makes the "
+            "position unusable. With the battery alarm, it is usable with a warning. EE_1, which combines BUSY, PS "
+            "error, battery alarm and MT error, makes the position unusable. If the frame also carries these four "
+            "flags (data ID 3), they decide instead."
         ),
         why=(
             "PS error and ST error are faults of the counting itself. The position may have been counted wrongly "
@@ -2172,7 +2172,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="preset_limit",
         printed="English: less than the total hardware resolution. Italian: less than or equal to it (minore o uguale)",
         used="The maximum is 2^position_bits − 1.",
-        why="The total resolution itself needs one bit more than the register has for it.",
+        why="The total resolution itself needs one bit more than the register provides.",
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("registers.preset",),
@@ -2315,7 +2315,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         why=(
             "T-format encoders of 23 bits usually have 17h, which is 23 in decimal. HPMicro's sample prints ENID "
             "0x17. The 23h may be a decimal 23 that was mistaken for hexadecimal. The ID does not show whether the "
-            "frame is valid. Sync code, data ID, length and CRC do."
+            "frame is valid. The sync code, data ID, length and CRC do."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2330,7 +2330,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="busy_and_errors_in_one_bit",
         printed="EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error",
-        used="EE_1 is one flag, status_other_error. Do not trust a position received with it until ALMC has been read.",
+        used=(
+            "EE_1 is one flag, status_other_error. Do not trust a position received with this flag until ALMC has "
+            "been read."
+        ),
         why=(
             "BUSY is not latched, and all position data are 0 while it is active. The other three are latched, and "
             "the position may be correct. The replies to data IDs 0, 1, 2, 7, 8 and C do not distinguish them. Data "
@@ -2354,8 +2357,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="MEM BUSY 1 means that the memory is busy and the request is not executed. Send the request again.",
         why=(
             "If a read request were invalid because reading is being executed, it would never be answered. Probably a "
-            "write is in progress, as the sentence says. The row for writing has the same words, with writing instead "
-            "of reading."
+            "write is in progress, as the sentence says. The row for writing has the same wording, with writing "
+            "instead of reading."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -2403,7 +2406,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         why=(
             "Section 9 does not mention a blinking LED with an error, but 4.3.2 does. The manual does not say how "
             "long an LED blinks after a successful installation, or whether the two differ in any other way. While it "
-            "blinks, the error bit decides."
+            "blinks, rely on the error bit."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2425,7 +2428,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         why=(
             "The manual does not say what these bits mean without a battery and a multiturn system, or whether they "
-            "are always 0 or always 1 there. The conditions printed for them affect only the number of revolutions, "
+            "are then always 0 or always 1. The conditions printed for them affect only the number of revolutions, "
             "which singleturn models do not count. If BATT or MTERR is always 1, so is EE_1, and only data ID 3 gives "
             "usable positions."
         ),
@@ -2450,8 +2453,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="Data IDs 7 and C also clear the battery alarm.",
         why=(
-            "7.4.1 says so explicitly for this alarm. The lists in 7.4.2 are meant to contain all latched errors but "
-            "omit it."
+            "Section 7.4.1 says so explicitly for this alarm. The lists in 7.4.2 should contain all latched errors "
+            "but omit it."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2485,8 +2488,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="MEM BUSY is bit 0 of the address field, and the address is bits 7:1, so address 5 is sent as 0Ah.",
         used=(
             "Either position is possible. The user must choose, and there is no default. With the wrong choice, an "
-            "access reaches twice the address or half of it, and a write destroys other data there. Read and compare "
-            "before you write."
+            "access reaches twice the address or half of it, and a write overwrites other data there. Read and "
+            "compare before you write."
         ),
         why=(
             "Two independent T-format stacks put the plain address into the byte, in bits 6:0. HPMicro prints 32 7F "
@@ -2580,7 +2583,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="leds_at_power_on",
         printed="Italian 3.4: the LEDs light up for a moment (si accendono per un attimo). Elsewhere: they blink",
         used="The LEDs blink for a while.",
-        why="English 3.4 and section 9 of both editions say so.",
+        why="Section 3.4 of the English edition and section 9 of both editions say so.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("leds.led_1_error", "leds.led_2_warning"),
@@ -2620,8 +2623,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "again."
         ),
         why=(
-            "A multiturn position that differs from the one before is not correct. 4.3.1 uses the same words where "
-            "both are kept."
+            "A multiturn position that differs from the one before is not correct. Section 4.3.1 uses the same words "
+            "for the case in which both are kept."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -2963,7 +2966,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="not known",
         why=(
             "The Command register was updated, so older encoders may have other values or another pause. Every "
-            "procedure ends by accessing this register, so no procedure is known to be correct there."
+            "procedure ends by accessing this register, so no procedure is known to be correct for these encoders."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -3008,7 +3011,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "characteristics.cable_bending_radius, characteristics.cable_temperature and 4 more"
         ),
         used="not known",
-        why="This revision added cable information and the replacement of the battery.",
+        why="This revision added cable information and the battery replacement procedure.",
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=(

@@ -345,9 +345,9 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             ),
             meaning="Identification code of the encoder profile, BP1 (Standard Encoder Profile)",
             note=(
-                "The manual prints one value for all models, although the data length fits only the model of 25 bits. "
-                "The length is therefore not used to identify the encoder. For the variant, the manual refers to the "
-                "standard encoder profile, data format."
+                "The manual prints one value for all models, although the data length fits only the model with 25 "
+                "bits. The length is therefore not used to identify the encoder. For the variant, the manual refers "
+                "to the standard encoder profile, data format."
             ),
             source="6.4 p.23",
         ),
@@ -581,7 +581,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 "The table uses bits 31:6, which are 26 bits, and calls bits 5:0 \"not used\". It does not give their "
                 "content. If the resolution is 25 bits, the 26 bits are interpreted as the position and, in bit 6, "
                 "the constant 0 bit of the BiSS frame. At a lower resolution, the position is also interpreted as "
-                "left-aligned. The low byte comes first, unlike in the other registers of several bytes."
+                "left-aligned. The low byte comes first, unlike in the other multi-byte registers."
             ),
             source="6.4 p.29",
         ),
@@ -920,8 +920,8 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(
         name="mechanical_safety",
         value=(
-            "Do not disassemble the encoder. Do not machine the encoder or its shaft. Do not knock or shock the "
-            "device or its shaft. Observe the ambient conditions specified by the manufacturer."
+            "Do not disassemble the encoder. Do not machine the encoder or its shaft. Do not subject the device or "
+            "its shaft to knocks or shocks. Observe the ambient conditions specified by the manufacturer."
         ),
         source="1.3 p.8",
     ),
@@ -1061,11 +1061,11 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
     LostFigure("Dimensions of the mounting support in millimetres.", source="3.2 p.11"),
     LostFigure("Picture of the mounting with parts 1 to 4. The text also names them.", source="3.3 p.12"),
     LostFigure(
-        "Front view of the M12 connector with its pin numbers. The table in section 4 lists the numbers.",
+        "Front view of the M12 connector with its pin numbers. The table in section 4 lists the pins.",
         source="4.1 p.13",
     ),
     LostFigure(
-        "Front view of the M23 connector with its pin numbers. The table in section 4 lists the numbers.",
+        "Front view of the M23 connector with its pin numbers. The table in section 4 lists the pins.",
         source="4.2 p.13",
     ),
     LostFigure(
@@ -1287,7 +1287,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The start value is 0.",
         why=(
             "In public BiSS documents, the start value is 0 unless something else is stated. The one public driver "
-            "for this encoder also does this. However, a public controller with the same registers lets its "
+            "for this encoder also uses this value. However, a public controller with the same registers lets its "
             "manufacturer set any start value. With another start value, the CRC of every frame fails, with or "
             "without errors on the line."
         ),
@@ -1367,11 +1367,11 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="profile_id_data_length",
         printed="The manual gives the profile ID 28 1A, data length 25 + 1 bits, for all models",
         used=(
-            "The profile ID is 281Ah for all models, as printed. It determines neither the resolution nor the zero "
-            "bit of the frame."
+            "The profile ID is 281Ah for all models, as printed. It does not indicate the resolution or the zero bit "
+            "of the frame."
         ),
         why=(
-            "It fits only the model of 25 bits. According to 6.2.1, the others send 20 + 1 to 24 + 1 bits. In the "
+            "It fits only the model with 25 bits. According to 6.2.1, the others send 20 + 1 to 24 + 1 bits. In the "
             "SMA21 manual, the same byte differs between models and is the data length. A different ID at a lower "
             "resolution is likely. A public controller with the same registers supports only 24 or 26 singleturn "
             "bits, so the frame might differ instead."
@@ -1397,7 +1397,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="serial_number_digits",
         printed="The manual describes a serial number in ascending order, with the example 171256846",
-        used="The serial number is one number.",
+        used="The serial number is a single number.",
         why=(
             "In the AMM5 manual, the same register contains year, week and number as decimal digits. Read this way, "
             "the example is 17 12 56846, week 12 of 2017, two months before this manual. The SMA21 manual has the "
@@ -1413,7 +1413,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Command 02: the status bit 2 Absolute data valid. List of status bits: bit 1",
         used="Absolute data valid is bit 1.",
         why=(
-            "The list gives each of the eight bits once and has Internal data bus busy at bit 2. A public controller "
+            "The list gives each of the eight bits once, with Internal data bus busy at bit 2. A public controller "
             "with the same commands lists its status byte in the same order."
         ),
         status=Status.SETTLED,
@@ -1426,7 +1426,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Commands 01 and 04: the status bit 3 Internal data bus busy. List of status bits: bit 2",
         used="Internal data bus busy is bit 2.",
         why=(
-            "The list gives each of the eight bits once and has the write access to the EDS memory area at bit 3. A "
+            "The list gives each of the eight bits once, with the write access to the EDS memory area at bit 3. A "
             "public controller with the same commands lists its status byte in the same order."
         ),
         status=Status.SETTLED,
@@ -1477,9 +1477,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "position_bits wide. The bits below it are unspecified."
         ),
         why=(
-            "26 bits are more than any model has. 25 bits and the constant 0 bit of the frame fill them. The manual "
-            "does not say whether the position remains left-aligned at 20 to 24 bits, or what the bits below it "
-            "contain then. A public controller with the same addresses has 26 singleturn bits there."
+            "No model has 26 bits. 25 bits and the constant 0 bit of the frame fill this width. The manual does not "
+            "say whether the position remains left-aligned at 20 to 24 bits, or what the bits below it contain then. "
+            "A public controller has 26 singleturn bits at the same addresses."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -1524,7 +1524,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="Only this value is used. The generated files have no rule for other clock frequencies.",
         why=(
             "An adaptive time-out depends on the clock, but the manual gives no rule. At 10 MHz, the one and a half "
-            "clock periods of the BiSS description and of the AMM5 manual are 0.15 µs. 0.35 µs are three and a half "
+            "clock periods of the BiSS description and of the AMM5 manual are 0.15 µs. 0.35 µs is three and a half "
             "periods."
         ),
         status=Status.OPEN,

@@ -63,7 +63,7 @@ MANUAL: Final = Manual(
     history=(
         Revision("1.0", "First issue.", date="2023-07-17"),
         Revision("1.1", "Encoder inharmonious error removed.", date="2023-11-10"),
-        Revision("1.2", "Panasonic® named with the RS-485 interface.", date="2024-05-10"),
+        Revision("1.2", "Panasonic® name added to the RS-485 interface.", date="2024-05-10"),
     ),
 )
 
@@ -240,13 +240,13 @@ SSI: Final = SsiFacts(
 # Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]:
 # Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions of 20
 # bits.
-# Used: While an offset is selected in the Configuration register, 6.4 applies: the position takes the whole field of 24
-# or 25 bits. Otherwise 6.2 applies: the bits above the position are zero, and a frame with a nonzero bit there is
+# Used: While an offset is selected in the Configuration register, 6.4 applies: the position takes up the whole field of
+# 24 or 25 bits. Otherwise 6.2 applies: the bits above the position are zero, and a frame with a nonzero bit there is
 # rejected.
 # Why: The highest offset is the number of positions that the whole field can hold minus the number of positions at the
 # resolution. The limit refers to that field. The sum is therefore meant to fill the field, so from 50 µm to 5 µm the
-# bits above the position carry data. The zeros of 6.2 apply without an offset. Only a frame of an encoder with an
-# offset could confirm this.
+# bits above the position carry data. The zeros of 6.2 apply only if no offset is selected. Only a frame of an encoder
+# with an offset could confirm this.
 #
 # Erratum profile_variants (open, wrong data) [6.4 p.28, asc85: 6.4 p.23]:
 # Printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h for a 20-bit position in a field of
@@ -254,7 +254,7 @@ SSI: Final = SsiFacts(
 # Used: Each is used as printed.
 # Why: The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte is the length of the whole
 # field, not of the position, and the variant with one more bit has one plus sign fewer. A master that takes the length
-# of the data from the profile ID would miss 4, 2 or 1 bits here.
+# of the data from the profile ID would miss 4, 2 or 1 bits with this encoder.
 #
 # Erratum biss_timeout (open, omission) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
 # Printed: The BiSS time-out adapts to the clock frequency and is at most 16 µs. The manual does not print a rule.
@@ -1051,7 +1051,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 FieldFacts(name="unused_3_4", meaning="Not used", constant=0, names=ReadOnly({"it": "Non utilizzato"})),
                 FieldFacts(
                     name="enable_preset_offset",
-                    meaning="Enables preset and offset. 0 enables",
+                    meaning="Enables preset and offset when it is 0",
                     default=0,
                     names=ReadOnly({"it": "Abilita preset / offset"}),
                     source="6.4 p.30",
@@ -1489,7 +1489,7 @@ TABLES: Final[tuple[Table, ...]] = (
     ),
     Table(
         name="lengths",
-        title="Length of tape and travel, and information",
+        title="Tape length, travel and number of positions",
         columns=("Version", "Maximum tape length mm", "Maximum useful travel mm"),
         rows=(("RS-485 with 1 µm", "16410", "16339"), ("All other models", "32820", "32749")),
         note=(
@@ -2060,7 +2060,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Maximum length of the tape (lunghezza massima della banda): 16.339, without a unit, and 32.749 mm",
         used="The tape is at most 16,410 mm and 32,820 mm long. 16,339 mm and 32,749 mm are the travel.",
         why=(
-            "4.10 lists both. The preliminary information, 5.2 and the cover print the smaller numbers as the "
+            "Section 4.10 lists both. The preliminary information, 5.2 and the cover print the smaller numbers as the "
             "measuring length. The difference of 71 mm is made up of the head of 63 mm and 4 mm at each end."
         ),
         status=Status.SETTLED,
@@ -2076,8 +2076,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="Data ID F is used as described in 7.3.1 and 7.3.3.2.",
         why=(
-            "7.3.3.2 describes it in detail, including the write to the EEPROM. For the SSI models, 5.5 leaves it to "
-            "the master, if needed."
+            "Section 7.3.3.2 describes it in detail, including the write to the EEPROM. For the SSI models, 5.5 "
+            "leaves it to the master, if needed."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
@@ -2105,8 +2105,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "satisfies both."
         ),
         why=(
-            "Because of the error bit, the word is one bit longer than the resolution. n + 1 edges with the "
-            "resolution as n would be just enough for that last bit. 5.1 describes SSI in general, where the word has "
+            "Because of the error bit, the word is one bit longer than the resolution. With the resolution as n, n + "
+            "1 edges would be just enough for that last bit. Section 5.1 describes SSI in general, where the word has "
             "as many bits as the resolution."
         ),
         status=Status.OPEN,
@@ -2146,8 +2146,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="The manual says that the output code can be binary or Gray, but not which bits of the frame it covers",
         used="Only the position is coded. The error bit, the warning bit and the CRC are sent unchanged.",
         why=(
-            "6.4 refers to the absolute position information, and a flag in Gray code would change with the bit next "
-            "to it. The zeros above the position in the BiSS frame are the same either way."
+            "Section 6.4 refers to the absolute position information, and a flag in Gray code would change with the "
+            "bit next to it. The zeros above the position in the BiSS frame are the same either way."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2172,8 +2172,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="SCD (32 bit), with a position of 24 or 25 bits",
         used="The frame has 32 bits at resolutions of 50 µm to 2 µm and 33 bits at 1 µm.",
         why=(
-            "Position, error, warning and CRC add up to 25 + 1 + 1 + 6 = 33 at 1 µm. The table below has bits 32 to 0 "
-            "for it."
+            "Position, error, warning and CRC add up to 25 + 1 + 1 + 6 = 33 at 1 µm. The table below lists bits 32 to "
+            "0."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -2187,15 +2187,15 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "of 20 bits"
         ),
         used=(
-            "While an offset is selected in the Configuration register, 6.4 applies: the position takes the whole "
+            "While an offset is selected in the Configuration register, 6.4 applies: the position takes up the whole "
             "field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the position are zero, and a frame with a "
             "nonzero bit there is rejected."
         ),
         why=(
             "The highest offset is the number of positions that the whole field can hold minus the number of "
             "positions at the resolution. The limit refers to that field. The sum is therefore meant to fill the "
-            "field, so from 50 µm to 5 µm the bits above the position carry data. The zeros of 6.2 apply without an "
-            "offset. Only a frame of an encoder with an offset could confirm this."
+            "field, so from 50 µm to 5 µm the bits above the position carry data. The zeros of 6.2 apply only if no "
+            "offset is selected. Only a frame of an encoder with an offset could confirm this."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2221,8 +2221,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "RS-485, it wraps around at the full range of its field. The 48-bit position can be negative."
         ),
         why=(
-            "A preset of 0 or a reset of the position within the travel leaves positions below it. All position "
-            "fields are unsigned except that of data ID 5."
+            "A preset of 0 or a reset of the position somewhere along the travel leaves positions below zero. All "
+            "position fields are unsigned except that of data ID 5."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2254,7 +2254,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         why=(
             "The ASC85 manual has Variant 0-24++ and 281Ah for 25 + 1 bits. There, the low byte is the length of the "
             "whole field, not of the position, and the variant with one more bit has one plus sign fewer. A master "
-            "that takes the length of the data from the profile ID would miss 4, 2 or 1 bits here."
+            "that takes the length of the data from the profile ID would miss 4, 2 or 1 bits with this encoder."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -2353,7 +2353,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "Name and release are expressed in hexadecimal values of ASCII. In the table, 7Ch and 7Dh contain xx, and "
             "the ASCII row contains a\n  dash."
         ),
-        used="The release is a number of two bytes.",
+        used="The release is a two-byte number.",
         why="The dash contradicts the sentence before it. The manual prints no value that could settle this.",
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -2380,7 +2380,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Bit 8 Direzione di conteggio",
         used="Counting direction is bit 6.",
         why=(
-            "The register has bits 7 to 0. 6.4 and section 12 have bit 6. The value 60h of the example sets bits 6 "
+            "The register has bits 7 to 0. Sections 6.4 and 12 list bit 6. The value 60h of the example sets bits 6 "
             "and 5."
         ),
         status=Status.SETTLED,
@@ -2436,13 +2436,13 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used=(
             "The position is not usable if any of these is active: nE, ea1 or an alarm that is part of ea1. Stored "
-            "errors count until they are reset. The position is usable with a warning if any of these is active: ea0, "
-            "an alarm that is part of ea0, or nW. It is usable while none is active (9.1)."
+            "errors stay active until they are reset. The position is usable with a warning if any of these is "
+            "active: ea0, an alarm that is part of ea0, or nW. It is usable while none is active (9.1)."
         ),
         why=(
-            "ea1 does not show which of the three it is. With an error only in the EEPROM, the position may be "
+            "ea1 does not show which of the three it is. If only the EEPROM has an error, the position may be "
             "correct, but the manual does not say so. nW is for Lika's technicians, and there is no evidence that a "
-            "position with it is wrong."
+            "position sent with it is wrong."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2459,7 +2459,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="abs_range_48",
         printed="The 48-bit position ranges from 800000000000h to 7FFFFFFFFFh",
         used="The highest value is 7FFFFFFFFFFFh.",
-        why="Two digits are missing. The highest 48-bit number in two's complement has twelve.",
+        why="Two digits are missing. The highest 48-bit number in two's complement has twelve hexadecimal digits.",
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.rs485.wide_position_reply",),
@@ -2496,8 +2496,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="The position has 20 bits at 50 µm, 22 at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.",
         why=(
-            "These are the widths of SSI and BiSS, cut to 24 bits at 1 µm, for which 4.10 halves the travel. A "
-            "resolution probably has the same width as over the other interfaces, but the manual does not say so."
+            "These are the widths of SSI and BiSS, cut to 24 bits at 1 µm, for which 4.10 halves the travel. The "
+            "position probably has the same width as over the other interfaces, but the manual does not say so."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2607,7 +2607,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "This applies to SSI and BiSS. Over RS-485, the error bit is high while there is an error, and it stays "
             "high until it is reset."
         ),
-        why="7.3.2 and the note in 9.1 say so. Section 9 does not distinguish between the interfaces.",
+        why="Section 7.3.2 and the note in 9.1 say so. Section 9 does not distinguish between the interfaces.",
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=("field_groups.status_field.status_error", "leds.diagnostics"),
