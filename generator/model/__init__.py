@@ -67,6 +67,7 @@ from .interfaces import INTERFACES, Fact, Interface
 from .interfaces.biss import BankSelect, Biss, ControlField, DescriptionFile, Network, PrintedTimeout, Profile, Timeout
 from .interfaces.common import Clock, Signals
 from .interfaces.rs485 import DataId, MemoryAccess, Port, Rs485
+from .interfaces.spi import Exchange, Spi, WordFormat
 from .interfaces.ssi import Alignment, CableLength, OutputCode, Ssi
 from .kinds import (
     UNEXPLAINED,
@@ -135,6 +136,7 @@ __all__ = [
     "EditionTest",
     "Erratum",
     "Example",
+    "Exchange",
     "Fact",
     "Fault",
     "Field",
@@ -188,6 +190,7 @@ __all__ = [
     "Sources",
     "SpelledValue",
     "Spelling",
+    "Spi",
     "Ssi",
     "Step",
     "Supply",
@@ -202,6 +205,7 @@ __all__ = [
     "Variant",
     "Verdict",
     "WaitStep",
+    "WordFormat",
     "Write",
     "WriteStep",
     "assert_never",

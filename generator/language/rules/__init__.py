@@ -22,6 +22,7 @@ from . import (
     references,
     repeated,
     shapes,
+    spi,
     values,
 )
 from .walk import Rule
@@ -77,6 +78,7 @@ RULES: tuple[Rule, ...] = (
     biss.biss_frame,
     biss.biss_control,
     references.unused_crc,
+    spi.exchanges,
     procedures.step_access,
     procedures.step_waits,
     procedures.step_opens,

@@ -142,8 +142,9 @@ class InterfaceCode:
         for fact, about in zip(interface.facts(), settings(self.device, interface), strict=True):
             match fact:
                 case Clock():
-                    yield self._macro("CLOCK_MIN_HZ", fact.min_hz, about)
-                    yield self._macro("CLOCK_MAX_HZ", fact.max_hz, "highest clock in Hz")
+                    if fact.min_hz:
+                        yield self._macro("CLOCK_MIN_HZ", fact.min_hz, about)
+                    yield self._macro("CLOCK_MAX_HZ", fact.max_hz, "highest clock in Hz" if fact.min_hz else about)
                 case CableLength():
                     self._said.append(about)  # A function states it.
                 case Timeout():

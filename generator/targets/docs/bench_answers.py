@@ -21,6 +21,7 @@ from ...model import (
     Register,
     Rs485,
     SendStep,
+    Spi,
     Ssi,
     Step,
     Variant,
@@ -159,6 +160,9 @@ def speed(device: Device, interface: Interface, layout: Layout | None) -> Speed:
     match interface:
         case Ssi() | Biss():
             return _clock(device, interface, layout)
+        case Spi():
+            shown = map(STYLE.phrase, settings(device, interface))
+            return Speed("Clock and words", tuple(f"{item}." for item in shown))
         case Rs485():
             return _baud(device, interface)
         case _:
@@ -357,6 +361,8 @@ def sending(family: Device, device: Device, interface: Interface, variant: Varia
                 facts.append("Addresses and bytes are in hexadecimal. The preset is 0 in these rows.")
         case Rs485():
             facts.append("Bytes are in hexadecimal. There is no preset other than the resets, and no save command.")
+        case Spi():
+            facts.append("The frames of the master are requests. The frames of the encoder answer them.")
         case _:
             assert_never(interface)
     inputs = [link(text(title(item)), f"#input-{item.name}") for item in device.inputs]

@@ -51,9 +51,9 @@ FACTS: Mapping[str, tuple[str, ...]] = {
     f"codewheel_runtime.{module}": tuple(names.split())
     for module, names in {
         "facts": """AboveMax Access Alarm Alignment BissFacts ByteOrder CableLength Characteristic Clock Connector
-            ConnectorKind Contact ControlField Crc DataIdFacts Document Edition Erratum FieldFacts Input Led LedState
-            LostFigure Manual MemoryAccess NamedValue Network Port PrintedTimeout Purpose Register RegisterMeaning
-            Revision Rs485Facts Severity SsiFacts Status Table Timeout TimeoutRule Timing""",
+            ConnectorKind Contact ControlField Crc DataIdFacts Document Edition Erratum Exchange FieldFacts Input
+            Led LedState LostFigure Manual MemoryAccess NamedValue Network Port PrintedTimeout Purpose Register
+            RegisterMeaning Revision Rs485Facts Severity SpiFacts SsiFacts Status Table Timeout TimeoutRule Timing""",
         "order_codes": "OrderCode Part PartValue SpelledValue Spelling",
         "reports": "Interface ReadOnly Report Reports Verdict",
     }.items()
