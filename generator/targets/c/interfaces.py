@@ -195,7 +195,7 @@ class InterfaceCode:
     def _controls(self) -> Iterator[Macro]:
         for item in self.interface.data_ids if isinstance(self.interface, Rs485) else ():
             yield self._macro(f"CONTROL_{item.name}", item.control, data_id(item), hexadecimal=True)
-        # 0 is no request.
+        # 0 means that there is none.
         for number_, each in enumerate(self.interface.exchanges if isinstance(self.interface, Spi) else (), 1):
             yield self._macro(f"REQUEST_{each.request}", number_, exchange(each))
 
