@@ -35,6 +35,15 @@ def exchanges(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if interface_of(register) == Spi.name and "byte_order" in register:
             wrong = f"{quoted(register['name'])} is sent as one number; leave 'byte_order' out"
             report.add("spi-exchange", (*path, "byte_order"), wrong, at_key=True)
+        for below, field in items(register, "fields"):
+            if interface_of(register) == Spi.name and "equals" in field:
+                wrong = "an encoder cannot be identified by its registers over SPI; use 'constant' or 'meaning'"
+                report.add("spi-exchange", (*path, *below, "equals"), wrong, at_key=True)
+    registers = by_name(raw, "registers")
+    for name, parameter in mapping(spec, "parameters").items():
+        if interface_of(registers.get(str(parameter.get("read_from")).partition(".")[0], {})) == Spi.name:
+            wrong = f"a parameter cannot be read from a register over SPI; leave 'read_from' out of {quoted(name)}"
+            report.add("spi-exchange", ("parameters", name, "read_from"), wrong, at_key=True)
     _check_frames(layouts, found, report)
     _check_accesses(raw, layouts, found, report)
 
