@@ -58,7 +58,7 @@ def _check_joins(layout: Layout, site: Site) -> set[str]:
 def _check_parities(layout: Layout, site: Site) -> None:
     """Check that parity bits cover data fields, each at most once."""
     for field in layout.fields:
-        of = field.kind.of if isinstance(field.kind, Parity) else ()
+        of = field.kind.covers if isinstance(field.kind, Parity) else ()
         for index, name in enumerate(of):
             kind = next((item.kind for item in layout.fields if item.name == name), None)
             wrong = ""

@@ -409,11 +409,10 @@ def _constants(layout: Layout, by_word: bool) -> Iterator[Check]:
                 yield ZerosAbove(padded, item, bits, beyond)
             case Constant(value=number):
                 yield AlwaysIs(item, bits, number)
-            case Parity() as kind:
-                of, odd = _covered(layout, kind)
+            case Parity(of=names, odd=odd):
+                of = tuple(map(layout.field, names))
                 of_bits = tuple(bits_of(layout, field) for field in of)
-                known = _known_parity(layout, of, odd)
-                yield ParityIs(item, bits, of, of_bits, odd, known) if of else AlwaysIs(item, bits, int(odd))
+                yield ParityIs(item, bits, of, of_bits, odd, _known_parity(layout, of, odd))
 
 
 def _ranges(layout: Layout) -> Iterator[Check]:
@@ -436,19 +435,8 @@ def allowed_values(layout: Layout, item: Field) -> tuple[int, ...]:
     return () if is_full else tuple(values)
 
 
-def _covered(layout: Layout, kind: Parity) -> tuple[tuple[Field, ...], bool]:
-    """Return the fields that a parity bit covers without the constants among several, and its sense for the others."""
-    of = tuple(map(layout.field, kind.of))
-    constants = [item.kind.value for item in of if isinstance(item.kind, Constant) and len(of) > 1]
-    ones = sum(value.bit_count() for value in constants)
-    rest = tuple(item for item in of if len(of) == 1 or not isinstance(item.kind, Constant))
-    return rest, bool(ones & 1) != kind.odd
-
-
 def _known_parity(layout: Layout, of: tuple[Field, ...], odd: bool) -> int | None:
     """Return the parity bit if every field has a single value, otherwise None."""
-    if not of:
-        return int(odd)
     value = only_value(layout, of[0]) if len(of) == 1 else None
     return parity(value, odd) if value is not None else None
 
@@ -468,8 +456,8 @@ def _terms(layout: Layout) -> Iterator[Term]:
         match item.kind:
             case CrcValue():
                 continue
-            case Parity() as kind:
-                of, odd = _covered(layout, kind)
+            case Parity(of=names, odd=odd):
+                of = tuple(map(layout.field, names))
                 bit = _known_parity(layout, of, odd)
                 value: Fixed | Given | ParityOf | Turned = ParityOf(of, odd) if bit is None else Fixed(bit)
             case Unused(number):

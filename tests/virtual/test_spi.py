@@ -168,3 +168,62 @@ def test_c_loses_no_position(outputs: Path, compiler: str, tmp_path: Path) -> No
             process.stdin.flush()
     assert process.returncode == 0
     assert words > POSITIONS
+
+
+#: Frames with the bits that a valid word must have, as a mask and a value, and the member at its low end.
+FRAMES = {
+    "position_request": (0xFFFF, 0xFFFF, ""),
+    "read_request": (0x4000, 0x4000, "address"),
+    "write_request": (0x4000, 0x0000, "address"),
+    "write_data": (0x4000, 0x0000, "data"),
+    "position": (0, 0, "position"),
+    "register_reply": (0, 0, "data"),
+}
+
+
+def valid(name: str) -> list[int]:
+    """Each word of a frame that is valid: an even number of ones, and its constants."""
+    mask, value, _ = FRAMES[name]
+    return [word for word in range(1 << 16) if not word.bit_count() & 1 and word & mask == value]
+
+
+def test_c_accepts_exactly_the_valid_words(outputs: Path, tmp_path: Path) -> None:
+    """All 65,536 words as each of the frames. For valid words, the member is compared, and requests are encoded."""
+    lines = []
+    for name, (_, _, member) in FRAMES.items():
+        both = f"(unsigned)frame.{member}" if member else "0x3FFFU"
+        sent = f"ams_as5047p_spi_{name}"
+        encoded = f"if ({sent}_encode(encoder, &frame, &again) != CW_OK || again != word) return 1;"
+        lines += [
+            f"{{ {sent} frame; if ({sent}_decode(encoder, word, &frame) == CW_OK) {{",
+            f'{encoded} printf("{name} %u %u\\n", (unsigned)word, {both}); }} }}',
+        ]
+    source = tmp_path / "words.c"
+    source.write_text(
+        '#include <stdio.h>\n#include "ams/as5047p_spi_simulate.h"\n'
+        "static const ams_as5047p_spi *const encoder = &AMS_AS5047P_SPI_AS5047P;\n"
+        "int main(void)\n{\nuint64_t word, again;\nfor (word = 0U; word < 65536U; word++) {\n"
+        + "\n".join(lines)
+        + "\n}\nreturn 0;\n}\n",
+        encoding="ascii",
+    )
+    include = str(outputs / "c" / "include")
+    subprocess.run(["gcc", "-std=c99", "-O1", "-I", include, str(source), "-o", str(tmp_path / "words")], check=True)
+    found = subprocess.run([tmp_path / "words"], capture_output=True, text=True, check=True).stdout.splitlines()
+    wanted = [f"{name} {word} {word & 0x3FFF}" for name in FRAMES for word in valid(name)]
+    assert sorted(found) == sorted(wanted)
+
+
+def test_python_accepts_exactly_the_valid_words(package: Any) -> None:
+    module = importlib.import_module("ams_encoders.as5047p")
+    kinds = [module.PositionRequest, module.ReadRequest, module.WriteRequest, module.WriteData]
+    for kind, name in zip([*kinds, module.Position, module.RegisterReply], FRAMES, strict=True):
+        accepted = []
+        for word in range(1 << 16):
+            try:
+                frame = kind.decode(word)
+            except package.ConstantError:
+                continue
+            accepted.append(word)
+            assert frame.encode() == word
+        assert accepted == valid(name)
