@@ -285,7 +285,7 @@ def _refuse_what_is_in_the_way(
 
 
 def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: set[str]) -> Iterator[tuple[str, str]]:
-    """Yield foreign files and folders that are in the way of ``files`` or their folders, each with a remark."""
+    """Yield files and folders that codewheel did not write where ``files`` or their folders go, each with a note."""
     ours = set(_ours(folder, target))
     folders = {parent.as_posix() for path in files for parent in Path(path).parents} - {".", target}
     for path in sorted(folders - ours):

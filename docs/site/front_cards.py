@@ -10,6 +10,9 @@ from codewheel.loading.library import load_library
 from codewheel.model import Device, Flag, PlacedField, PlacedLayout, Variant
 from codewheel.say.name import words
 
+#: Fields with fewer bits have room for a letter only, which the caption explains.
+_TEXT = 3
+
 
 def cards(source: Path) -> list[str]:
     """Return the HTML of the cards of those families that have a page among the pages of ``source``."""
@@ -26,7 +29,10 @@ def _card(device: Device) -> Iterator[str]:
     yield f'<p class="facts">{manufacturer}. {escape(interfaces)}. {len(device.variants)} order codes.</p>\n'
     yield f"{_bits(placed)}\n"
     title = device.interface(variant.interface).title
-    yield f'<p class="facts">Frame of {escape(variant.code)} over {escape(title)}: {placed.bits} bits.</p></div>\n'
+    letters = [f"{_letter(item)} {words(item.name)}" for item in _left_to_right(placed) if _size(item) < _TEXT]
+    legend = f" {', '.join(letters)}." if letters else ""
+    frame = f"Frame of {variant.code} over {title}: {placed.bits} bits.{legend}"
+    yield f'<p class="facts">{escape(frame)}</p></div>\n'
 
 
 def _frame(device: Device) -> tuple[Variant, PlacedLayout]:
@@ -41,20 +47,31 @@ def _frame(device: Device) -> tuple[Variant, PlacedLayout]:
 
 
 def _bits(placed: PlacedLayout) -> str:
-    fields = sorted((item for item in placed.fields if item.high >= item.low), key=lambda item: -item.high)
+    fields = _left_to_right(placed)
     spans = "".join(_span(placed, item) for item in fields)
     spoken = ", ".join(f"{words(item.name)} {_places(item)}" for item in fields)
     return f'<div class="bits" role="img" aria-label="{placed.bits} bits: {escape(spoken)}">{spans}</div>'
 
 
 def _span(placed: PlacedLayout, item: PlacedField) -> str:
-    size = item.high - item.low + 1
+    size = _size(item)
     is_flag = size == 1 or isinstance(item.field.kind, Flag)
     kind = "crc" if item.field == placed.layout.crc_field else "flag" if is_flag else "position"
-    label = "" if size < 3 else f"{escape(words(item.name))}<br>{_places(item)}"
+    label = _letter(item) if size < _TEXT else f"{escape(words(item.name))}<br>{_places(item)}"
     title = f"{words(item.name)}, {_places(item)}"
-    label = label or escape(words(item.name)[0].upper())
     return f'<span class="{kind}" style="flex-grow: {size}" title="{escape(title)}">{label}</span>'
+
+
+def _left_to_right(placed: PlacedLayout) -> list[PlacedField]:
+    return sorted((item for item in placed.fields if item.high >= item.low), key=lambda item: -item.high)
+
+
+def _size(item: PlacedField) -> int:
+    return item.high - item.low + 1
+
+
+def _letter(item: PlacedField) -> str:
+    return words(item.name)[0].upper()
 
 
 def _places(item: PlacedField) -> str:

@@ -185,7 +185,7 @@ def _kind(shape: Shape) -> str:
         return f"{one}list of {_plural(shape['items'])}"
     other = shape.get("additionalProperties")
     if isinstance(other, Mapping):
-        return f"map from names to {_plural(other)}"
+        return f"mapping of names to {_plural(other)}"
     return named
 
 

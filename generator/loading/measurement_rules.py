@@ -116,8 +116,8 @@ def _uneven(case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str]
             return (
                 key,
                 (
-                    f"'{name}' counts revolutions above {below} bits for {case.variant.code}, so a turn has"
-                    f" {1 << below} counts, not {values[key]}"
+                    f"'{name}' counts revolutions, and {below} bits follow it for {case.variant.code}, so a turn must"
+                    f" have {1 << below} counts, not {values[key]}"
                 ),
             )
     return None

@@ -344,13 +344,16 @@ def _deciding(device: Device, name: str) -> str:
 def _notes(
     device: Device, interface: Interface, placed: PlacedLayout, parts: Sequence[Part], as_delivered: bool
 ) -> Iterator[str]:
-    for what, names in (("widths", set(placed.layout.bits.parameters)), ("code", {placed.layout.gray_when} - {""})):
+    for what, names in (
+        ("widths depend", set(placed.layout.bits.parameters)),
+        ("code depends", {placed.layout.gray_when} - {""}),
+    ):
         needed = frozenset[str]().union(*(needed_parameters(device, name) for name in names))
         names_of = (item.register for item in device.run_time_parameters if item.name in needed)
         deciding = ", ".join(dict.fromkeys(_deciding(device, name) for name in names_of))
         if deciding:
             given = "their factory defaults. Other values need other settings" if as_delivered else "the given values"
-            yield f"Registers determine the {what}: {deciding}. These settings are for {given}."
+            yield f"The {what} on registers: {deciding}. These settings are for {given}."
     fixed = [part.name for part in parts if part.role == "status" and not part.active]
     if fixed:
         yield f"{' and '.join(fixed)}: always 1, which a master treats as an inactive status bit."

@@ -125,7 +125,7 @@ def divide(text: str) -> Manual:
 
 
 def plain(line: str) -> str:
-    """Return a line without markup, with plain letters, dashes and quotes, and a tab between the cells of a table."""
+    """Return a line without markup, with ASCII letters, dashes and quotes, and a tab between the cells of a table."""
     line = line.strip().strip("|").replace("|", "\t")
     line = _MARKUP.sub(lambda found: found["shown"] or " ", unicodedata.normalize("NFKC", line).translate(_DASHES))
     return re.sub(r" ?\t[ \t]*", "\t", re.sub(r"[^\S\t]+", " ", line)).strip()

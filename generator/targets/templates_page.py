@@ -58,7 +58,7 @@ is misspelt or it is in the wrong folder. An undefined name is an error, not emp
 statement produces no output. Values contain text from specs, which can be anything. The filters of a target escape it
 for its language.
 
-Your templates run in the sandbox of Jinja, and so do the shipped ones that run with them. They can neither change
+Your templates run in Jinja's sandbox, as do any shipped templates used with them. They can neither change
 values nor access files outside their folder, modules or other programs. Each file is limited to a million steps: items
 of loops, calls and printed values. A template that needs more steps is stopped with a message. See [what is
 trusted](../SECURITY.md).

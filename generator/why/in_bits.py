@@ -254,7 +254,7 @@ def _without_status(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[T
     frame = data << (crc.width + status.bit_count()) | idle | received
     bits = short - crc.width
     words = "error and warning were removed from the frame"
-    yield read_as("status_not_sent", f"{words}, and the CRC covers them as inactive", placed, crc, frame)
+    yield read_as("status_not_sent", f"{words}, and the CRC is computed as if they were inactive", placed, crc, frame)
     if text.exact:  # Otherwise this is the same as a CRC over the bits before them.
         words += ", and the CRC covers the rest"
         yield Try(

@@ -178,7 +178,7 @@ def test_as_markdown(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str
 
 - command.function: value save: meaning (`words`): all 4 BiSS order codes; C, Python, XML, pages
 
-49 of 232 generated files change.
+51 of 232 generated files change.
 """,
     )
 

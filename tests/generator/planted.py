@@ -127,7 +127,7 @@ def status_left_out(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
 def status_not_sent(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     position, _ = parts(encoder, source)
     yield _plant(encoder, position + crc(position), "status_not_sent", "covers the rest")
-    yield _plant(encoder, position + crc(position + "11"), "status_not_sent", "as inactive")
+    yield _plant(encoder, position + crc(position + "11"), "status_not_sent", "were inactive")
 
 
 def other_answer(encoder: Encoder, source: random.Random) -> Iterator[Plant]:

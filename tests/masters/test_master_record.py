@@ -217,4 +217,4 @@ def test_a_register_of_another_interface_decides_the_code() -> None:
     assert not report.problems
     ssi = next(item for item in device.variants if item.interface == "ssi")
     notes = record(for_interface(device, "ssi"), ssi).notes
-    assert any(note.startswith("Registers determine the code: configuration.") for note in notes)
+    assert any(note.startswith("The code depends on registers: configuration.") for note in notes)

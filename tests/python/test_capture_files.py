@@ -150,16 +150,17 @@ FORMATS: dict[str, tuple[Writer, dict[str, Any]]] = {
 }
 
 
-@pytest.mark.parametrize("block", [1 << 20, 4096, 500])
-@pytest.mark.parametrize("form", FORMATS)
+# In blocks of 500 bytes, the header of a VCD file is not read.
+@pytest.mark.parametrize(
+    ("form", "block"),
+    [(form, block) for form in FORMATS for block in (1 << 20, 4096, 500) if (form, block) != ("VCD", 500)],
+)
 def test_every_format(form: str, block: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(signal_files, "_BLOCK", block)
     monkeypatch.setattr(signals, "SAMPLES", block)
     monkeypatch.setattr(signal_files, "SAMPLES", block)
     write, options = FORMATS[form]
     line = wave()
-    if form == "VCD" and block < 1000:
-        pytest.skip("the header has more bytes")
     found = read(write(tmp_path / "line.capture", line), **options)
     assert found.table["position"].tolist() == POSITIONS
     assert found.table.ok.all()

@@ -2045,7 +2045,7 @@ def decode_request(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromA
         RangeError: The field Data ID or another field has an undefined value.
         FamilyError: The encoder belongs to another family.
         InterfaceError: The encoder has another interface.
-        TypeError: The request needs an answer that is missing.
+        TypeError: An answer that the request depends on is missing.
     """
     if not isinstance(variant, Rs485Encoder):
         raise wrong_encoder(variant, Variant, _RS485)
@@ -2104,7 +2104,7 @@ def decode_reply(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAdd
         RangeError: The field Data ID or another field has an undefined value.
         FamilyError: The encoder belongs to another family.
         InterfaceError: The encoder has another interface.
-        TypeError: The reply needs an answer that is missing.
+        TypeError: An answer that the reply depends on is missing.
     """
     if not isinstance(variant, Rs485Encoder):
         raise wrong_encoder(variant, Variant, _RS485)

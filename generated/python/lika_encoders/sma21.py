@@ -803,14 +803,14 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
     ``position`` is in Gray code while ``biss_gray`` is 1, and in binary while it is 0.
 
-    The frame has 32 bits from 50 µm to 2 µm and 33 bits at 1 µm. The position is right-aligned in a field of 24 or 25
-    bits, most significant bit first, with zeros above it. While an offset is selected (bit 1 of the Configuration
-    register), the position takes the whole field. With the output code Gray, zeros above a number remain zeros, so it
-    does not matter whether they are converted. The error and warning bits are assumed not to be converted.
+    The frame has 32 bits at resolutions of 50 µm to 2 µm and 33 bits at 1 µm. The position is right-aligned in a field
+    of 24 or 25 bits, most significant bit first, with zeros above it. While an offset is selected (bit 1 of the
+    Configuration register), the position takes the whole field. With the output code Gray, zeros above a number remain
+    zeros, so it does not matter whether they are converted. The error and warning bits are assumed not to be converted.
 
     Errata (full text in ERRATA):
         gray_scope (open, omission): Only the position is coded.
-        scd_length (settled, wrong data): The frame has 32 bits from 50 µm to 2 µm and 33 bits at 1 µm.
+        scd_length (settled, wrong data): The frame has 32 bits at resolutions of 50 µm to 2 µm and 33 bits at 1 µm.
         offset_in_the_padding (open, wrong data): While an offset is selected in the Configuration register, 6.4
             applies: the position takes the whole field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the
             position are zero, and a frame with a nonzero bit there is rejected.
@@ -1589,7 +1589,7 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
 
     Attributes:
         variant: Encoder to which the register belongs.
-        profile_id: 28h and the number of bits of the position in decimal. Holds ``profile_id``, which identifies the
+        profile_id: 28h, then the number of position bits in decimal. Holds ``profile_id``, which identifies the
             encoder. The decoder also accepts other values.
 
     Code of the profile used.

@@ -144,7 +144,7 @@ def comment_text(text: object) -> Markup:
 
 
 def comment(text: object, indent: str) -> Markup:
-    """Return a complete comment, wrapped if necessary. Line ends in the text are kept."""
+    """Return a complete comment, wrapped if necessary. Line breaks in the text are preserved."""
     lines = [(line.startswith("  "), str(comment_text(line))) for line in str(text).split("\n")]
     if len(lines) == 1 and len(indent) + len(lines[0][1]) + 9 <= _WIDTH:
         return Markup(f"{indent}<!-- {lines[0][1]} -->")

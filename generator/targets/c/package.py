@@ -41,7 +41,7 @@ class Package(TypedDict):
     namespace: Annotated[str, "the folder of the headers below include"]
     option: Annotated[str, "the name of the package in uppercase, for settings"]
     version: Annotated[str, "its version"]
-    title: Annotated[str, "its description in one line of plain letters"]
+    title: Annotated[str, "its description in one line of plain ASCII"]
     guide: Annotated[Guide | None, "the family and program that the README shows"]
     families: Annotated[list[str], "the names of the families"]
     views: Annotated[Sequence[DeviceView], "the interfaces of the families"]

@@ -24,7 +24,7 @@ class FamilyPage(TypedDict):
     device: Annotated[Device, "the family"]
     origin: Annotated[list[Said], "overlays and the edition of the family"]
     manual: Annotated[str, "the manual with its revision"]
-    errata_at: Annotated[Callable[..., str], "errata of one or several paths into the spec"]
+    errata_at: Annotated[Callable[..., str], "errata of one or more paths in the spec"]
     errata_count: Annotated[str, "number of errata"]
     wish_rows: Annotated[Rows, "tasks, and links to their instructions"]
     interface_rows: Annotated[Rows, "interface, order codes, clock or port"]
@@ -38,7 +38,7 @@ class FamilyPage(TypedDict):
 
 class HardwarePage(TypedDict):
     device: Annotated[Device, "the family"]
-    errata_at: Annotated[Callable[..., str], "errata of one or several paths into the spec"]
+    errata_at: Annotated[Callable[..., str], "errata of one or more paths in the spec"]
     by_hand: Annotated[list[ByHand], "the procedures by hand"]
     characteristic_rows: Annotated[Rows, "characteristics, mounting, safety"]
 

@@ -31,7 +31,8 @@ class Sections(TypedDict):
     origin: Annotated[list[Said], "overlays and the edition of the family"]
     usable_page: Annotated[str, "the page on verdicts"]
     errata_at: Annotated[
-        Callable[..., str], "errata of one or several paths into the spec, in full the first time and then as links"
+        Callable[..., str],
+        "errata of one or more paths in the spec, in full at the first mention, then as links",
     ]
     alternatives: Annotated[list[Section], "questions that the manual leaves open: alternative, title, rows, frames"]
     interfaces: Annotated[list[Section], "the interfaces with their layouts, data IDs, cables and control frames"]

@@ -28,9 +28,9 @@
  * and ADR, or a data byte. No CRC covers S, R, W, P and IDL. Therefore:
  *  - A write that no slave understood looks like a refused one: R W comes back as 00.
  *  - If the slave's S bit is lost on its way to the master, the two stay out of step by one bit. A
- *    value that is read then has a wrong CRC. A value that is written is not stored, but if its CRC
- *    ends in 0, which is true of half of all values, it comes back as if it had been stored. If CDM
- *    is one frame late, this happens only if the slave is busy and CDS is disturbed at the same
+ *    value read in this state has a wrong CRC. A value that is written is not stored, but if its
+ *    CRC ends in 0, which is true of half of all values, it comes back as if it had been stored. If
+ *    CDM is one frame late, this happens only if the slave is busy and CDS is disturbed at the same
  *    time. Therefore, read written values back before a command uses them, as the VERIFY steps of
  *    procedures do.
  *  - Zeros can complete a byte. If a write is aborted within a byte, the slave can store the bits
@@ -589,7 +589,7 @@ static inline bool cw_biss_master_next(cw_biss_master *master, bool cds)
  *
  * lenzencoders/BISS-C uses both modes and switches the pin in this way on an STM32G4
  * (biss_c_master_hal). The effect of clocks after the stop bit is inferred. It is not known whether
- * an encoder takes the edge back to 1 for the first edge of the next frame. Its acknowledge would
+ * an encoder treats the return to 1 as the first edge of the next frame. Its acknowledge would
  * then come one clock earlier, which cw_biss_receive tolerates, and its position would be as old
  * as that edge.
  */

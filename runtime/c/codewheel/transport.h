@@ -137,8 +137,8 @@ typedef struct cw_transport {
 
 /**
  * The step that failed, and the cause. It is set if the result is TRANSPORT, TIMEOUT, VERIFY or
- * UNSUPPORTED, if the result is CRC or CONSTANT because of a reply, or if it is RANGE because a
- * list has a step of an unknown kind. All earlier steps were carried out. Of the later steps, only
+ * UNSUPPORTED. It is also set if a reply caused the result CRC or CONSTANT, or if a step of an
+ * unknown kind caused RANGE. All earlier steps were carried out. Of the later steps, only
  * those that close an opened register were carried out. An error found before the first step, or in
  * the bytes read, leaves this struct unchanged. You may pass NULL instead.
  */

@@ -668,7 +668,7 @@ class Slave:
         return cdm
 
     def _start(self, cdm: int, upstream: int) -> int:
-        """Return the answer of step 4: S once every request is fulfilled."""
+        """Return the result of step 4: S once every request is fulfilled."""
         if not cdm:
             return self._leaves(upstream)
         self._fetch()

@@ -343,7 +343,7 @@ class Session:
         return DisturbedError(f"no valid reply to {what} in {shown}", received)
 
     def _odd(self, received: bytes, asked: _Asked) -> str:
-        """Return the reason that bytes look like a reply of another kind of encoder, or an empty string."""
+        """Return why the bytes look like a reply from another kind of encoder, or an empty string."""
         if received[0] != asked.kind.control or len(received) < 3 or _xor(received):
             return ""
         if len(received) != asked.kind.length:

@@ -314,11 +314,11 @@ typedef enum lika_sma21_biss_report {
  * bits, most significant first [6.2 p.25].
  * In the manual: Single Cycle Data SCD.
  * position is in Gray code while biss_gray is 1, and in binary while it is 0.
- * The frame has 32 bits from 50 um to 2 um and 33 bits at 1 um. The position is right-aligned in a
- * field of 24 or 25 bits, most significant bit first, with zeros above it. While an offset is
- * selected (bit 1 of the Configuration register), the position takes the whole field. With the
- * output code Gray, zeros above a number remain zeros, so it does not matter whether they are
- * converted. The error and warning bits are assumed not to be converted.
+ * The frame has 32 bits at resolutions of 50 um to 2 um and 33 bits at 1 um. The position is
+ * right-aligned in a field of 24 or 25 bits, most significant bit first, with zeros above it. While
+ * an offset is selected (bit 1 of the Configuration register), the position takes the whole field.
+ * With the output code Gray, zeros above a number remain zeros, so it does not matter whether they
+ * are converted. The error and warning bits are assumed not to be converted.
  *   starting at bit scd_value_bits + 8  padding   position_bits + scd_padding_bits - scd_value_bits
  *                                                 bits. Zeros above the position, part of the
  *                                                 manual's Posizione. There are none while an

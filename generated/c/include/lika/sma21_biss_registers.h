@@ -43,7 +43,7 @@ extern "C" {
  */
 typedef struct lika_sma21_biss_reg_profile_id {
     /**
-     * 28h and the number of bits of the position in decimal. Holds profile_id, which identifies the
+     * 28h, then the number of position bits in decimal. Holds profile_id, which identifies the
      * encoder. The decoder also accepts other values.
      */
     uint16_t profile_id;

@@ -280,7 +280,7 @@ SSI: Final = SsiFacts(
 # Not known: register command, time eeprom_write of BiSS C-mode, procedure set_preset, procedure store_preset, procedure
 # save_parameters and procedure activate_preset.
 # Why: The Command register was updated, so older encoders may have other values or another pause. Every procedure ends
-# with this register, so no procedure is known to be correct there.
+# by accessing this register, so no procedure is known to be correct there.
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=50_000, max_hz=10_000_000, source="6.5 p.40"),
@@ -2910,7 +2910,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="not known",
         why=(
             "The Command register was updated, so older encoders may have other values or another pause. Every "
-            "procedure ends with this register, so no procedure is known to be correct there."
+            "procedure ends by accessing this register, so no procedure is known to be correct there."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,

@@ -2087,7 +2087,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="scd_length",
         printed="SCD (32 bit), with a position of 24 or 25 bits",
-        used="The frame has 32 bits from 50 µm to 2 µm and 33 bits at 1 µm.",
+        used="The frame has 32 bits at resolutions of 50 µm to 2 µm and 33 bits at 1 µm.",
         why=(
             "Position, error, warning and CRC add up to 25 + 1 + 1 + 6 = 33 at 1 µm. The table below has bits 32 to 0 "
             "for it."
@@ -2471,7 +2471,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="crc_coverage",
         printed=(
-            "Calculation on all bits except start bit and delimiter of the fields rather than the CRC (piuttosto che "
+            "Calculated on all bits except the start bit and the field delimiter, rather than the CRC (piuttosto che "
             "il CRC)"
         ),
         used="The CRC covers the 8 bits of every field before it, without start bits and delimiters.",

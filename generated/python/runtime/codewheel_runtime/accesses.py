@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Finds accesses to registers over BiSS in the CDS and CDM bits of a capture."""
+"""Finds BiSS register accesses in the CDS and CDM bits of a capture."""
 
 from __future__ import annotations
 

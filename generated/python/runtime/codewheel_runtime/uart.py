@@ -90,7 +90,7 @@ class Kinds(NamedTuple):
 def replies(signals: Signals, name: str, baud: float, kinds: Kinds) -> Generator[Found, None, None]:
     """Yield the replies of one kind.
 
-    The line may also carry the requests and replies of other kinds. If no kind is requested, the most frequent kind
+    The line may also carry requests and other kinds of replies. If no kind is requested, the most frequent kind
     with a position is used.
 
     Args:
