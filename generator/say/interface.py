@@ -49,12 +49,8 @@ REPLIES = {
 _CODE = {"binary": "binary", "gray": "Gray", "by_order_code": "binary or Gray, by order code"}
 
 
-_PURPOSES = {
-    "position": ", and requests the position",
-    "read": ", and reads a register",
-    "write": ", and writes a register",
-    "other": "",
-}
+#: Effects of requests over SPI.
+PURPOSES = {"position": "requests the position", "read": "reads a register", "write": "writes a register", "other": ""}
 
 
 def interface(device: Device, item: Interface) -> Iterator[Said]:
@@ -159,8 +155,9 @@ def memory_access(item: MemoryAccess) -> Said:
 
 def exchange(item: Exchange) -> Said:
     """Return a request over SPI with its reply."""
+    effect = PURPOSES[item.purpose]
     answered = (Code(item.request), " is answered by ", Code(item.reply))
-    return said(*answered, _PURPOSES[item.purpose], source=item.source)
+    return said(*answered, f", and {effect}" if effect else "", source=item.source)
 
 
 def control_field(item: ControlField) -> Said:

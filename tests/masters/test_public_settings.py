@@ -86,7 +86,7 @@ def test_every_difference_is_explained(
 def test_the_encoders_are_sound(capsys: pytest.CaptureFixture[str]) -> None:
     """They pass check, and each says that it is corroborated by public files only."""
     assert main(["check", str(ENCODERS)]) == 0
-    assert capsys.readouterr().out.splitlines()[-1] == "no problems in 4 families: as5047p, kcd, la11, wdga"
+    assert capsys.readouterr().out.splitlines()[-1] == "no problems in 5 families: as5047p, as5048a, kcd, la11, wdga"
     for name in ("posital/kcd", "rls/la11", "wachendorff/wdga"):
         text = (ENCODERS / f"{name}.yaml").read_text(encoding="utf-8")
         assert "corroborated by public files, not transcribed from a manual" in " ".join(text.replace("#", " ").split())

@@ -35,7 +35,7 @@ from ...plan.codec import codec_of, constant_values
 from ...plan.reports import Judgement, Only, Speaks, reportings
 from ...plan.values import Active, Raw, TwosComplement, meaning_of
 from ...say.box import as_words
-from ...say.interface import settings
+from ...say.interface import PURPOSES, settings
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import title
 from ...say.place import addresses, bits, frame_bytes
@@ -161,8 +161,8 @@ def speed(device: Device, interface: Interface, layout: Layout | None) -> Speed:
         case Ssi() | Biss():
             return _clock(device, interface, layout)
         case Spi():
-            shown = map(STYLE.phrase, settings(device, interface))
-            return Speed("Clock and words", tuple(f"{item}." for item in shown))
+            shown = map(STYLE.sentence, settings(device, interface))
+            return Speed("Clock and words", tuple(shown))
         case Rs485():
             return _baud(device, interface)
         case _:
@@ -395,6 +395,9 @@ def _other_value(register: Register, variant: Variant) -> str:
 
 def _requests(device: Device, interface: Interface) -> Iterator[Row]:
     """Yield rows of request with its reply, meaning."""
+    for each in interface.exchanges if isinstance(interface, Spi) else ():
+        request, reply = (link(code(name), f"#layout-{name}") for name in (each.request, each.reply))
+        yield f"{request} → {reply}", PURPOSES[each.purpose].capitalize()
     if not isinstance(interface, Rs485):
         return
     for item in interface.data_ids:
