@@ -202,6 +202,8 @@ FRAMES = (
         Member("widest"),
         Member("pieces"),
         Member("fills_gap"),
+        Member("constants"),
+        Member("turned"),
         of="Field Number Flag Choice Constant Unused CrcValue Parity Decimal Text",
     ),
     Part(
