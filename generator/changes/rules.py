@@ -15,10 +15,10 @@ _LETTERS = {
     "-": Impact.NONE,
 }
 
-_GONE = "Its names no longer exist in C and Python, nor its element in the XML. Code that uses them no longer builds."
+_GONE = "Its names in C and Python and its element in the XML no longer exist. Code that uses them no longer builds."
 _NEW = "All other names stay the same."
 _RENAMED = "Names in C, Python and XML follow the spec, so code must use the new name. It works as before."
-_WIRE = "The same names have a different meaning on the line, so code still builds but behaves differently."
+_WIRE = "The same names have a different meaning on the wire, so code still builds but behaves differently."
 _LESS = "Values, clocks or pauses that used to work may be rejected or too short."
 _MORE = "Everything that was allowed is still allowed."
 

@@ -105,9 +105,9 @@ def held_bytes(pairs: Sequence[str]) -> dict[int, int]:
         try:
             held[int(address, 0)] = int(value, 0)
         except ValueError:
-            raise Stop(f"'{pair}' is not a register with a byte; write it like 0x56=0x10", 2) from None
+            raise Stop(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2) from None
         if not equals or not 0 <= int(value, 0) <= 255:
-            raise Stop(f"'{pair}' is not a register with a byte; write it like 0x56=0x10", 2)
+            raise Stop(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2)
     return held
 
 

@@ -93,7 +93,7 @@ def as_text(covered: Sequence[Coverage], found: Checked) -> str:
     rows = [(f"{sort.value}{' *' if sort.is_needed else ''}", count) for sort, count in _by_class(covered).items()]
     rows += [(item.family, item.total) for item in covered]
     rows += [("total", added(item.total for item in covered))] if len(covered) > 1 else []
-    lines = ["facts by number of readings (* needs two)", _line("", _HEADINGS)]
+    lines = ["facts by number of readings (*: two are required)", _line("", _HEADINGS)]
     lines += [_line(name, (count.twice, count.explained, count.once, count.derived)) for name, count in rows]
     return "\n".join([*lines, *without, *_lacking(covered)])
 

@@ -158,7 +158,7 @@ manual:
 parameters:
   singleturn_bits: {meaning: Singleturn resolution, unit: bits, source: "1"}
   # Held in a register at run time instead of set by the order code:
-  # used_bits: {meaning: Bits as set, read_from: resolution.bits, min: 1, max: 17, source: "6"}
+  # used_bits: {meaning: Number of bits in use, read_from: resolution.bits, min: 1, max: 17, source: "6"}
 
 order_code:
   pattern: "@CODE@-{singleturn}-{output}"

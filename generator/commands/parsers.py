@@ -231,7 +231,7 @@ def _add_simulate(commands: _Commands) -> None:
         metavar="NAME[:RATE]",
         help="inject a fault into this share of the replies, such as flip:1e-3 (may be repeated)",
     )
-    parser.add_argument("--seed", type=int, default=0, help="start of the random sequence of faults (default: 0)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the random faults (default: 0)")
     parser.add_argument(
         "--flag", action="append", default=[], metavar="NAME", help="activate an alarm or flag (may be repeated)"
     )
@@ -241,7 +241,7 @@ def _add_simulate(commands: _Commands) -> None:
         type=int,
         const=0,
         metavar="PORT",
-        help="use TCP on this computer instead of a pseudo-terminal (default port: any that is free)",
+        help="use TCP on this computer instead of a pseudo-terminal (default: any free port)",
     )
     _add_register_option(parser)
     _add_choose_option(parser, "requests that depend on the answer are not answered")

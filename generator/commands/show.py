@@ -81,7 +81,7 @@ def _parameters(device: Device, variant: Variant) -> list[str]:
     held = [item for item in shown if item.name in at_run_time]
     lines = ["", "Parameters", *_values(device, fixed, variant)] if fixed else []
     if held:
-        lines += ["", "Held by registers, factory default", *_values(device, held, variant)]
+        lines += ["", "Held in registers (factory defaults)", *_values(device, held, variant)]
         addresses = dict.fromkeys(device.register(item.register).address for item in held if item.read_from)
         example = f"--register 0x{next(iter(addresses)):02X}=0x.."
         lines.append(wrapped(f"decode accepts other values, one byte at a time: {example}", WIDTH, "  ", "  "))

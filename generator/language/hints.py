@@ -19,7 +19,7 @@ _UNITS = {
 }  # fmt: skip
 #: Alternatives if a value does not fit the only supported unit.
 _INSTEAD = {
-    "step_um": ": leave 'measurement' out and state the step as a characteristic; positions are then counts",
+    "step_um": ": leave 'measurement' out and describe the step as a characteristic; positions are then in counts",
 }
 _WORDS = {"hz": "Hz", "khz": "kHz", "mhz": "MHz", "ghz": "GHz", "us": "µs", "um": "µm", "mv": "mV", "v": "V"}
 

@@ -13,15 +13,24 @@ from pathlib import Path
 from typing import Any
 
 from ..say.markdown import anchor, code, link, paragraph, table, text
+from .problems import listed
 from .schema_files import load_schema
 from .second_reading import NO_FACTS, PROSE
 
 Shape = Mapping[str, Any]
+#: The JSON types, in the singular and in the plural.
+_NOUNS = {
+    "integer": ("whole number", "whole numbers"),
+    "string": ("string", "strings"),
+    "boolean": ("`true` or `false`", "booleans"),
+    "array": ("list", "lists"),
+    "object": ("mapping", "mappings"),
+}
 
 _INTRODUCTION = """\
 A spec is one YAML file for one manual. It is read side by side with the manual, so it keeps the manual's order and
 names. Do not write values that can be calculated, such as masks and totals. The tool calculates them. Scalars follow
-YAML 1.2: `7:0` is text, `no` is text, `0x1F` is a number. Duplicate keys are errors.
+YAML 1.2: `7:0` and `no` are strings, `0x1F` is a number. Duplicate keys are errors.
 
 A bit range has the high bit first (`7:6`), and bit 0 is the least significant. Fields without a position are listed in
 sending order: the first is the most significant, or the least significant with `byte_order: low_byte_first`. Units are
@@ -158,7 +167,7 @@ def _members(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[tup
         yield from _members(other, definitions, f"{prefix}<name>.")
 
 
-def _kind(shape: Shape) -> str:
+def _kind(shape: Shape, plural: bool = False) -> str:
     """Return the type of a value in words, with a link if it has its own section."""
     reference = _referred(shape)
     if reference:
@@ -167,33 +176,16 @@ def _kind(shape: Shape) -> str:
         return code(json.dumps(shape["const"]))
     if "enum" in shape:
         return ", ".join(code(value) for value in shape["enum"])
-    words = {
-        "integer": "whole number",
-        "string": "text",
-        "boolean": "`true` or `false`",
-        "array": "list",
-        "object": "map",
-        "number": "number",
-        "null": "nothing",
-    }
     if not shape.keys() - {"description"}:
         return "any value"
     types = shape.get("type", "string")
-    named = " or ".join(words[item] for item in ([types] if isinstance(types, str) else types))
     if "items" in shape:
-        one = "" if types == "array" else "one, or a "
-        return f"{one}list of {_plural(shape['items'])}"
+        one = "" if types == "array" else f"{_kind(shape['items'])}, or "
+        return f"{one}list{'s' * plural} of {_kind(shape['items'], True)}"
     other = shape.get("additionalProperties")
     if isinstance(other, Mapping):
-        return f"mapping of names to {_plural(other)}"
-    return named
-
-
-def _plural(shape: Shape) -> str:
-    if "properties" in shape:
-        return "maps"
-    kind = _kind(shape)
-    return {"whole number": "whole numbers", "text": "texts", "list": "lists"}.get(kind, kind)
+        return f"mapping{'s' * plural} of names to {_kind(other, True)}"
+    return listed([_NOUNS[item][plural] for item in ([types] if isinstance(types, str) else types)], "or")
 
 
 def _limits(shape: Shape) -> str:
@@ -205,7 +197,7 @@ def _limits(shape: Shape) -> str:
         else:
             parts.append(f"at most {high}" if low is None else f"{low} to {high}")
     if "pattern" in shape:
-        parts.append(f"matches {code(shape['pattern'])}")
+        parts.append(f"pattern {code(shape['pattern'])}")
     if shape.get("maxLength"):
         parts.append(f"at most {shape['maxLength']} characters")
     if shape.get("minItems", 0) > 0:

@@ -24,7 +24,7 @@ NUMBERS: Mapping[str, str] = {
     "status_bits": "status bits after the data",
     "data_and_status_bits": "data bits and status bits",
     "crc_bits": "CRC bits",
-    "frame_bits": "all bits from the first of the data to the last of the CRC",
+    "frame_bits": "all bits from the first data bit to the last CRC bit",
     "crc_polynomial": "CRC polynomial with its top bit, or 0 without a CRC",
     "crc_polynomial_without_top_bit": "CRC polynomial without its top bit",
     "crc_polynomial_without_last_1": "CRC polynomial without its trailing 1 (Koopman notation)",
@@ -92,21 +92,21 @@ _XML = "<!--"
 #: The file formats by name. Each has a template of the same name.
 FILE_FORMATS: Mapping[str, FileFormat] = {
     "ethercat_driver_ros2": FileFormat(
-        "ethercat_driver_ros2, key sdo of a slave", ".yaml", "#", "object", "ec_sdo_manager.hpp", (1 << 31) - 1
+        "ethercat_driver_ros2, as the key sdo of a slave", ".yaml", "#", "object", "ec_sdo_manager.hpp", (1 << 31) - 1
     ),
     "linuxcnc_ethercat": FileFormat(
         "linuxcnc-ethercat, inside a slave of type generic", ".xml", _XML, "object", "lcec_conf.c"
     ),
     "ecmc": FileFormat(
-        "ecmc, commands for the slave ECMC_EC_SLAVE_NUM", ".cmd", "#-", "object", "the scripts of ecmccomp"
+        "ecmc, as commands for the slave ECMC_EC_SLAVE_NUM", ".cmd", "#-", "object", "the scripts of ecmccomp"
     ),
-    "twincat": FileFormat("TwinCAT, start-up list for ITcSmTreeItem.ConsumeXml", ".xml", _XML, "object", ""),
-    "fastcat": FileFormat("fastcat, a device of its list", ".yaml", "#", "name", "el5042.cc"),
-    "conf_set": FileFormat("the configuration tool, commands conf set", ".cfg", "#", "symbol", "aux_common.h"),
-    "hal": FileFormat("the HAL, commands loadrt and setp", ".hal", "#", "symbol", "abs_encoder.c"),
-    "xcf": FileFormat("the configuration tool, an XCF file", ".xcf", _XML, "symbol", "ingenialink"),
-    "c_struct": FileFormat("C, initializers of structures", ".h", "//", "symbol", ""),
-    "c_registers": FileFormat("C, register values and masks", ".h", "//", "bits", ""),
-    "soe_structure": FileFormat("a servo drive parameter, fields of its structure", ".csv", "#", "bits", ""),
-    "dmc": FileFormat("DMC, a command line", ".dmc", "REM", "name", ""),
+    "twincat": FileFormat("TwinCAT, as a start-up list for ITcSmTreeItem.ConsumeXml", ".xml", _XML, "object", ""),
+    "fastcat": FileFormat("fastcat, as an entry of its device list", ".yaml", "#", "name", "el5042.cc"),
+    "conf_set": FileFormat("the configuration tool, as conf set commands", ".cfg", "#", "symbol", "aux_common.h"),
+    "hal": FileFormat("the HAL, as loadrt and setp commands", ".hal", "#", "symbol", "abs_encoder.c"),
+    "xcf": FileFormat("the configuration tool, as an XCF file", ".xcf", _XML, "symbol", "ingenialink"),
+    "c_struct": FileFormat("C, as structure initializers", ".h", "//", "symbol", ""),
+    "c_registers": FileFormat("C, as register values and masks", ".h", "//", "bits", ""),
+    "soe_structure": FileFormat("a servo drive parameter, as fields of its structure", ".csv", "#", "bits", ""),
+    "dmc": FileFormat("DMC, as a command line", ".dmc", "REM", "name", ""),
 }

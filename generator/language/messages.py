@@ -164,7 +164,7 @@ def _key_hint(error: Any, path: Path, key: str) -> str:
     if path and path[-1] in _ALL_THERE_IS:
         return f"; {_ALL_THERE_IS[path[-1]]}"
     if " " in key.strip():
-        return "; keys have no spaces: if this is part of a text, put the whole text in quotes"
+        return "; keys have no spaces: if this is part of a string, put the whole string in quotes"
     return key_hint(key, error.instance[key], known)
 
 

@@ -50,7 +50,7 @@ def _character(lines: list[str], mark: Any) -> str:
 def _keyless(character: str) -> str:
     if character in ("'", '"'):
         return "the quote that opens here is not closed on this line; close it"
-    return "a key has no colon, or a text continues without indentation"
+    return "a key has no colon, or the text of a value continues without indentation"
 
 
 def _last_quoted(text: str, mark: Any) -> Any:
@@ -94,9 +94,9 @@ def _message(problem: str, character: str, at_end: bool) -> str:
     if character == "\t":
         return "tabs cannot be used for indentation; use spaces"
     if (character and character in "@`") or (character == "%" and "token" in problem):
-        return f"an unquoted text cannot begin with '{character}'; put it in quotes"
+        return f"an unquoted string cannot begin with '{character}'; put it in quotes"
     if "mapping values are not allowed" in problem:
-        return "an unquoted text contains a colon and a space; put the text in quotes, or check the indentation"
+        return "an unquoted string contains a colon and a space; put the string in quotes, or check the indentation"
     if "undefined alias" in problem:
         return "there is no anchor of this name before this alias"
     if "'-' indicator" in problem:

@@ -152,5 +152,5 @@ def _line(event: Any) -> int:
 def _about_comma(rest: Any, number: str) -> str:
     if number:
         return f"numbers are written without commas; write {number}"
-    rule = "A comma ends an unquoted text inside {...}: if this is part of the text, quote the whole text"
+    rule = "A comma ends an unquoted string inside {...}: if this is part of the string, quote the whole string"
     return f"{quoted(rest.value)} has no colon. {rule}"

@@ -143,7 +143,7 @@ class _Parser:
             return self._alias(event, depth)
         self._add(1, event)
         if depth > MAX_DEPTH:
-            raise _refused(event, "too-deep", f"maps and lists are nested more than {MAX_DEPTH} deep")
+            raise _refused(event, "too-deep", f"maps and lists are nested more than {MAX_DEPTH} levels deep")
         anchor = event.anchor
         if anchor is not None:
             self._anchors[anchor] = None  # Open: an alias to it from inside would never end.
@@ -167,7 +167,7 @@ class _Parser:
         self._add(value.count, event)
         if depth + value.depth > MAX_DEPTH:
             raise _refused(
-                event, "too-deep", f"maps and lists are nested more than {MAX_DEPTH} deep through this alias"
+                event, "too-deep", f"maps and lists are nested more than {MAX_DEPTH} levels deep through this alias"
             )
         # The values keep the place where they are written. Only the item itself is located at the alias.
         line, column = event.start_mark.line + 1, event.start_mark.column + 1

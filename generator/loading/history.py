@@ -29,7 +29,7 @@ def read_history(spec: Path, report: Report) -> tuple[Release, ...]:
             return found
     except (OSError, ValueError, TypeError, KeyError):
         pass
-    wrong = "the file is not as written; undo your edit, or remove it and write it again: codewheel diff --record"
+    wrong = "the file was edited; undo the edit, or remove it and write it again: codewheel diff --record"
     report.add_at(str(place), 1, 1, RULE, wrong)
     return ()
 

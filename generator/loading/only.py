@@ -33,7 +33,7 @@ def check_only(raw: Raw, variants: Sequence[Variant], report: DocumentReport) ->
             some = variants[0].code
             wrong = f"no order code of the family matches {quoted(only)}"
             right = (
-                f"'...' stands for any text and 'x' for one character, as in {quoted(some[: len(some) // 2] + '...')}"
+                f"'...' matches any text and 'x' matches one character, as in {quoted(some[: len(some) // 2] + '...')}"
             )
             report.add("only-codes", (*path, "only"), f"{wrong}; {right}")
         elif "active" in owner and not only_while(only, variants, set_parameters(raw)):

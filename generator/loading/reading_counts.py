@@ -25,7 +25,7 @@ def read_counts(spec: Path, report: Report) -> TimesRead | None:
             return TimesRead(**found)
     except (OSError, ValueError, TypeError):
         pass
-    wrong = "the file is not as written; write it again: codewheel check --coverage --write"
+    wrong = "the file was edited; write it again: codewheel check --coverage --write"
     report.add_at(str(place), 1, 1, RULE, wrong)
     return None
 

@@ -53,9 +53,9 @@ def _contradiction(item: PlacedField, default: int, value: int | str | None, var
     expected = item.field.documented(variant.parameters)
     if expected is not None and expected not in (number, value):
         shown = expected if isinstance(expected, str) else hex(expected)
-        return f"'{item.name}' is {number:#x} in it but must equal {shown}"
+        return f"it sets '{item.name}' to {number:#x}, but '{item.name}' must equal {shown}"
     if item.field.default is not None and item.field.default not in (number, value):
-        return f"'{item.name}' is {number:#x} in it, but its own default is {item.field.default:#x}"
+        return f"it sets '{item.name}' to {number:#x}, but the default of '{item.name}' is {item.field.default:#x}"
     return ""
 
 

@@ -98,7 +98,7 @@ def lay_out(place: Named, folder: Path) -> LaidOut:
     if path not in entries:
         specs = {name: blob for name, blob in specs.items() if not _is_hidden(name.removeprefix(path))}
     if len(specs) > _MOST_FILES:
-        raise RevisionError(f"{visible(str(place))} holds {len(specs)} YAML files; name the folder of the specs")
+        raise RevisionError(f"{visible(str(place))} contains {len(specs)} YAML files; name the folder of the specs")
     _refuse_large_files(place, specs)
     contents = _contents(specs.values())
     files = _neutral(specs, folder)

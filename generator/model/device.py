@@ -167,7 +167,7 @@ class FieldGroup:
 
 @dataclass(frozen=True, slots=True)
 class RegisterMeaning:
-    """One meaning of a register, valid while ``register.field`` (``when``) has the value named ``value``."""
+    """One meaning of a register, valid while the field ``when`` (``register.field``) has the value named ``value``."""
 
     name: str
     when: str

@@ -26,7 +26,7 @@ class ExpressionError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Factor:
-    """A parameter or, if ``power`` is set, two to the power of it."""
+    """A parameter or, if ``power`` is set, two to the power of the parameter."""
 
     parameter: str
     power: bool = False
@@ -51,7 +51,7 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class Expression:
-    """A constant plus terms in the order written."""
+    """A constant plus terms, in the order in which the spec has them."""
 
     constant: int = 0
     terms: tuple[Term, ...] = ()

@@ -220,7 +220,7 @@ class Erratum:
 
 @dataclass(frozen=True, slots=True)
 class EditionTest:
-    """A register that identifies older encoders, because the digits ``run`` may have an impossible value there."""
+    """A register that identifies older encoders: only these can have a value of ``run`` outside ``min`` to ``max``."""
 
     register: str
     run: str

@@ -64,7 +64,7 @@ class WaitStep(_Step):
 
 @dataclass(frozen=True, slots=True)
 class SendStep(_Step):
-    """Send the request for ``data_id``, the bytes ``request``, ``times`` times at intervals of ``microseconds``.
+    """Send the bytes ``request`` to ask for ``data_id``, ``times`` times, ``microseconds`` apart.
 
     ``in_succession`` is true if no other request may be sent between them.
     """
@@ -84,7 +84,7 @@ Step = RegisterStep | WaitStep | SendStep
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """A value for the register ``of`` that the caller passes to a procedure.
+    """A value that the caller passes to a procedure, for the register ``of``.
 
     ``meant_as`` is the name of the register's meaning if it has several.
     """

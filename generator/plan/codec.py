@@ -102,7 +102,7 @@ class IsOneOf:
 
 @dataclass(frozen=True, slots=True)
 class AtMost:
-    """The field, as a decimal number, has no more digits than ``runs``."""
+    """The field, as a decimal number, has at most as many digits as all ``runs`` together."""
 
     field: Field
     bits: Bits
@@ -468,7 +468,7 @@ def _terms(layout: Layout) -> Iterator[Term]:
 
 
 def characters(item: Field) -> tuple[tuple[int, int], ...]:
-    """Return the characters of a text in reading order, as index and byte. Return none unless they fill whole bytes."""
+    """Return the index and byte of each character in a text field, or nothing if they do not fill whole bytes."""
     if not isinstance(item.kind, Text) or any(piece.right or piece.mask != 0xFF for piece in item.pieces):
         return ()
     return tuple((item.widest // 8 - 1 - piece.left // 8, piece.byte) for piece in reversed(item.pieces))

@@ -19,7 +19,7 @@ SSI_AROUND = 2
 
 @dataclass(frozen=True, slots=True)
 class Received:
-    """Size of a frame for one order code: its bits, and the bytes of a buffer that also holds the surrounding bits.
+    """Size of a frame for one order code: its length in bits, and the bytes of a buffer for it and the bits around it.
 
     ``answers`` are the user's decisions on which the length depends. ``held`` is true if registers change the length at
     run time. The number of bits is then that of the factory default, and the buffer is large enough for any register

@@ -150,6 +150,8 @@ class Verifies:
 
 @dataclass(frozen=True, slots=True)
 class Waits:
+    """Wait."""
+
     step: WaitStep
     calls = (Call.WAIT,)
 
@@ -174,7 +176,7 @@ Operation = Writes | Reads | Polls | Verifies | Waits | Sends
 
 @dataclass(frozen=True, slots=True)
 class Beyond:
-    """The argument is outside the limits of the register, or of the ``meaning`` that it has for this argument."""
+    """The argument is outside its limits: those of the register or, if it has several meanings, of one ``meaning``."""
 
     register: Register
     meaning: RegisterMeaning | None

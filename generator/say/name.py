@@ -52,7 +52,7 @@ def heading(name: str) -> str:
 
 
 def title(item: Titled) -> str:
-    """Return the name used in the manual, or else ours."""
+    """Return the name used in the manual, or our name if the manual has none."""
     return item.printed_name or heading(item.name)
 
 

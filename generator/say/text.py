@@ -46,7 +46,7 @@ class Hex:
 
 @dataclass(frozen=True, slots=True)
 class Amount:
-    """Number with its unit in the plural: ``1 revolution``, ``65,536 revolutions``."""
+    """Number and unit, which is in the plural unless the number is 1: ``1 revolution``, ``65,536 revolutions``."""
 
     number: Expression
     unit: str

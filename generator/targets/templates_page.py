@@ -18,7 +18,7 @@ from typing import Annotated, Any, ClassVar, get_args, get_origin, get_type_hint
 from jinja2 import Environment, meta, nodes
 
 from ..render import COMMON_FILTERS, Templates, environment
-from ..say.markdown import code, paragraph, table, text
+from ..say.markdown import STYLE, code, paragraph, table, text
 from . import Target
 from .registry import BUILT_IN, load_target
 
@@ -123,7 +123,9 @@ def _section(target: Target, templates: Templates) -> Iterator[str]:
 def _row(target: Target, templates: Templates, template: str) -> tuple[str, ...]:
     """Return the row for a template: its purpose, its values, the values it uses, and its macros."""
     made, colon, about = _about(templates, template).partition(": ")
-    about = f"{code(made)}: {text(about)}" if made.startswith(f"{target.name}/") else text(f"{made}{colon}{about}")
+    about = (
+        f"{code(made)}: {_marked(about)}" if made.startswith(f"{target.name}/") else _marked(f"{made}{colon}{about}")
+    )
     shape = templates.values.get(template)
     users = [name for name in templates.names if template in _referred(_parsed(templates, name))]
     gets = code(shape.__name__) if shape is not None else f"those of {_list(users)}"
@@ -141,7 +143,7 @@ def _values(shape: type, smaller: Iterable[type]) -> Iterator[str]:
     hints = get_type_hints(shape, include_extras=True)
     inside = [item for item in smaller if get_type_hints(item).items() <= get_type_hints(shape).items()]
     told = {name for item in inside for name in get_type_hints(item)}
-    rows = [(code(name), code(_shown(kind)), text(_line(kind))) for name, kind in hints.items() if name not in told]
+    rows = [(code(name), code(_shown(kind)), _marked(_line(kind))) for name, kind in hints.items() if name not in told]
     more = f", and those of {_list(item.__name__ for item in inside)}" if inside else ""
     yield from ("", f"Values of {code(shape.__name__)}{more}:", "", table(["Value", "Type", "Meaning"], rows))
 
@@ -151,7 +153,7 @@ def _list(names: Iterable[str]) -> str:
 
 
 def _callables(head: str, items: Mapping[str, Callable[..., object]]) -> str:
-    rows = [(code(name), text(_first_line(item))) for name, item in items.items()]
+    rows = [(code(name), _marked(_first_line(item))) for name, item in items.items()]
     return table([head, "Condition" if head == "Test" else "Result"], rows)
 
 
@@ -169,7 +171,12 @@ def _signature(item: Callable[..., object], leave_out: int = 0) -> str:
 
 
 def _first_line(item: object) -> str:
-    return (inspect.getdoc(item) or "").partition("\n")[0].replace("``", "")
+    return (inspect.getdoc(item) or "").partition("\n")[0]
+
+
+def _marked(line: str) -> str:
+    """Return a line of text as Markdown, in which only what is between backticks is code."""
+    return "".join((code if index % 2 else STYLE.text)(part) for index, part in enumerate(re.split("`+", line)))
 
 
 # -- templates
@@ -276,7 +283,7 @@ def _types(title: str, kinds: Iterable[type]) -> Iterator[str]:
     for kind in sorted(kinds, key=lambda item: item.__name__):
         about = "" if (kind.__doc__ or "").startswith(f"{kind.__name__}(") else _first_line(kind)
         parts = ", ".join(code(f"{name}: {_shown(part)}") for name, part in _parts(kind).items())
-        rows.append((code(kind.__name__), text(about), parts))
+        rows.append((code(kind.__name__), _marked(about), parts))
     if rows:
         yield from ("", f"### {title}", "", table(["Type", "Meaning", "Members"], rows))
 

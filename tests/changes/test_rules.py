@@ -206,7 +206,7 @@ def test_explain() -> None:
         "  Python  breaking\n"
         "  XML     breaking\n"
         "  pages   documentation\n"
-        "  Its names no longer exist in C and Python, nor its element in the XML. Code\n"
+        "  Its names in C and Python and its element in the XML no longer exist. Code\n"
         "  that uses them no longer builds."
     )
     assert all(rule.name in explain(None) for rule in RULES.values())

@@ -209,7 +209,7 @@ def test_a_history_that_was_spoilt(tmp_path: Path, text: str) -> None:
     folder = specs(tmp_path / "specs")
     (folder / "demo.changes.json").write_text(text, encoding="utf-8")
     _, report = load_library([folder])
-    wrong = "the file is not as written; undo your edit, or remove it and write it again: codewheel diff --record"
+    wrong = "the file was edited; undo the edit, or remove it and write it again: codewheel diff --record"
     place = f"{folder}/demo.changes.json:1:1: changes-file"
     assert [problem.format() for problem in report.problems] == [f"{place}: {wrong}"]
 

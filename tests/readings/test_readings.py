@@ -186,7 +186,7 @@ def test_without_one_nothing_changes(folder: pathlib.Path, capsys: pytest.Captur
 
 
 TABLE = """\
-facts by number of readings (* needs two)
+facts by number of readings (*: two are required)
                       twice  explained       once    derived
 position *               34          0          0          0
 crc *                    12          0          0          0
@@ -260,7 +260,7 @@ def test_counts_beside_the_spec(folder: pathlib.Path, capsys: pytest.CaptureFixt
     assert "twice.coverage.json:1:1: coverage-file: the counts do not match the readings" in capsys.readouterr().out
     kept.write_text("{}", encoding="utf-8")
     assert main(["check"]) == 1
-    assert "twice.coverage.json:1:1: coverage-file: the file is not as written" in capsys.readouterr().out
+    assert "twice.coverage.json:1:1: coverage-file: the file was edited" in capsys.readouterr().out
 
 
 def test_our_manuals_were_read_twice(capsys: pytest.CaptureFixture[str]) -> None:

@@ -17,7 +17,7 @@ def bank_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if INTERFACES[interface].highest_in_bank is None:
             wrong = (
                 f"{quoted(register['name'])} is in a bank, but only BiSS has a register that selects banks; leave"
-                " 'bank' out, and describe in 'note' how the page is selected"
+                " 'bank' out, and describe in 'note' how the bank is selected"
             )
             report.add("bank-not-selected", (*path, "bank"), wrong, at_key=True)
         elif select is None:

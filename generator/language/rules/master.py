@@ -162,12 +162,12 @@ def _place(place: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
     if not given:
         report.add("setting-shape", path, f"a place is missing; add {listed(map(quoted, _PLACES), 'or')}")
     if "where" in given and len(given) > 1:
-        wrong = f"'where' says that no place is given, but there is {quoted(given[0])}; keep one of them"
+        wrong = f"'where' says that no place is given, but {quoted(given[0])} gives one; keep one of the two"
         report.add("setting-shape", (*path, "where"), wrong, at_key=True)
     if ("index" in place) != ("subindex" in place):
-        report.add("setting-shape", path, "'index' and 'subindex' need each other")
+        report.add("setting-shape", path, "use 'index' and 'subindex' together or not at all")
     if (place.get("type") == "bits") != ("at" in place):
-        report.add("setting-shape", path, "the type 'bits' and the key 'at' need each other")
+        report.add("setting-shape", path, "use the type 'bits' and the key 'at' together or not at all")
     if not _BITS.fullmatch(str(place.get("at", 0))):
         report.add("setting-shape", (*path, "at"), "'at' is a bit number, or a range such as 7:6")
     if place.get("min", 0) > place.get("max", place.get("min", 0)):
@@ -182,7 +182,7 @@ def _place(place: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
         found = place.get(key)
         for name, number in channels.items():
             if isinstance(found, list) and name in place.get("on", channels) and len(found) != number:
-                wrong = f"there must be one for each channel of {name}, which has {counted(number, 'channel')}"
+                wrong = f"'{key}' needs one entry for each channel of {name}, which has {counted(number, 'channel')}"
                 report.add("setting-shape", (*path, key), wrong, at_key=True)
     symbols = place.get("symbol", [])
     for text in symbols if isinstance(symbols, list) else [symbols]:
@@ -258,7 +258,7 @@ def _choice(choice: Raw, path: Path, report: DocumentReport) -> None:
         if name in WORDS and not _word(value, name, here, report):
             pass
         elif name in NUMBERS and not isinstance(value, int):
-            report.add("wrong-type", here, f"'{name}' is a number, but {quoted(value)} is not")
+            report.add("wrong-type", here, f"'{name}' must be a number; {quoted(value)} is not one")
         elif value in seen:
             report.add("duplicate-name", here, f"{quoted(value)} already has a case")
         seen.add(value)

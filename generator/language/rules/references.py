@@ -138,7 +138,7 @@ def _opener(path: Path, opened: Spec, known: _Names) -> None:
         values = known.values(name, opened.get("field"))
         known.refer_by("value", path, opened, f"value of {quoted(name)} called", values)
         if "field" not in opened and opened.get("value") in values and len(known.bits(name)) > 1:
-            wrong = f"{quoted(name)} has several fields; add 'field', the name of the one"
+            wrong = f"{quoted(name)} has several fields; add 'field' with the name of the field"
             known.tell((*path, "value"), f"{wrong} that must hold {quoted(opened['value'])}")
 
 

@@ -99,10 +99,10 @@ def _check_kind(path: Path, field: Spec, report: DocumentReport) -> None:
             report.add("layout-keys", (*path, key), wrong, at_key=True)
     for key in _OF_FLAGS:
         if key in field and "active" not in field and not (key == "makes_position" and "unused" in field):
-            wrong = f"{quoted(key)} is only for flags; to be one, {name} needs 'active: high' or 'active: low'"
+            wrong = f"{quoted(key)} is only for flags; to make {name} a flag, add 'active: high' or 'active: low'"
             report.add("layout-keys", (*path, key), wrong, at_key=True)
     if "parity" in field and "parity_of" not in field:
-        wrong = f"'parity' is only for parity bits; to be one, {name} needs 'parity_of' with the covered field"
+        wrong = f"'parity' is only for parity bits; to make {name} a parity bit, add 'parity_of' with the covered field"
         report.add("layout-keys", (*path, "parity"), wrong, at_key=True)
     if isinstance(field.get("equals"), int) and "text" in field:
         report.add("layout-keys", (*path, "equals"), f"{name} is text; put the value in quotes")

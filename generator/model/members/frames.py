@@ -80,7 +80,7 @@ FRAMES = (
         Member(
             "sums_up",
             "[name]",
-            "For a flag: the flags that it combines. If the frame also carries these and one of them is active,"
+            "For a flag: the flags that it combines. If the frame also contains these and one of them is active,"
             " only they decide the verdict on the position.",
             "field-verdict",
             refers_to="any-fields",
@@ -478,8 +478,8 @@ FRAMES = (
         NAME,
         PRINTED_NAME,
         NAMES,
-        Member("group", "name", "Group of fields that carries the flag."),
-        Member("register", "name", "Register that carries the flag.", "alarm-bit", refers_to="register"),
+        Member("group", "name", "Group of fields that contains the flag."),
+        Member("register", "name", "Register that contains the flag.", "alarm-bit", refers_to="register"),
         Member("field", "name", "Flag in that group or register.", "alarm-bit", "bit", refers_to="any-field"),
         Member("meaning", "text", "Event that the alarm signals.", "words"),
         Member("detected", "text", "Time at which the encoder checks for the alarm.", "words"),

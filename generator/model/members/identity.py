@@ -34,7 +34,7 @@ IDENTITY = (
         Member("title", "string", "Title as printed."),
         Member("revision", "string", "Revision as printed."),
         Member("date", "string", "Release date, year-month-day.", read="history"),
-        Member("language", "name", "Language code of the edition that a source cites if it has no key."),
+        Member("language", "name", "Language code of the edition that sources without a key cite."),
         Member("publisher", "string", "Publisher of the manual."),
         Member("editions", "[edition]", "Other language editions that were also read."),
         Member("history", "[revision]", "Revision table, oldest first."),

@@ -146,8 +146,8 @@ SURROUNDINGS = (
     ),
     Part(
         "edition_test",
-        "A register that identifies encoders of an earlier edition, because it can hold a value there that is "
-        "impossible in this edition.",
+        "A register that identifies encoders of an earlier edition, because in those encoders it can hold a value that "
+        "is impossible in this edition.",
         Member("register", "name", "Name of the register."),
         Member("run", "name", "Field or group of digits."),
         Member("min", "integer", "Lowest value."),

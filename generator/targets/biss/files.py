@@ -94,7 +94,7 @@ class Node:
 class Identifier(TypedDict):
     notes: Annotated[list[str], "text of the first comment"]
     root: Annotated[Node, "element of the manufacturer, which contains those of its encoders"]
-    left_out: Annotated[str, "a sentence on encoders that are not listed, or empty"]
+    left_out: Annotated[str, "a sentence about encoders that are not listed, or an empty string"]
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:

@@ -29,7 +29,7 @@ class AnsweredBy:
 
 
 class AlternativeCode:
-    """An alternative. ``argument`` is the name of the argument that carries the answer."""
+    """An alternative. ``argument`` is the name of the argument for the answer."""
 
     def __init__(self, device: Device, prefix: str, item: Alternative) -> None:
         self.item = item

@@ -41,7 +41,7 @@ class FlagsIn:
 
 @dataclass(frozen=True, slots=True)
 class UnusedIn:
-    """A byte with unused bits, at its position in the member. The first one is the local's initial value."""
+    """A byte with unused bits, at its position in the member. The first byte initializes the local variable."""
 
     bits: Expr
     is_first: bool

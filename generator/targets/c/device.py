@@ -60,7 +60,7 @@ class Usage:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A header for what only some users of an interface need, by its name. ``includes`` are those before it."""
+    """A header that only some users of an interface need. ``includes`` lists the headers that it needs itself."""
 
     name: str
     file: str

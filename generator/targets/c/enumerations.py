@@ -25,7 +25,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Enumeration:
-    """The named values of a field, with this many hexadecimal ``digits``. Values too large for an int become macros.
+    """The named values of a field, each with ``digits`` hexadecimal digits. Values too large for an int become macros.
 
     ``said`` contains the statements about the field that are in its comment.
     """

@@ -48,11 +48,11 @@ class Family(Shared):
 
 
 class FamilyHeader(Family):
-    runtime: Annotated[tuple[int, int], "the major version of the runtime that it needs, and the least minor one"]
+    runtime: Annotated[tuple[int, int], "the major version of the runtime that it needs, and the lowest minor version"]
 
 
 class PartHeader(Family):
-    further: Annotated[Part, "which of the further headers it is"]
+    further: Annotated[Part, "the header that the template generates, such as that of the registers"]
 
 
 class Receiver(Family):

@@ -33,7 +33,7 @@ def in_lines(parts: Sequence[str], indent: int) -> str:
 
 
 def literals(text: object, indent: int) -> str:
-    """Return a text as a string literal, or as several on separate lines if it is too long."""
+    """Return text as a string literal, or as several literals on separate lines if it is too long."""
     lines = textwrap.wrap(ascii_text(text), COLUMNS - indent - 4, break_long_words=False, break_on_hyphens=False)
     parts = [*(string(f"{line} ") for line in lines[:-1]), *map(string, lines[-1:] or [""])]
     return f"\n{' ' * indent}".join(parts)

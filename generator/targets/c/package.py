@@ -38,7 +38,7 @@ Render = Callable[[str, Mapping[str, object]], str]
 
 class Package(TypedDict):
     package: Annotated[str, "the name of the package, for example acme-encoders"]
-    namespace: Annotated[str, "the folder of the headers below include"]
+    namespace: Annotated[str, "the folder with the headers, below include"]
     option: Annotated[str, "the name of the package in uppercase, for settings"]
     version: Annotated[str, "its version"]
     title: Annotated[str, "its description in one line of plain ASCII"]
@@ -46,7 +46,7 @@ class Package(TypedDict):
     families: Annotated[list[str], "the names of the families"]
     views: Annotated[Sequence[DeviceView], "the interfaces of the families"]
     with_tables: Annotated[list[str], "the uppercase names of manufacturers with a CRC that can use a table"]
-    with_bitwise: Annotated[list[str], "the same for manufacturers with a CRC that can do without its table"]
+    with_bitwise: Annotated[list[str], "the uppercase names of manufacturers with a CRC that can do without a table"]
     longest: Annotated[ProcedureCode | None, "the procedure with parameters that has the most steps"]
     runtime: Annotated[list[str], "the names of the headers of the runtime"]
     examples: Annotated[list[str], "the names of the programs"]

@@ -15,7 +15,10 @@ from .names import Declared
 
 @dataclass(frozen=True, slots=True)
 class AnglePositions:
-    """Positions in angles. They wrap around to 0 after ``turns``, if the manual says so. ``one_turn``: a single one."""
+    """Positions of a rotary encoder, which wrap around to 0 after ``turns``, if the manual gives this number.
+
+    ``one_turn`` is True for singleturn encoders.
+    """
 
     prefix: str
     where: str
@@ -35,7 +38,7 @@ class AnglePositions:
 
 @dataclass(frozen=True, slots=True)
 class LengthPositions:
-    """Positions along a scale. They wrap around to 0 after ``modulus``, if the manual says so."""
+    """Positions of a linear encoder, which wrap around to 0 after ``modulus``, if the manual gives this number."""
 
     prefix: str
     where: str

@@ -59,7 +59,7 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Filled:
-    """For a register that takes an argument: the local for its struct, and the local for its encoded bytes."""
+    """The local variables of a register that takes an argument: ``local`` for its struct, ``bytes`` for its bytes."""
 
     code: RegisterCode
     argument: str
@@ -85,7 +85,7 @@ class Whole:
 
 @dataclass(frozen=True, slots=True)
 class FilledRows:
-    """The steps, starting at ``at``, that write such bytes or read them back."""
+    """The steps that write the bytes of a register or read them back. ``at`` is the index of the first step."""
 
     at: int
     kind: str

@@ -101,7 +101,7 @@ class Check:
 
 
 class SelfTest:
-    """The checks of an interface, without examples that concern no function of its headers."""
+    """The checks of an interface, without the examples for which its headers have no function."""
 
     def __init__(self, view: DeviceView) -> None:
         self.view = view
@@ -269,7 +269,7 @@ class FamilyTest(TypedDict):
 
 
 class AllTests(TypedDict):
-    namespace: Annotated[str, "the folder of the headers below include"]
+    namespace: Annotated[str, "the folder with the headers, below include"]
     option: Annotated[str, "the name of the package in uppercase"]
     tests: Annotated[list[SelfTest], "the self-tests of the families"]
 

@@ -26,7 +26,7 @@ def signed_number(value: int) -> str:
 
 
 def mask(width: int) -> str:
-    """Return a constant of ``width`` ones."""
+    """Return a constant whose lowest ``width`` bits are 1."""
     return number((1 << width) - 1, hexadecimal=True)
 
 

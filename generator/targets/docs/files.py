@@ -35,7 +35,9 @@ from .interface_sections import Rows, Section
 class Index(TypedDict):
     rows: Annotated[Rows, "a row per family"]
     usable_page: Annotated[str, "the page on verdicts"]
-    order_codes: Annotated[list[Section], "for each interface of a family: interface, pages, counted, links"]
+    order_codes: Annotated[
+        list[Section], "each interface of a family: its pages, number of order codes, and links to these"
+    ]
     trademarks: Annotated[list[str], "notices on trademarks"]
 
 

@@ -66,7 +66,7 @@ class OnPage:
         """Yield a line with links to the differences in other editions."""
         links = (self._link(item, text(_edition(item))) for item in found)
         if found:
-            yield f"- Different {', '.join(dict.fromkeys(links))}"
+            yield f"- Other editions differ: {', '.join(dict.fromkeys(links))}"
 
 
 class Badges:
@@ -107,7 +107,7 @@ class Badges:
             )
             for label, targets in editions.items()
         ]
-        return "\n".join([*lines, *([f"- Different {'; '.join(differ)}"] if differ else [])])
+        return "\n".join([*lines, *([f"- Other editions differ: {'; '.join(differ)}"] if differ else [])])
 
 
 #: Marks of the links, by status.

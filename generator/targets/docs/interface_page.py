@@ -29,7 +29,7 @@ class OverValues(TypedDict):
     short_rows: Annotated[list[Row], "fact, value, source: the position, the supply, the interface"]
     pictures: Annotated[Pictures, "pictures by their subject, such as `register-preset`: name, text"]
     timing: Annotated[Wave | None, "timing diagram of the interface, if there is one"]
-    delivered: Annotated[Sequence[str], "frames whose places or code depend on registers"]
+    delivered: Annotated[Sequence[str], "frames in which positions of fields, or the code, depend on registers"]
 
 
 class InterfacePage(Sections, OverValues):

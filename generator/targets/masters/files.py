@@ -126,7 +126,7 @@ def note(text: object) -> str:
 
 
 def filled(pattern: str, made: Content) -> str:
-    """Fill in the names in braces in a pattern with the values that have these names in the file."""
+    """Return the pattern with each name in braces replaced by the value of that name."""
     for item in made.entries:
         pattern = pattern.replace(f"{{{item.key}}}", item.word)
     return pattern

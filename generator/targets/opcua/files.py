@@ -24,6 +24,8 @@ _LARGEST = 0xFFFFFFFF
 
 
 class Resolution(TypedDict):
+    """An attribute with the resolution: positions per revolution, revolutions, or positions per millimetre."""
+
     name: Annotated[str, "name of the attribute"]
     type: Annotated[str, "data type of the attribute"]
     value: Annotated[int | float, "number of positions or revolutions, or of positions per millimetre"]
@@ -36,7 +38,10 @@ class Plate(TypedDict):
     kind: Annotated[str, "``Rotary`` or ``Linear``"]
     encoder_type: Annotated[tuple[int, str], "value and name of EncoderType"]
     resolutions: Annotated[list[Resolution], "the resolutions, or none if the spec has no measurement"]
-    protocol: Annotated[tuple[int, str] | None, "value and name of EncoderProtocol, or None if it has no value for it"]
+    protocol: Annotated[
+        tuple[int, str] | None,
+        "value and name of EncoderProtocol, or None if it has none for the interface",
+    ]
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:

@@ -41,20 +41,20 @@ class Package(TypedDict):
     notices: Annotated[list[str], "notices on trademarks"]
     modules: Annotated[list[Module], "the module of each family"]
     start: Annotated[Shown, "the first example of the README"]
-    families: Annotated[list[str], "the names of all modules of families"]
+    families: Annotated[list[str], "the names of all family modules"]
     specials: Annotated[list[tuple[str, str]], "the modules of special models, and the suffixes of their order codes"]
     biss: Annotated[tuple[str, ...], "the name of the module for all BiSS encoders, if there is one"]
     rs485: Annotated[bool, "whether one of the encoders has RS-485"]
     runtime: Annotated[str, "the version of the runtime that the package needs, as major and minor number"]
     neighbours: Annotated[list[str], "the folders of the other manufacturers' packages in the same tree"]
     public: Annotated[list[str], "the names of all public modules"]
-    identified: Annotated[list[str], "the modules of the families that registers identify"]
+    identified: Annotated[list[str], "the modules of families that can be identified by registers"]
 
 
 class Family(Package):
     module: Annotated[Module, "the family, with the parts, names and expressions of its module"]
     imports: Annotated[Imports, "the modules to import from, in groups, and the names"]
-    facts: Annotated[list[str], "the names of its tables of facts, in order"]
+    facts: Annotated[list[str], "the names of its fact tables, in order"]
     offers: Annotated[list[str], "its public names, in order"]
 
 

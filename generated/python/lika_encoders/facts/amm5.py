@@ -2092,8 +2092,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used=(
             "The position is not usable if any of these is active: error, BUSY, PS error or ST error. Latched errors "
             "count until they are reset. In multiturn models, the MT error or the warning bit also makes the position "
-            "not usable. With the battery alarm, it is usable with a warning. EE_1, which combines BUSY, PS error, "
-            "battery alarm and MT error, makes the position not usable. If the frame also carries these four flags "
+            "unusable. With the battery alarm, it is usable with a warning. EE_1, which combines BUSY, PS error, "
+            "battery alarm and MT error, makes the position unusable. If the frame also carries these four flags "
             "(data ID 3), they decide instead."
         ),
         why=(
@@ -2367,8 +2367,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used=(
             "In singleturn models (.../1...), nW, BATT and MTERR have no explanation. An active bit is reported, and "
-            "the position is usable with a warning. Without ALMC (data IDs 0 and 1), EE_1 makes the position not "
-            "usable, since it may be BUSY. The step is left out."
+            "the position is usable with a warning. Without ALMC (data IDs 0 and 1), EE_1 makes the position "
+            "unusable, since it may be BUSY. The step is left out."
         ),
         why=(
             "The manual does not say what these bits mean without a battery and a multiturn system, or whether they "

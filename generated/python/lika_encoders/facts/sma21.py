@@ -2320,8 +2320,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="The ID code has five bits, cc0 to cc4",
         used="cc0 to cc3 are the data ID, and cc4 is its even parity bit.",
         why=(
-            "7.2.2 mentions a parity that the structure does not show. All five printed bytes fit. With five bits, "
-            "A2h would be ID 14h and DAh would be ID 1Bh."
+            "Section 7.2.2 mentions a parity bit that the structure does not show. All five printed bytes fit. With "
+            "five bits, A2h would be ID 14h and DAh would be ID 1Bh."
         ),
         status=Status.SETTLED,
         severity=Severity.OMISSION,
