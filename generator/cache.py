@@ -59,7 +59,7 @@ class Cache:
         self._folder = folder
 
     def get(self, kind: str, content: Iterable[bytes | str]) -> Any:
-        """Return what ``put`` stored for the same kind and content, or None."""
+        """Return the data that ``put`` stored for the same kind and content, or None."""
         if self._folder is None:
             return None
         try:
@@ -68,7 +68,7 @@ class Cache:
             return None
 
     def put(self, kind: str, content: Iterable[bytes | str], data: Any) -> None:
-        """Store data that consists of what JSON can express. Other entries may be removed because of the limits."""
+        """Store data that JSON can express. Other entries may be removed because of the limits."""
         if self._folder is None:
             return
         key = key_of(kind, content)
@@ -107,8 +107,9 @@ def content_of(paths: Iterable[Path]) -> list[bytes | str]:
 def _tool() -> str:
     """Return a hash of the tool's own code, the versions of its packages, and the interpreter.
 
-    The code counts by name, size and times, because reading it would take longer than decoding a frame. Any change of
-    a file changes its ``st_ctime_ns``, even if its size and modification time are the same as before.
+    The code is identified by the names, sizes and times of its files, because reading it would take longer than
+    decoding a frame. Any change of a file changes its ``st_ctime_ns``, even if its size and modification time are the
+    same as before.
     """
     found = hashlib.sha256(f"{sys.implementation.name} {sys.version} {sys.platform}".encode())
     for folder in (Path(__file__).parent, *_parts()):

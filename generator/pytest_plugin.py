@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class Served(NamedTuple):
-    """Virtual encoder, and the port to open: a device, or a URL of pyserial."""
+    """Virtual encoder, and the port to open: a device, or a pyserial URL."""
 
     encoder: VirtualEncoder
     port: str

@@ -105,10 +105,10 @@ def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 def _once(read: Callable[..., Any]) -> Callable[..., Any]:
     known: dict[Any, Any] = {}
 
-    def once(paths: Sequence[Path] = (), *more: Any) -> Any:
+    def once(paths: Sequence[Path] = (), *more: Any, **others: Any) -> Any:
         key = (tuple(paths), None if all(path.is_absolute() for path in paths) else Path.cwd())
         if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths):
-            return read(paths, *more)
+            return read(paths, *more, **others)
         if key not in known:
             known[key] = read(paths)
         found, report = known[key]

@@ -28,7 +28,7 @@ def drawn(mutants: Iterable[Mutant], number: int, seed: int) -> list[Mutant]:
     draw = random.Random(seed)
     mistakes: dict[tuple[str, str], dict[str, list[Mutant]]] = defaultdict(lambda: defaultdict(list))
     for mutant in mutants:
-        mistakes[mutant.file, mutant.place.fact][mutant.mistake].append(mutant)
+        mistakes[mutant.file, mutant.fact][mutant.mistake].append(mutant)
     columns = [list(_in_turns([_shuffled(item, draw) for item in kinds.values()])) for kinds in mistakes.values()]
     return [mutant for _, mutant in zip(range(number), _in_turns(columns), strict=False)]
 

@@ -9,9 +9,10 @@ from enum import Enum
 from typing import Any
 
 from codewheel.language.document import Document, Path
+from codewheel.loading.from_mapping import parse_sources
 
 from .names import other_names
-from .places import PROSE, Place, places
+from .places import PROSE, WORDED, Place, places
 
 
 class Gone(Enum):
@@ -32,6 +33,8 @@ class Mutant:
     place: Place
     mistake: str
     changes: tuple[Change, ...]
+    #: Class of the fact: that of its place, or for a source what is wrong in it.
+    fact: str
 
     @property
     def difference(self) -> str:
@@ -62,7 +65,21 @@ def mutants(document: Document) -> Iterator[Mutant]:
     """Yield every possible single mistake in a document, in the order of the file."""
     for place in places(document):
         for mistake, changes in _mistakes(place, document):
-            yield Mutant(document.file, place, mistake, changes)
+            fact = _wrong_in_source(place.value, changes[0][1], document) if place.fact == "source" else place.fact
+            yield Mutant(document.file, place, mistake, changes, fact)
+
+
+def _wrong_in_source(old: str, new: str, document: Document) -> str:
+    """Return which part of a source is wrong, and for a page whether the contents of the manual can tell."""
+    before, after = next(
+        pair for pair in zip(parse_sources(old), parse_sources(new), strict=True) if pair[0] != pair[1]
+    )
+    if before.document or after.document or "manual" not in document.data:
+        return "place in another document"
+    if before.section != after.section:
+        return "cited section"
+    row = document.data["manual"].get("contents", {}).get(before.section, {})
+    return "cited page" if "page" in row or "entries" in row else "page without contents"
 
 
 def mutated(document: Document, mutant: Mutant) -> dict[str, Any]:
@@ -87,7 +104,7 @@ def _replaced(node: Any, path: Path, new: Any) -> Any:
 
 def _mistakes(place: Place, document: Document) -> Iterator[tuple[str, tuple[Change, ...]]]:
     value, path = place.value, place.path
-    in_prose = place.fact in PROSE
+    in_prose = place.fact in PROSE or (place.fact in WORDED and not re.search("[0-9]", str(value)))
     if isinstance(value, dict):
         if place.keys == "order_code.parts.values":
             yield from _labels(place)
@@ -112,8 +129,13 @@ def _of_value(place: Place, document: Document) -> Iterator[tuple[str, Any]]:
     value, schema = place.value, place.schema
     if isinstance(value, bool):
         yield "boolean flipped", not value
+    elif isinstance(value, int) and value < 0:
+        yield "sign lost", -value
+        yield from ((mistake, -number) for mistake, number in _of_number(-value, str(-value)))
     elif isinstance(value, int):
         yield from _of_number(value, _written(place, document))
+    elif isinstance(value, float):
+        yield from ((mistake, float(text)) for mistake, text in _of_text(str(value), bare=False))
     elif isinstance(value, str) and "enum" in schema:
         yield from (("another word", word) for word in schema["enum"])
     elif isinstance(value, str):

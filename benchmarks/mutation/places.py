@@ -10,14 +10,19 @@ from typing import Any
 from codewheel.language.document import Document, Path
 from codewheel.language.schema import load_schema
 
-#: Keys of facts that the tool treats only as prose, including everything below them.
-PROSE_FACTS = ("characteristics", "leds", "tables", "lost_figures", "documents")
+#: Quantities with which a wrong value can damage hardware.
+_HAZARDS = frozenset("battery clearance current frequency supply temperature torque".split())
 #: Classes of facts by their keys without list indexes. The first match applies. Capitals stand for a key with any name.
 _CLASSES = (
+    ("source", r".*\b(source|alignment_source|output_code_source)"),
     ("erratum", r"errata\b.*"),
     ("example", r"examples\b.*"),
-    ("prose fact", rf"({'|'.join(PROSE_FACTS)})\b.*"),
-    ("source", r".*\b(source|alignment_source|output_code_source)"),
+    ("characteristic, hazard", r"characteristics\.HAZARD\b.*"),
+    ("characteristic", r"characteristics\b.*"),
+    ("table", r"tables\b.*"),
+    ("LED", r"leds\b.*"),
+    ("document", r"(lost_figures|documents)\b.*"),
+    ("contents", r"manual\.contents\b.*"),
     ("manual", r"(codewheel|device|manufacturer|title|manual\b.*|python_package|version|trademarks|vendor)"),
     ("BiSS manufacturer ID", r"biss_id"),
     ("edition", r"editions\b.*"),
@@ -78,7 +83,17 @@ _COMPILED = tuple((name, re.compile(pattern)) for name, pattern in _CLASSES)
 #: Classes in which a wrong value shifts a position, breaks a check or an access, or causes wrong timing.
 STRICT = frozenset(("position", "CRC", "address", "byte order", "access", "default", "limit", "clock", "time", "wait"))
 #: Classes that are words for people. No output computes with them, and no other fact repeats them.
-PROSE = frozenset(("prose", "prose fact", "source", "erratum", "manual"))
+PROSE = frozenset(("number in a text", "document", "source", "erratum", "manual"))
+#: Classes with texts of which the numbers are facts.
+WORDED = frozenset(("characteristic, hazard", "characteristic", "table", "LED", "contents"))
+#: Highest share of wrong values that may pass, by class of fact.
+MOST = {
+    **dict.fromkeys(("characteristic", "table", "LED", "alarm"), 0.03),
+    "characteristic, hazard": 0.01,
+    "cited section": 0.05,
+    "cited page": 0.40,
+    "number in a text": 0.25,
+}
 #: Classes that exist to detect mistakes in others.
 WITNESSES = frozenset(("example", "printed once more"))
 
@@ -104,7 +119,7 @@ class Place:
         """Class of the fact."""
         words = self.kind in ("text", "names") and str(self.path[-1]) not in _FACTUAL_TEXTS
         found = next((name for name, pattern in _COMPILED if pattern.fullmatch(self.keys)), "other")
-        return "prose" if words and found not in PROSE | WITNESSES else found
+        return "number in a text" if words and found not in PROSE | WITNESSES | WORDED else found
 
 
 def places(document: Document) -> Iterator[Place]:
@@ -144,4 +159,9 @@ def _inside(
             yield from _inside((*path, key), below, item, inner if isinstance(inner, dict) else {}, language, free)
     elif isinstance(value, list):
         for index, item in enumerate(value):
-            yield from _inside((*path, index), keys, item, followed.get("items", {}), language)
+            below = f"{keys}.HAZARD" if keys == "characteristics" and _is_hazard(item) else keys
+            yield from _inside((*path, index), below, item, followed.get("items", {}), language)
+
+
+def _is_hazard(characteristic: Mapping[str, Any]) -> bool:
+    return any(item["quantity"] in _HAZARDS for item in characteristic.get("values", ()))

@@ -13,7 +13,17 @@ _REASONS = (
     (
         "words for people",
         "No output computes with them, and no other fact repeats them. They are checked by reading the spec.",
-        {"fact": "|".join(sorted(PROSE))},
+        {"fact": "|".join(sorted(PROSE - {"source"}))},
+    ),
+    (
+        "a place in the manual",
+        "The contents give only the first page of each section. Other places are checked only by reading them.",
+        {"fact": "cited section|cited page|page without contents|place in another document"},
+    ),
+    (
+        "a name or a page that only one reading has",
+        "The second reading does not have these facts.",
+        {"fact": "characteristic(, hazard)?|table|LED|contents"},
     ),
     (
         "words of an example",
@@ -65,7 +75,7 @@ def explanation(name: str) -> str:
 
 def _fitting(mutant: Mutant) -> Iterator[str]:
     of = {
-        "fact": mutant.place.fact,
+        "fact": mutant.fact,
         "keys": mutant.place.keys,
         "mistake": mutant.mistake,
         "file": mutant.file.rpartition("/")[2].removesuffix(".yaml"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ from codewheel.language.second_reading import is_second
 from .campaign import Tried
 from .effects import Effect
 from .mistakes import code_span
-from .places import PROSE, PROSE_FACTS, STRICT, WITNESSES
+from .places import MOST, STRICT, WITNESSES
 from .reasons import explanation, reason
 from .trial import Trial
 
@@ -79,7 +78,7 @@ class Outcome:
 
     def _add(self, trial: Trial, item: Tried) -> None:
         mutant, word = item.mutant, item.verdict.word
-        row = self.rows.setdefault("second readings" if is_second(mutant.file) else mutant.place.fact, Row())
+        row = self.rows.setdefault("second readings" if is_second(mutant.file) else mutant.fact, Row())
         row.mutants += 1
         if word == "refused":
             row.refused += 1
@@ -117,13 +116,7 @@ class Outcome:
     def sums(self) -> Iterator[tuple[str, Row]]:
         """Yield the sums below the table."""
         yield "classes with *", self.of(self._known & STRICT)
-        yield "all facts", self.of(self._known - PROSE - WITNESSES)
-        yield "all", self.of(self._known)
-
-    @property
-    def not_in_all_facts(self) -> list[str]:
-        """Return the classes that are not included in the sum ``all facts``."""
-        return sorted(self._known & (PROSE | WITNESSES))
+        yield "all classes", self.of(self._known)
 
     @property
     def _known(self) -> set[str]:
@@ -140,22 +133,17 @@ def table(outcome: Outcome) -> list[str]:
 
 
 def _sorted(names: Iterable[str]) -> list[str]:
-    return sorted(names, key=lambda name: (name not in STRICT, name in PROSE | WITNESSES, name.casefold()))
+    return sorted(names, key=lambda name: (name not in STRICT, name in WITNESSES, name.casefold()))
 
 
-def note(outcome: Outcome) -> list[str]:
-    """Return the lines below the table, about the classes that are not included in the sum ``all facts``."""
-    classes = outcome.not_in_all_facts
-    if not classes:
-        return []
-    with_them = dict(outcome.sums())["all"].wrong
-    text = (
-        f"The row **all facts** leaves out the classes {_listed(map('*{}*'.format, classes))}. With them,"
-        f" {with_them:.1%} of the wrong values pass, as the row **all** shows."
-    )
-    if "prose fact" in classes:
-        text += f" The class *prose fact* consists of {_listed(map(code_span, PROSE_FACTS))}."
-    return textwrap.wrap(text, 120, break_on_hyphens=False)
+def exceeded(outcome: Outcome) -> list[str]:
+    """Return one line for each class of which more wrong values pass than allowed."""
+    shares = {name: outcome.rows[name].wrong for name in MOST if name in outcome.rows}
+    return [
+        f"{name}: {share:.1%} pass, at most {MOST[name]:.0%} may"
+        for name, share in shares.items()
+        if share > MOST[name]
+    ]
 
 
 def _listed(words: Iterable[str]) -> str:
@@ -191,8 +179,12 @@ a value swapped with that of the next item. Mutants in the column *same* change 
 meaning. Those in *left out* pass, but no output is wrong. *Texts* and *code* count wrong values that pass, in documents
 only and in code. *Wrong* is their share of all mutants except the *same* ones. In classes with * a wrong value moves a
 position, breaks a check or an access, or comes at the wrong time. No such mutant may pass.
+
+The last row includes every class. A *characteristic, hazard* has a quantity that can damage hardware: supply, battery,
+torque, current, clearance, clock or temperature. A *cited page* is one in a section for which the table of contents
+gives pages. No rule can check a *page without contents* or a *place in another document*.
 """
-    return "\n".join([head, *table(outcome), "", *note(outcome), "", *survivors(outcome)]).rstrip() + "\n"
+    return "\n".join([head, *table(outcome), "", *survivors(outcome)]).rstrip() + "\n"
 
 
 def file_name(path: str) -> str:

@@ -18,7 +18,7 @@ _RUNTIME_MODULES = "biss encoder errors facts order_codes reports running steps 
 #: A documentation comment with the declaration below it: a whole type, or a function without its body.
 _DECLARED = re.compile(
     r"/\*\*(?! @file)(?P<comment>(?:(?!\*/).)*)\*/\n"
-    r"(?P<what>(?:[A-Z_]+\n)?(?:typedef [^{;]*\{.*?\n\} \w+;|static inline [^{;]*))",
+    r"(?P<what>(?:[A-Z_]+\n)*(?:typedef [^{;]*\{.*?\n\} \w+;|static inline [^{;]*))",
     re.DOTALL,
 )
 _NAME = re.compile(r"(\w+)(?:\(|;$)")

@@ -13,7 +13,7 @@ from .impact import OUTPUTS, Impact, Rule
 class Change:
     """One difference, described by ``text``. ``old`` and ``new`` are plain data, or None.
 
-    ``codes`` are the order codes that it affects, ``reach`` describes them in words, and ``names`` has its name in
+    ``codes`` are the order codes that it affects, ``reach`` describes them in words, and ``names`` contains its name in
     each output that has one.
     """
 

@@ -93,10 +93,10 @@ def things(
         both: The two versions of the family.
         kind: Kind of the things, with which the names of their rules begin.
         pairs: The things with their counterparts.
-        path: Path of the section that has them.
+        path: Path of the section that contains them.
         label: Words that precede the name of a thing, or a function that returns them.
         interface: Interface that a thing concerns, or a function that returns it.
-        inside: Compare everything in a thing that is not a member of its own.
+        inside: Compare the content of a thing that the table of members does not compare.
     """
     for pair in pairs:
         words, over = (each if isinstance(each, str) else each(pair) for each in (label, interface))

@@ -35,7 +35,8 @@ TITLES = {"c": "C", "python": "Python", "xml": "XML", "pages": "pages"}
 class Rule:
     """A kind of change.
 
-    ``impacts`` has one impact for each of ``OUTPUTS``. ``when`` describes the change, ``why`` justifies the impact.
+    ``impacts`` contains one impact for each of ``OUTPUTS``. ``when`` describes the change, ``why`` justifies the
+    impact.
     """
 
     name: str

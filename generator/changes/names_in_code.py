@@ -24,7 +24,7 @@ _NAMES: Mapping[str, tuple[str, str]] = MappingProxyType(
 
 
 def named_in_code(both: FamilyPair, pair: Pair[Any], path: str, label: str, interface: str) -> Thing:
-    """Return a thing, with its names in code if it has some that users have already. ``label`` precedes its name."""
+    """Return a thing, with its names in code if users already know it by them. ``label`` precedes its name."""
     section = path.rpartition(".")[2]
     thing = Thing(f"{path}.{pair.item.name}", f"{label} {pair.item.name}", interface)
     # A new data ID is a new member of an enumeration that users already have.

@@ -106,7 +106,7 @@ def _is_of_code(item: Parameter) -> bool:
 
 
 def _part(both: FamilyPair, thing: Thing, old: CodePart, new: CodePart) -> Iterator[Change]:
-    """Compare the values that the part has in both versions. The others show in the order codes."""
+    """Compare the values that the part has in both versions. Other changes are visible in the order codes."""
 
     def text(item: CodeValue) -> str:
         return item.text
@@ -137,7 +137,7 @@ def _spellings(both: FamilyPair) -> Iterator[Change]:
 def supply(
     both: FamilyPair, thing: Thing, old: Supply | None, new: Supply | None, codes: tuple[str, ...] | None = None
 ) -> Iterator[Change]:
-    """Compare the supply of a family, or of a value in its order code that ``codes`` have."""
+    """Compare the supply of a family, or of an order code value that ``codes`` have."""
     place = thing.inside("supply", f"{thing.label} supply".strip())
     if old is not None and new is not None:
         for change in members(both, place, old, new):

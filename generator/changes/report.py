@@ -62,7 +62,7 @@ def totals(changes: Sequence[Change]) -> str:
 
 
 def versions(package: Package) -> str:
-    """Return the step of a version, and the stated version if it must be updated."""
+    """Return the old and the new version, and the stated version if it must be updated."""
     if package.old == package.new == package.stated:
         return f"{package.name} stays {package.old}"
     step = f"{package.name} {package.old} → {package.new}"

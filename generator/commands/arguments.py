@@ -40,7 +40,13 @@ EXAMPLES = {
     "facts": ("codewheel facts my_encoder --section 6.2", "codewheel facts my_encoder --section 1 --json"),
     "explain": ("codewheel explain", "codewheel explain register-gone"),
     "new": ("codewheel new my_encoder", "codewheel new my_encoder -o specs/my_encoder.yaml"),
+    "migrate": ("codewheel migrate my_encoder.yaml", "codewheel migrate --check my_encoder.yaml"),
 }
+
+
+#: Forms of the output of check and diff.
+FORMATS = ("text", "json", "github", "sarif")
+FORMATS_HELP = "text, json, github for comments in a pull request, or sarif (version 2.1.0) for review tools"
 
 
 class Parser(argparse.ArgumentParser):

@@ -34,7 +34,7 @@ def run(paths: Sequence[Path], targets: Iterable[Target], cache: Cache | None = 
     """Check the specs at ``paths`` and the second readings next to them.
 
     With a cache, families that had no problems before, with the same content, are not checked again. Their second
-    readings are then missing in the result.
+    readings are then missing from the result.
 
     Raises:
         Stop: A target fails. The exit code is 1.

@@ -8,6 +8,7 @@ from typing import Any
 
 from ..language.problems import Report
 from ..say.numbers import counted
+from .formats import Finding, as_review
 from .look_up import read_line
 
 
@@ -17,8 +18,16 @@ def as_data(report: Report) -> dict[str, Any]:
     return {"files": report.files, "passed_over": report.passed_over, "problems": problems}
 
 
-def as_text(families: Sequence[str], report: Report, paths: Sequence[Path]) -> str:
-    """Return the problems as text, with the files read and a summary. ``families`` are the names of all families."""
+def as_text(families: Sequence[str], report: Report, paths: Sequence[Path], form: str = "text") -> str:
+    """Return the problems as text, with the files read and a summary, or in a form for review tools.
+
+    ``families`` are the names of all families.
+    """
+    if form in ("github", "sarif"):
+        problems = report.problems
+        return as_review(
+            [Finding(item.file, item.line, item.column, item.rule, item.message) for item in problems], form
+        )
     lines = [problem.format() for problem in report.problems]
     lines.append(read_line(paths, families, report))
     if report:

@@ -118,12 +118,15 @@ def _check(chosen: argparse.Namespace) -> int:
     if chosen.write and not chosen.coverage:
         raise Stop("--write needs --coverage", 2)
     paths = look_up.own_or_shipped([*chosen.specs, *chosen.more_specs])
+    if chosen.format in ("github", "sarif") and chosen.coverage:
+        raise Stop(f"--format {chosen.format} lists problems only; leave --coverage out", 2)
+    chosen.json = chosen.json or chosen.format == "json"
     before = earlier(_cache(chosen), "check", paths)
     known = None if chosen.coverage or chosen.target else before.get()
     if known is not None:
         report = before.report(known["files"])
         data = {"version": JSON_VERSION} | as_data(report)
-        _print(chosen.json, lambda: data, lambda: as_text(known["families"], report, paths))
+        _print(chosen.json, lambda: data, lambda: as_text(known["families"], report, paths, chosen.format))
         return 0
     from . import check, coverage
     from .outputs import are_built_in, targets_named
@@ -134,7 +137,7 @@ def _check(chosen: argparse.Namespace) -> int:
     covered = coverage.cover(found, chosen.write) if chosen.coverage else []
     counts = coverage.as_data(covered) if chosen.coverage else {}
     data = {"version": JSON_VERSION} | as_data(found.report) | counts
-    _print(chosen.json, lambda: data, lambda: as_text(names, found.report, paths))
+    _print(chosen.json, lambda: data, lambda: as_text(names, found.report, paths, chosen.format))
     if chosen.coverage and not chosen.json:
         print(coverage.as_text(covered, found))
     if not found.report and are_built_in(targets):
@@ -205,13 +208,19 @@ def _new(chosen: argparse.Namespace) -> int:
     from .new import NameRefused, NotWritten, write_spec
 
     try:
-        for path in write_spec(chosen.name, chosen.output):
+        for path in write_spec(chosen.name, chosen.output, chosen.like):
             print(f"written    {path.as_posix()}")
     except NameRefused as error:
         raise Stop(str(error), 2) from None
     except NotWritten as error:
         raise Stop(str(error), 1) from None
     return 0
+
+
+def _migrate(chosen: argparse.Namespace) -> int:
+    from .migrate import run
+
+    return run(chosen.specs, chosen.check)
 
 
 def _master(chosen: argparse.Namespace) -> int:
@@ -275,4 +284,5 @@ _RUNS: Mapping[str, Callable[[argparse.Namespace], int]] = {
     "facts": _facts,
     "explain": _explain,
     "new": _new,
+    "migrate": _migrate,
 }

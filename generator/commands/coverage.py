@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, astuple
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from .check import Checked, look_at
 from .editions import check_all
 from .terminal import Stop
 
-_HEADINGS = ("twice", "explained", "once", "derived")
+_HEADINGS = ("twice", "explained", "decided", "once", "derived")
 _OLD = "the counts do not match the readings; update them with codewheel check --coverage --write"
 
 
@@ -94,7 +94,7 @@ def as_text(covered: Sequence[Coverage], found: Checked) -> str:
     rows += [(item.family, item.total) for item in covered]
     rows += [("total", added(item.total for item in covered))] if len(covered) > 1 else []
     lines = ["facts by number of readings (*: two are required)", _line("", _HEADINGS)]
-    lines += [_line(name, (count.twice, count.explained, count.once, count.derived)) for name, count in rows]
+    lines += [_line(name, astuple(count)) for name, count in rows]
     return "\n".join([*lines, *without, *_lacking(covered)])
 
 
@@ -107,7 +107,7 @@ def _by_class(covered: Sequence[Coverage]) -> Mapping[Sort, TimesRead]:
 
 
 def _line(name: str, cells: Sequence[object]) -> str:
-    return f"{name:<16}" + "".join(f"{cell:>11}" for cell in map(str, cells))
+    return f"{name:<17}" + "".join(f"{cell:>11}" for cell in map(str, cells))
 
 
 def _lacking(covered: Sequence[Coverage]) -> list[str]:

@@ -290,7 +290,7 @@ def _reported(report: Report) -> str:
 
 
 def _measured(device: Device, variant: Variant, decoded: codec.Decoded) -> str:
-    """Return the position in degrees or micrometres, or only the angle if the frame has no more."""
+    """Return the position in degrees or micrometres, or only the angle if the frame has no other part of it."""
     measurement = device.measurement_of(variant.interface)
     if measurement is None:
         return ""

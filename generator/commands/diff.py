@@ -5,18 +5,20 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..changes.impact import IMPACTS, Impact
 from . import look_up
-from .arguments import Parser
+from .arguments import FORMATS, FORMATS_HELP, Parser, a_path
 from .terminal import Stop
 
 if TYPE_CHECKING:
+    from ..changes.change import Change
     from ..changes.report import Files, Found
     from ..language.problems import Problem
     from ..loading.library import Family
@@ -40,6 +42,7 @@ def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print JSON")
     form.add_argument("--markdown", action="store_true", help="print a section of a changelog")
+    form.add_argument("--format", choices=FORMATS, default="text", help=FORMATS_HELP)
     parser.add_argument(
         "--fail-on",
         metavar="IMPACT",
@@ -57,6 +60,17 @@ def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
         help="with --record: record even if second readings disagree or coverage is out of date",
     )
     parser.add_argument(
+        "--editions",
+        action="store_true",
+        help="also print the 'editions' entry for items that a new edition of the manual removed",
+    )
+    parser.add_argument(
+        "--accepted",
+        type=a_path,
+        metavar="FILE",
+        help="changes that do not count for the exit code (default: accepted.yaml next to the specs of NEW)",
+    )
+    parser.add_argument(
         "--lenient",
         action="store_true",
         help="compare specs even if the current spec language finds problems, without the faulty parts",
@@ -66,11 +80,15 @@ def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
 
 @dataclass(frozen=True)
 class _Side:
-    """One side of the comparison: the families that were read, and the names of those that could not be."""
+    """One side of the comparison: the families that were read, and the names of those that could not be.
+
+    ``names`` has the original names of files from a git revision.
+    """
 
     families: tuple[Family, ...]
     left_out: frozenset[str]
     notices: tuple[str, ...]
+    names: Mapping[str, str]
 
 
 def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence[Family]], None]) -> int:
@@ -89,7 +107,14 @@ def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence
         if not chosen.unchecked:
             gate(after.families)
         found = _record(found, after)
-    if chosen.json:
+    asked, notices = _accept(found.changes, chosen)
+    found = replace(found, notices=(*found.notices, *notices))
+    if chosen.format in ("github", "sarif"):
+        from .diff_places import findings
+        from .formats import as_review
+
+        print(as_review(findings(asked, after.families, after.names), chosen.format))
+    elif chosen.json or chosen.format == "json":
         from ..changes.report_data import as_data
 
         print(json.dumps(as_data(found), indent=2, ensure_ascii=False))
@@ -101,8 +126,34 @@ def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence
         from ..changes.report_text import as_text
 
         print(as_text(found))
+        for offer in _offers(before, after, found.changes) if chosen.editions else ():
+            print(f"\n{offer}")
     least = Impact[chosen.fail_on.upper()] if chosen.fail_on else Impact.DOCUMENTATION
-    return 1 if found.impact >= least else 0
+    return 1 if max((change.impact for change in asked), default=Impact.NONE) >= least else 0
+
+
+def _offers(before: _Side, after: _Side, changes: Sequence[Change]) -> Iterator[str]:
+    from .taken_away import offers
+
+    return offers(before.families, after.families, changes)
+
+
+def _accept(changes: Sequence[Change], chosen: argparse.Namespace) -> tuple[Sequence[Change], Sequence[str]]:
+    """Return the changes that count, and the notices about accepted ones.
+
+    Raises:
+        Stop: The file with accepted changes is missing or not valid. The exit code is 2.
+    """
+    from ..changes.accepted import NAME, NotAccepted, read_accepted, still_open
+
+    new = Path(chosen.new)
+    place = chosen.accepted or (new if new.is_dir() else new.parent) / NAME
+    if chosen.accepted is None and not place.is_file():
+        return changes, ()
+    try:
+        return still_open(changes, read_accepted(place), datetime.now().astimezone().date())
+    except NotAccepted as error:
+        raise Stop(str(error), 2) from None
 
 
 def _look(before: _Side, after: _Side, generate: Generate) -> Found:
@@ -146,6 +197,7 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
     """Return the families of one side. For the old side, those that the current language can still read."""
     from tempfile import TemporaryDirectory
 
+    from ..language.migrate import migrate
     from ..loading.library import load_families, sound_families
     from ..loading.revisions import RevisionError, lay_out, named
     from ..say.numbers import counted
@@ -163,17 +215,17 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
             except RevisionError as error:
                 raise Stop(str(error), 2) from None
             path, names = laid_out.place, laid_out.names
-        families, report = load_families([path])
+        families, report = load_families([path], prepare=migrate if is_old else None)
     problems = [replace(problem, file=names.get(problem.file, problem.file)) for problem in report.problems]
     if not problems:
-        return _Side(tuple(families), frozenset(), ())
+        return _Side(tuple(families), frozenset(), (), names)
     if lenient and families:
         _show(problems)
         count = counted(len(problems), "problem")
         said = (
             f"the current spec language finds {count} in {text}. The faulty parts are omitted and may be listed as new"
         )
-        return _Side(tuple(families), frozenset(), (said,))
+        return _Side(tuple(families), frozenset(), (said,), names)
     sound = sound_families(families, report)
     if not is_old or not sound:
         raise _unread(text, problems, is_old)
@@ -181,7 +233,7 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
     because = f"because of {counted(len(problems), 'problem')} in the current spec language"
     said = f"not compared {because}: {', '.join(left_out)}"
     _show(problems)
-    return _Side(tuple(sound), frozenset(left_out), (f"{said} of {text}",))
+    return _Side(tuple(sound), frozenset(left_out), (f"{said} of {text}",), names)
 
 
 def _show(problems: Sequence[Problem]) -> None:

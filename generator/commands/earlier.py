@@ -23,7 +23,7 @@ _OVERLAY_KEYS = frozenset(("overlay", "changes"))
 
 @dataclass(frozen=True)
 class Earlier:
-    """The earlier results of a command. ``content`` has all that they depend on. If it is empty, there are none."""
+    """Earlier results of a command. ``content`` is all that they depend on. If it is empty, there are none."""
 
     cache: Cache
     kind: str

@@ -76,10 +76,10 @@ def _in_edition(specs: Sequence[Path], device: Device, revision: str) -> Device:
 
 
 def beside(families: Iterable[Family], wanted: Iterable[str], report: Report) -> list[Device]:
-    """Return the families in editions asked for with texts such as ``FAMILY=1.6``.
+    """Return the families in editions given by arguments such as ``FAMILY=1.6``.
 
     Raises:
-        Stop: A text is malformed, or there is no such family or edition. The exit code is 2.
+        Stop: An argument is malformed, or there is no such family or edition. The exit code is 2.
     """
     by_name = {item.device.name: item for item in families if not item.device.base}
     made: dict[str, Device] = {}

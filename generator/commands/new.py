@@ -12,9 +12,12 @@ from pathlib import Path
 from ..language.problems import Report
 from ..language.read import read_document
 from ..language.rules.names import TAKEN
+from . import new_texts as texts
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 _LONGEST_NAME = 40
+#: Encoders to start from. The rotary ones count revolutions.
+LIKE = ("biss", "ssi", "rs485", "linear")
 
 
 class NameRefused(ValueError):
@@ -25,12 +28,13 @@ class NotWritten(OSError):
     """A file already exists or cannot be written. The message is one line."""
 
 
-def write_spec(name: str, output: Path | None) -> list[Path]:
+def write_spec(name: str, output: Path | None, like: str = "") -> list[Path]:
     """Write the spec, and next to it the manufacturer file and the schemas for an editor if they are missing.
 
     Args:
         name: The family's name.
         output: The file, or a folder for it. By default, ``name.yaml`` in the current folder.
+        like: One of ``LIKE``, or empty for a singleturn encoder over BiSS.
 
     Returns:
         The files that were written.
@@ -51,7 +55,7 @@ def write_spec(name: str, output: Path | None) -> list[Path]:
     if path.name != f"{name}.yaml":
         raise NameRefused(f"the file of a spec has its family's name: {path.with_name(name + '.yaml')}, not {path}")
     manufacturer = path.with_name("manufacturer.yaml")
-    files = {path: device_text(name, _manufacturer(manufacturer), _schema_path(path.parent, "device"))}
+    files = {path: device_text(name, _manufacturer(manufacturer), _schema_path(path.parent, "device"), like)}
     if not manufacturer.exists():
         files[manufacturer] = manufacturer_text(_schema_path(path.parent, "manufacturer"))
     for kind in ("device", "manufacturer"):
@@ -105,183 +109,39 @@ def _schema_path(folder: Path, kind: str) -> str:
 
 def manufacturer_text(schema: str) -> str:
     """Return the text of a manufacturer file."""
-    return _MANUFACTURER.replace("@SCHEMA@", schema)
+    return texts.MANUFACTURER.replace("@SCHEMA@", schema)
 
 
-def device_text(name: str, manufacturer: str, schema: str) -> str:
-    """Return the text of a spec of the family ``name``."""
-    made = _DEVICE.replace("@SCHEMA@", schema).replace("@MANUFACTURER@", manufacturer)
+def device_text(name: str, manufacturer: str, schema: str, like: str = "") -> str:
+    """Return the text of a spec of the family ``name``, with an example of one of ``LIKE``."""
+    made = _start(like).replace("@SCHEMA@", schema).replace("@MANUFACTURER@", manufacturer)
     return made.replace("@CODE@", name.replace("_", "-").upper()).replace("@NAME@", name)
 
 
-_MANUFACTURER = """\
-# yaml-language-server: $schema=@SCHEMA@
-codewheel: 1
-manufacturer: example                     # a short name, repeated in the devices' files
-title: Name of the manufacturer
-# biss_id: 0x0000                         # BiSS manufacturer ID, registers 7Eh and 7Fh, part of idbissXXXX.xml's name
-source: Cover
-"""
-
-_DEVICE = """\
-# yaml-language-server: $schema=@SCHEMA@
-#
-# @CODE@, from edition 1.0 of the manual. Everything below is an example that passes "codewheel check". Replace it with
-# the facts of the manual, in the manual's order. docs/spec-language.md explains every key, and editors complete them
-# using the schema named in the first line. A copy of the schema next to the spec belongs to codewheel: delete it after
-# an update, and "codewheel new" writes it again.
-#
-# Sources are the section and page of the manual, as in "6.2 p.25". Cite a page only if the contents, the index or a
-# cross-reference proves it.
-
-codewheel: 1
-device: @NAME@                            # the same as the file's name
-manufacturer: @MANUFACTURER@
-title: @CODE@ absolute encoder
-movement: rotary                          # or linear
-
-manual:
-  title: @CODE@ user's guide
-  revision: "1.0"                         # quoted, or 1.10 becomes 1.1
-  # date: 2024-01-31
-  language: en                            # language of the edition that the sources cite
-  history:
-    - {revision: "1.0", changes: First issue.}
-
-# Public documents that sources cite by a key, as in "prot: p.7".
-# documents:
-#   prot: {title: "BiSS Interface, Protocol Description (BiSS C)"}
-
-# ----------------------------------------------------------------------------------------------------------- order code
-
-# Values set by the order code. Widths and limits below are expressions of these, such as 2^singleturn_bits - 1.
-parameters:
-  singleturn_bits: {meaning: Singleturn resolution, unit: bits, source: "1"}
-  # Held in a register at run time instead of set by the order code:
-  # used_bits: {meaning: Number of bits in use, read_from: resolution.bits, min: 1, max: 17, source: "6"}
-
-order_code:
-  pattern: "@CODE@-{singleturn}-{output}"
-  source: Order code
-  parts:
-    - name: singleturn
-      meaning: Singleturn resolution in bits
-      values:
-        "13": {meaning: "8,192 counts per turn", sets: {singleturn_bits: 13}}
-        "17": {meaning: "131,072 counts per turn", sets: {singleturn_bits: 17}}
-    - name: output
-      meaning: Interface
-      # open: "[A-Z]{2}"                  # regular expression for values the manual does not list
-      values:
-        SC: {meaning: BiSS C-mode, interface: biss}
-
-# Resolution of the position. For a linear encoder: step_um and modulus.
-measurement: {of: position, counts_per_turn: 2^singleturn_bits, turns: 1, source: "1"}
-
-# ----------------------------------------------------------------------------------------------------------------- CRCs
-
-crcs:
-  - name: biss_6
-    width: 6
-    poly: 0x03                            # without the top bit: x^6 + x + 1 is 43h with it
-    init: 0
-    refin: false                          # most significant bit first
-    refout: false
-    xorout: 0x3F                          # sent inverted
-    source: "6.2"
-
-# ----------------------------------------------------------------------------------------------------------- interfaces
-
-interfaces:
-  # ssi:
-  #   source: "5"
-  #   clock: {min_hz: 100000, max_hz: 1000000, source: "5.1"}
-  #   alignment: msb_left                 # or lsb_right
-  #   layouts:
-  #     - name: ssi_word
-  #       from: encoder
-  #       source: "5.2"
-  #       fields: [{name: position, bits: singleturn_bits, unit: counts}]
-  biss:
-    source: "6"
-    clock: {min_hz: 200000, max_hz: 10000000, source: "6.1"}
-    layouts:
-      - name: single_cycle_data
-        printed_name: Single Cycle Data
-        from: encoder
-        source: "6.2"
-        # In the order sent, most significant first.
-        fields:
-          - {name: position, bits: singleturn_bits, unit: counts, meaning: Position within one revolution}
-          - {name: error, active: low, makes_position: not_usable, when_active: an error is active}
-          - {name: warning, active: low, makes_position: usable_with_warning, when_active: a warning is active}
-          # Reserved bits with the value in the manual. Other values are reported, but the frame is accepted.
-          # - {name: spare, bits: 2, unused: 0}
-          # Fixed bits, such as the zeros above a position. A frame with other values is rejected.
-          # - {name: zero, bits: 1, constant: 0}
-          - {name: crc, crc: biss_6}
-
-# ------------------------------------------------------------------------------------------------------------ registers
-
-registers:
-  - name: command
-    printed_name: Command
-    meaning: Saves the parameters
-    interface: biss
-    address: 0x48
-    length: 1
-    access: write_only                    # read_only, read_write
-    fields:
-      - name: function
-        at: 7:0                           # high bit first, bit 0 is the least significant
-        values:
-          save: {value: 1, printed_name: Save parameters, meaning: Saves what was written}
-    source: "6.3"
-
-  - name: preset
-    printed_name: Preset
-    meaning: New value for the current position
-    interface: biss
-    address: 0x50
-    length: 4
-    access: read_write
-    byte_order: high_byte_first           # or low_byte_first, for two bytes or more
-    default: 0
-    min: 0
-    max: 2^singleturn_bits - 1
-    source: "6.3"
-
-procedures:
-  - name: set_preset
-    title: Set and save a preset
-    interface: biss
-    arguments: [{name: position, of: preset, meaning: New value for the current position}]
-    steps:
-      - {do: write, register: preset, value: position, meaning: write the four preset registers}
-      - {do: write, register: command, value: save, meaning: keep it after power-off}
-      - {do: wait, at_least_ms: 30, meaning: EEPROM writing time}
-    source: "6.3"
-
-# ----------------------------------------------------------------------------------------------------- examples, errata
-
-# Each worked example of the manual becomes a test of every output.
-examples:
-  - name: preset_register
-    kind: register                        # frame, register, crc, procedure, measure
-    register: preset
-    order_code: @CODE@-17-SC
-    bytes: "00 00 03 E8"
-    values: {preset: 1000}
-    source: "6.3"
-
-# Errors and contradictions in the manual. Do not correct anything without an entry here.
-# errata:
-#   - name: preset_length
-#     source: "6.3"
-#     printed: The manual's own words.
-#     used: The correction in the spec.
-#     why: The manual's own evidence, or arithmetic.
-#     status: settled                     # open if only hardware or the manufacturer could decide
-#     severity: wrong_data                # or wrong_limit, omission, wording: the effect on someone who copies it
-#     affects: [registers.preset]
-"""
+def _start(like: str) -> str:
+    """Return the text of a spec: with the position as one number, or as revolutions and counts that are joined."""
+    movement = (
+        "linear                          # or rotary"
+        if like == "linear"
+        else "rotary                          # or linear"
+    )
+    head = texts.HEAD.replace("@MOVEMENT@", movement)
+    if like == "ssi":
+        ssi = texts.SSI.replace("@FIELDS@", texts.MULTITURN).replace("@JOIN@", texts.JOIN)
+        code = texts.TURNS.replace("@OUTPUT@", "BG: {meaning: SSI, interface: ssi}")
+        return head + code + ssi + texts.EXAMPLES_HEAD + texts.SSI_EXAMPLE + texts.ERRATA
+    if like == "rs485":
+        code = texts.TURNS.replace("@OUTPUT@", "JP: {meaning: RS-485, interface: rs485}")
+        crc_and_frames = texts.RS485_CRC + texts.RS485
+        return head + code + crc_and_frames + texts.EXAMPLES_HEAD + texts.RS485_EXAMPLE + texts.ERRATA
+    biss = texts.BISS + texts.REGISTERS + texts.EXAMPLES_HEAD + texts.EXAMPLE + texts.ERRATA
+    if not like:
+        return head + texts.CODE + texts.CRCS + biss
+    output = "SC: {meaning: BiSS C-mode, interface: biss}"
+    if like == "linear":
+        biss = biss.replace("singleturn_bits", "position_bits").replace("@CODE@-17-SC", "@CODE@-1-SC")
+        biss = biss.replace("Position within one revolution", "Position")
+        return head + texts.LENGTH.replace("@OUTPUT@", output) + texts.CRCS + biss
+    biss = biss.replace(texts.POSITION, texts.MULTITURN).replace(texts.LAST_FIELD, texts.LAST_FIELD + texts.JOIN)
+    biss = biss.replace("max: 2^singleturn_bits", "max: 2^position_bits").replace("@CODE@-17-SC", "@CODE@-17-4096-SC")
+    return head + texts.TURNS.replace("@OUTPUT@", output) + texts.CRCS + biss

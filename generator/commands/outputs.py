@@ -94,7 +94,7 @@ def load_for(
     keep: list[Family] | None = None,
     cache: Cache | None = None,
 ) -> tuple[tuple[Device, ...], Report]:
-    """Return the devices of the specs, and a report that includes what these targets cannot express.
+    """Return the devices of the specs, and a report that includes the parts that these targets cannot express.
 
     ``editions`` are additional ones, such as ``FAMILY=1.6``. The families with their specs are added to ``keep``.
 

@@ -8,7 +8,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TypeAlias
 
-from .arguments import Parser, ShowVersion, a_path, add_examples, metres
+from .arguments import FORMATS, FORMATS_HELP, Parser, ShowVersion, a_path, add_examples, metres
 
 _DESCRIPTION = (
     "Describe an absolute encoder once and get a Python codec, C headers, a BiSS XML description and documentation."
@@ -101,7 +101,9 @@ def _add_check(commands: _Commands) -> None:
         metavar="NAME",
         help="check that this output can express the specs (see below, may be repeated)",
     )
-    parser.add_argument("--json", action="store_true", help="print the problems as JSON")
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument("--json", action="store_true", help="print the problems as JSON")
+    form.add_argument("--format", choices=FORMATS, default="text", help=FORMATS_HELP)
     _add_cache_option(parser)
     parser.add_argument(
         "--coverage",
@@ -302,6 +304,22 @@ def _add_new(commands: _Commands) -> None:
     parser.add_argument(
         "-o", dest="output", type=a_path, metavar="FILE", help="output file (default: NAME.yaml in this folder)"
     )
+    parser.add_argument(
+        "--like",
+        choices=("biss", "ssi", "rs485", "linear"),
+        default="",
+        help="kind of encoder: multiturn over this interface, or linear over BiSS (default: singleturn over BiSS)",
+    )
+
+
+def _add_migrate(commands: _Commands) -> None:
+    parser = commands.add_parser(
+        "migrate",
+        help="update specs to the current spec language",
+        description="Apply renamed keys to specs, keep comments and layout, and list what only a person can decide.",
+    )
+    parser.add_argument("specs", nargs="*", type=a_path, metavar="SPEC", help="files or folders (default: this folder)")
+    parser.add_argument("--check", action="store_true", help="list what would change, and write nothing")
 
 
 #: The commands, in the order of the help.
@@ -318,6 +336,7 @@ _COMMANDS = {
     "facts": _add_facts,
     "explain": _add_explain,
     "new": _add_new,
+    "migrate": _add_migrate,
 }
 
 

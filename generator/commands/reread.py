@@ -42,7 +42,7 @@ def run(chosen: argparse.Namespace) -> int:
     """Compare two texts. The exit code is 1 if they differ.
 
     Raises:
-        Stop: A text cannot be read, or the family is not known.
+        Stop: A manual cannot be read, or the family is not known.
     """
     try:
         old, new = read(chosen.old), read(chosen.new)

@@ -19,6 +19,7 @@ Shape = dict[str, Any]
 _SIMPLE: dict[str, Shape] = {
     "string": {"type": "string"},
     "integer": {"type": "integer"},
+    "number": {"type": "number"},
     "boolean": {"type": "boolean"},
     "hex": {"type": "integer", "x-form": "hexadecimal"},
     "scalar": {"type": ["integer", "string", "boolean"]},

@@ -193,6 +193,8 @@ def _value(text: str, types: tuple[str, ...]) -> Any:
         return text == "true"
     if "integer" in types and _INTEGER.fullmatch(text):
         return int(text)
+    if "number" in types:
+        return float(text)
     if "integer" in types and "string" not in types and _HEXADECIMAL.fullmatch(text):
         return int(text, 16)
     return text

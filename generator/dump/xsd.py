@@ -127,7 +127,7 @@ def _add_attribute(made: Any, member: Member, description: str) -> None:
     if member.kind is Kind.LIST:
         attribute.set("type", "numbers" if types == ["integer"] else "words")
     elif not values:
-        single = "hexadecimal" if is_hexadecimal(member.shape) else f"xs:{types[0]}"
+        single = "hexadecimal" if is_hexadecimal(member.shape) else f"xs:{types[0].replace('number', 'decimal')}"
         attribute.set("type", "expression" if len(types) > 1 else single)
     if "const" in member.shape:
         attribute.set("fixed", str(member.shape["const"]))

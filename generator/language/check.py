@@ -70,6 +70,10 @@ class _Noting(DocumentReport):
         self.noted.append(self.document.original(path))
         super().add(rule, path, message, at_key=at_key)
 
+    def mark(self, path: Path) -> None:
+        self.noted.append(self.document.original(path))
+        super().mark(path)
+
 
 def _check_device(checked: Checked, document: Document, report: Report) -> dict[str, Any]:
     codes = is_whole(checked.data, document.data)

@@ -96,6 +96,10 @@ class Document:
         """Return True if there is a value at ``path``."""
         return len(list(self._walk(path))) == len(path)
 
+    def mark(self, path: Path) -> Mark:
+        """Return the mark of the value at ``path``, or of its nearest ancestor if there is none."""
+        return next((mark for _, mark in reversed(list(self._walk(path)))), self.marks)
+
     def name_path(self, path: Path) -> str:
         """Return the path as shown in messages: ``procedures.preset.steps[3]``.
 

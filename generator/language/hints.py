@@ -1,10 +1,10 @@
-"""Hints for numbers written as in manuals, or keys with another unit: 48h, 10 MHz, x^6 + x + 1, min_khz."""
+"""Hints for numbers written as in manuals, keys with another unit and words of other tools: 48h, min_khz, offset."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping
 from fractions import Fraction
 from typing import Any
 
@@ -29,6 +29,34 @@ _GROUPED = re.compile(r"-?[0-9]{1,3}(?:([_' ,])[0-9]{3})(?:\1[0-9]{3})*")
 _PLAIN = re.compile(r"-?(?:0x[0-9A-Fa-f]+|[0-9]+)")
 _WITH_UNIT = re.compile(r"(?P<number>[0-9]+(?:\.[0-9]+)?)\s*(?P<unit>[kKMG]?[hH]z|[pnuµm]?s|[nuµmc]?m|m?V)")
 _POLYNOMIAL = re.compile(r"(?:x(?:\s*\^\s*[0-9]+)?|1)(?:\s*\+\s*(?:x(?:\s*\^\s*[0-9]+)?|1))+", re.IGNORECASE)
+_DIGITS = re.compile(r"[0-9][0-9A-Fa-f]*|[0-9A-F]{2,}")
+_BYTES = re.compile(r"[0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*")
+_SHIFTED = re.compile(r"\(?1\s*<<\s*(\w+)\)?")
+#: Keys of other tools, each with the keys that may have the same meaning here.
+_ELSEWHERE = {
+    "description": ("meaning",), "desc": ("meaning",), "comment": ("note",),
+    "offset": ("address", "at"), "size": ("length", "bits"), "type": ("length", "bits"), "width": ("bits", "length"),
+    "endianness": ("byte_order",), "endian": ("byte_order",), "active_low": ("active",), "active_high": ("active",),
+    "reset": ("default",), "reset_value": ("default",), "enum": ("values",), "enums": ("values",),
+    "permission": ("access",), "mode": ("access",),
+}  # fmt: skip
+#: Values of keys that other tools write in words.
+_VALUES = {
+    "byte_order": {
+        **dict.fromkeys(("big", "be", "big_endian", "msb", "motorola"), "high_byte_first"),
+        **dict.fromkeys(("little", "le", "little_endian", "lsb", "intel"), "low_byte_first"),
+    },
+    "access": {
+        **dict.fromkeys(("rw", "r/w", "read-write"), "read_write"),
+        **dict.fromkeys(("ro", "r", "read", "read-only"), "read_only"),
+        **dict.fromkeys(("wo", "w", "write", "write-only"), "write_only"),
+    },
+}
+_YES_OR_NO = {
+    **dict.fromkeys(("yes", "y", "on", "true", "1"), "true"),
+    **dict.fromkeys(("no", "n", "off", "false", "0"), "false"),
+}
+_TYPE_BITS = re.compile(r"u?int_?([0-9]{1,2})(?:_t)?|[ui]([0-9]{1,2})")
 #: Longest text, in characters, that is tried as a number.
 _LONGEST = 100
 
@@ -39,9 +67,13 @@ def number_hint(key: str, value: Any) -> str:
         if value.is_integer() and abs(value) < 2**64:
             return f"; write {int(value)}"
         return _fraction_hint(key, value) if math.isfinite(value) else ""
+    if isinstance(value, list) and len(value) > 1 and all(type(item) is int and 0 <= item < 256 for item in value):
+        value = bytes(value).hex(" ")
     if not isinstance(value, str) or len(value) > _LONGEST:
         return ""
     text = value.strip()
+    if _BYTES.fullmatch(text) and " " in text:
+        return _bytes_hint(bytes.fromhex(text))
     if _PLAIN.fullmatch(text):
         return f"; write {text}, without the quotes"
     if found := _HEX.fullmatch(text):
@@ -53,7 +85,61 @@ def number_hint(key: str, value: Any) -> str:
     if found := _WITH_UNIT.fullmatch(text):
         converted = _converted(Fraction(found["number"]), found["unit"].lower(), _unit(key))
         return f"; write {converted}, in {_word(_unit(key))}" if converted is not None else ""
-    return _polynomial_hint(text) if key == "poly" and _POLYNOMIAL.fullmatch(text) else ""
+    if key == "poly" and _POLYNOMIAL.fullmatch(text):
+        return _polynomial_hint(text)
+    return f"; write 0x{text.upper()}" if _DIGITS.fullmatch(text) else ""
+
+
+def expression_hint(text: str) -> str:
+    """Return what to write instead of an expression with the powers of a programming language. Empty if unclear."""
+    right = _SHIFTED.sub(r"2^\1", text.replace("**", "^"))
+    return f"; write {right}" if right != text else ""
+
+
+def value_hint(key: str, value: Any, schema: Mapping[str, Any]) -> str:
+    """Return what to write instead of a value of the wrong type: true or false, or a map with one key."""
+    text = str(value).lower()
+    if schema.get("type") == "boolean":
+        return f"; write {_YES_OR_NO[text]}" if text in _YES_OR_NO else ""
+    needed = schema.get("required", ())
+    if schema.get("type") == "object" and len(needed) == 1 and not isinstance(value, dict | list | type(None)):
+        return f"; write '{key}: {{{needed[0]}: {value}}}'"
+    return ""
+
+
+def word_hint(key: str, value: Any) -> str:
+    """Return what to write instead of ``rw`` or ``big`` under a key that takes one of our words. Empty if unclear."""
+    right = _VALUES.get(key, {}).get(str(value).lower(), "")
+    return f"; write '{right}'" if right else ""
+
+
+def foreign_key_hint(key: str, value: Any, known: Collection[str], given: Collection[str]) -> str:
+    """Return what to write instead of a key of other tools, such as ``description: ...`` for ``meaning: ...``.
+
+    ``known`` contains the keys that are allowed here, and ``given`` those that are used.
+    """
+    right = next((word for word in _ELSEWHERE.get(key.lower(), ()) if word in known), "")
+    if not right:
+        return ""
+    if right in given:
+        return f"; leave it out, because '{right}' says the same"
+    if right == "active":
+        low = (key.lower() == "active_low") == (value is not False)
+        return f"; write 'active: {'low' if low else 'high'}'"
+    if right in _VALUES:
+        word = _VALUES[right].get(str(value).lower().replace("-", "_"), "")
+        return f"; write '{right}: {word}'" if word else f"; it is called '{right}' here"
+    if (bits := _TYPE_BITS.fullmatch(str(value).lower())) is not None:
+        number = int(bits[1] or bits[2])
+        return f"; write '{right}: {number // 8 if right == 'length' else number}'"
+    return f"; it is called '{right}' here"
+
+
+def _bytes_hint(data: bytes) -> str:
+    high, low = (int.from_bytes(data, order) for order in ("big", "little"))
+    if high == low:
+        return f"; write one number: {high:#x}"
+    return f"; write one number: {high:#x} if the first byte is the highest, {low:#x} if it is the lowest"
 
 
 def _fraction_hint(key: str, value: float) -> str:

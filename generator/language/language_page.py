@@ -15,12 +15,13 @@ from typing import Any
 from ..say.markdown import anchor, code, link, paragraph, table, text
 from .problems import listed
 from .schema_files import load_schema
-from .second_reading import NO_FACTS, PROSE
+from .second_reading import NO_FACTS, ONLY_SECOND, PROSE
 
 Shape = Mapping[str, Any]
 #: The JSON types, in the singular and in the plural.
 _NOUNS = {
     "integer": ("whole number", "whole numbers"),
+    "number": ("number", "numbers"),
     "string": ("string", "strings"),
     "boolean": ("`true` or `false`", "booleans"),
     "array": ("list", "lists"),
@@ -48,12 +49,13 @@ If a file begins with the following line, editors can complete and explain keys 
 _SECOND = """\
 `FAMILY.second.yaml`, in the same folder as the device file, is an independent transcription of the same manual by
 another reader. It uses the same language. Only `codewheel check` reads it, and reports the differences between the two
-files. The second transcription contains only facts. It has all the keys above except `manufacturer`, the keys for
-prose, and the parts that explain or calculate.
+files. It has no `manufacturer` and none of these parts, which explain or calculate: {lists}.
 
-Omitted keys for prose: {prose}.
+Keys for prose are optional. Of their texts, only the numbers and the cited sections are compared: {prose}.
 
-Omitted parts: {lists}."""
+Only a second reading has these keys:
+
+{only}"""
 
 
 def spec_page() -> str:
@@ -102,9 +104,13 @@ def _other_files(maker: Mapping[str, Any], overlay: Mapping[str, Any]) -> list[s
         "",
         "## The second reading",
         "",
-        _SECOND.format(prose=_coded(PROSE), lists=_coded(NO_FACTS)),
+        _SECOND.format(prose=_coded(PROSE), lists=_coded(NO_FACTS), only=_only_second()),
         "",
     ]
+
+
+def _only_second() -> str:
+    return "\n".join(f"- `{key}`: {item['description']}" for key, item in ONLY_SECOND.items())
 
 
 def _coded(words: Iterable[str]) -> str:

@@ -76,7 +76,7 @@ class FileFormat:
         suffix: Suffix of the file, with its dot.
         comment: Beginning of a comment line, or ``<!--`` in XML.
         needs: Kind of place that the format can write, a key of ``PLACE_KINDS``.
-        reader: Program of the tool that was seen to read such files, or empty if none is public.
+        reader: Program of the tool that has been seen to read such files, or empty if none is public.
         highest: Highest number that the reader can take, or None.
     """
 

@@ -6,12 +6,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from .hints import key_hint, number_hint
+from .hints import foreign_key_hint, key_hint, number_hint, value_hint, word_hint
 from .problems import WORDS_ONLY, Path, listed, meant, missing, quoted, suggestion
-from .second_reading import is_prose
+from .second_reading import is_left_out
 
 _TYPES = {
     "integer": "a whole number",
+    "number": "a number",
     "string": "text",
     "object": "a map of keys",
     "array": "a list",
@@ -94,10 +95,10 @@ _ALL_THERE_IS: dict[str | int, str] = {
 
 
 #: Current names of keys, by their names in earlier versions of the language.
-_RENAMED = {"steps_per_turn": "counts_per_turn", "steps": "modulus"}
+RENAMED = {"steps_per_turn": "counts_per_turn", "steps": "modulus"}
 
 #: Text after a key that device files have and second readings do not.
-_NO_PROSE = "; a second reading has only facts, no prose; leave it out"
+_NO_PROSE = "; a second reading does not have this part; leave it out"
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,13 +134,15 @@ def explain(error: Any, kind: str) -> Iterator[Finding]:
                 True,
             )
         else:
-            yield Finding(
-                "bad-pattern", (*path, error.instance), f"the key {quoted(error.instance)} is not valid: {words}", True
-            )
+            hint = ""
+            if path[-1:] == ("values",) and error.instance.isdigit():
+                hint = "; the name comes first, as in 'save: {value: 1}'"
+            wrong = f"the key {quoted(error.instance)} is not valid: {words}{hint}"
+            yield Finding("bad-pattern", (*path, error.instance), wrong, True)
     elif error.validator == "additionalProperties":
         for key in error.instance:
             if key not in error.schema["properties"]:
-                hint = _NO_PROSE if kind == "second" and is_prose(key) else _key_hint(error, path, key)
+                hint = _NO_PROSE if kind == "second" and is_left_out(key) else _key_hint(error, path, key)
                 yield Finding(
                     "unknown-key",
                     (*path, key),
@@ -156,8 +159,10 @@ def explain(error: Any, kind: str) -> Iterator[Finding]:
 
 def _key_hint(error: Any, path: Path, key: str) -> str:
     known = error.schema["properties"]
-    if _RENAMED.get(key) in known:
-        return f"; it is now called '{_RENAMED[key]}'"
+    if RENAMED.get(key) in known:
+        return f"; it is now called '{RENAMED[key]}' (codewheel migrate renames it)"
+    if foreign := foreign_key_hint(key, error.instance[key], known, error.instance):
+        return foreign
     near = meant(key, list(known))
     if near:
         return f"; did you mean '{near}'?"
@@ -187,7 +192,8 @@ def _missing(error: Any, path: Path, kind: str) -> Iterator[Finding]:
 
 
 def _stands_for(word: str, key: str, instance: Any, known: Any) -> bool:
-    return meant(word, list(known)) == key or f"'{key}" in key_hint(word, instance[word], known)
+    hints = key_hint(word, instance[word], known), foreign_key_hint(word, instance[word], known, instance)
+    return meant(word, list(known)) == key or any(f"'{key}" in hint for hint in hints)
 
 
 def _owner(error: Any, path: Path, kind: str) -> str:
@@ -222,12 +228,13 @@ def _type(error: Any, subject: str) -> tuple[str, str]:
     hint = "; put it in quotes" if "string" in types and isinstance(error.instance, (int, float)) else ""
     if sums or types == ["integer"]:
         hint = number_hint(key, error.instance)
+    hint = hint or value_hint(key, error.instance, error.schema)
     return "wrong-type", f"{subject} must be {wanted}, not {quoted(error.instance)}{hint}"
 
 
 def _enum(error: Any, subject: str) -> tuple[str, str]:
-    hint = ""
-    if not isinstance(error.instance, (dict, list)):
+    hint = word_hint(str(error.absolute_path[-1]), error.instance)
+    if not hint and not isinstance(error.instance, (dict, list)):
         hint = suggestion(str(error.instance), map(str, error.validator_value), "use one of")
     if not hint:
         hint = f"; use one of {', '.join(map(str, error.validator_value))}"
@@ -235,7 +242,9 @@ def _enum(error: Any, subject: str) -> tuple[str, str]:
 
 
 def _const(error: Any, subject: str) -> tuple[str, str]:
-    return "not-allowed", f"{subject} must be {quoted(error.validator_value)}, not {quoted(error.instance)}"
+    later = type(error.instance) is int and subject == "'codewheel'" and error.instance > error.validator_value
+    hint = "; a later version of codewheel can read this file" if later else ""
+    return "not-allowed", f"{subject} must be {quoted(error.validator_value)}, not {quoted(error.instance)}{hint}"
 
 
 def _pattern(error: Any, subject: str) -> tuple[str, str]:

@@ -2,7 +2,7 @@
 
 The result is a document like any other. Each value records the file that it comes from, so that later problems with
 them are reported in the overlay. Changes that cannot be applied are reported here: a place that does not exist, a
-value that is already there, two changes of the same place.
+value that is already there, two changes to the same place.
 """
 
 from __future__ import annotations
@@ -281,7 +281,7 @@ def _characteristics(data: Mapping[str, Any]) -> set[str]:
 
 
 def _without_steps(node: Any, gone: Collection[str]) -> Any:
-    """Return the data without references of remedies to removed steps by hand."""
+    """Return the data without references from remedies to manual steps that were removed."""
     if isinstance(node, list):
         return [_without_steps(item, gone) for item in node]
     if not isinstance(node, dict):

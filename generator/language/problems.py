@@ -134,6 +134,10 @@ class DocumentReport:
         """Add a problem at ``path``, as :meth:`Report.add` does."""
         self._report.add(rule, self.document, path, message, at_key=at_key)
 
+    def mark(self, path: Path) -> None:
+        """Mark a place as faulty without a message, because another problem explains it."""
+        self._report.mark(self.document, [self.document.original(path)])
+
     def faults(self) -> frozenset[Path]:
         """Return the faulty places of the document so far, as :meth:`Report.faults` does."""
         return self._report.faults(self.document)

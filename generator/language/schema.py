@@ -8,16 +8,17 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from .document import Document
-from .messages import Finding, explain
+from .messages import RENAMED, Finding, explain
 from .problems import WORDS_ONLY, Path, Report
 from .schema_files import load_schema
+from .second_reading import is_second
 
 if TYPE_CHECKING:
     from jsonschema import ValidationError
@@ -78,7 +79,7 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
     validator = _validator(kind.value)
     cut = set(document.broken)
     findings = _findings(validator, document.data, cut, kind.value)
-    for finding in findings[:MAX_PROBLEMS]:
+    for finding in (item for item in findings[:MAX_PROBLEMS] if not _follows(item, findings, document.data)):
         report.add(
             finding.rule, document, finding.path, finding.message, at_key=finding.at_key, in_words=_is_of_words(finding)
         )
@@ -95,6 +96,19 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
     faults = [finding for finding in findings if not _can_be_incomplete(finding.path) and not _is_of_words(finding)]
     places = {finding.path if finding.alone else holder(finding.path) for finding in faults}
     return _cut_out(validator, document, places | set(map(holder, cut)), kind)
+
+
+def renamed_keys(document: Document) -> list[tuple[Path, str]]:
+    """Return the keys that had another name in earlier versions of the language, each with its current name."""
+    kind = FileKind.SECOND if is_second(document.file) else _kind(document.data)
+    found: dict[Path, str] = {}
+    for error in _validator(kind.value).iter_errors(document.data) if kind is not None else ():
+        if error.validator == "additionalProperties" and isinstance(error.schema.get("properties"), dict):
+            for key in RENAMED.keys() & error.instance.keys() - error.schema["properties"].keys():
+                new = RENAMED[key]
+                if new in error.schema["properties"] and new not in error.instance:
+                    found[(*error.absolute_path, key)] = new
+    return sorted(found.items(), key=lambda item: document.position(item[0], at_key=True))
 
 
 def _kind(data: dict[str, Any]) -> FileKind | None:
@@ -116,7 +130,7 @@ def without(
     document.kept.clear()
     data: dict[str, Any] = _without(document.data, cut, (), document.kept)
     for path, words in given.items():
-        item = _found(data, path, document.kept)
+        item = value_at(data, path, document.kept)
         if isinstance(item, dict):
             item.update(words)
     return data
@@ -185,7 +199,7 @@ def _without(value: Any, cut: Collection[Path], path: Path, kept: dict[Path, tup
     return value
 
 
-def _found(data: Any, path: Path, kept: dict[Path, tuple[int, ...]]) -> Any:
+def value_at(data: Any, path: Path, kept: Mapping[Path, Sequence[int]] = MappingProxyType({})) -> Any:
     """Return the value in pruned data at a path into the data as read, or None if it was removed."""
     for end, step in enumerate(path):
         if isinstance(data, list) and isinstance(step, int):
@@ -213,6 +227,16 @@ def _findings(validator: Any, data: dict[str, Any], broken: set[Path], kind: str
         if len(found) > MAX_PROBLEMS:
             break
     return list(found.values())
+
+
+def _follows(finding: Finding, findings: Sequence[Finding], data: dict[str, Any]) -> bool:
+    """Return True if another finding explains this one: a value under a wrong key, or an unknown interface by name."""
+    found = {item.path for item in findings if item.at_key}
+    if not finding.at_key and finding.path in found and finding.rule != "missing-key":
+        return True
+    named = finding.rule == "not-allowed" and {"interface", "interfaces"} & set(finding.path[-2:])
+    value = value_at(data, finding.path)
+    return bool(named) and isinstance(value, str) and ("interfaces", value) in found
 
 
 @functools.cache

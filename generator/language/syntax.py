@@ -14,6 +14,8 @@ _RULE = "yaml-syntax"
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _LINE_BREAK = re.compile(r"\r\n|\r|\n")
 _NO_COMMA = "a comma or closing bracket is missing before this"
+#: Spaces of word processors and PDF files, where YAML needs an ordinary one: in the indentation or after a colon.
+_ODD_SPACE = re.compile(r"(?:^|(?<=[:, -]))[\u00a0\u2000-\u200b\u202f\u3000\ufeff]")
 _COMMENT = re.compile(r"\s#")
 
 
@@ -23,6 +25,11 @@ def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, int, str, str]
     mark: Any = error.problem_mark or error.context_mark
     problem, context = error.problem or "not understood", error.context or ""
     opened: Any = error.context_mark
+    for line in (place.line - back for place in (opened, mark) if place is not None for back in (0, 1)):
+        spaced = _ODD_SPACE.search(lines[line]) if 0 <= line < len(lines) else None
+        if spaced is not None:
+            wrong = f"the space U+{ord(spaced[0]):04X} is not an ordinary space, so YAML reads it as text"
+            return line + 1, spaced.start() + 1, _RULE, f"{wrong}; replace it with one"
     # The mark of this problem is where the search for the colon ended.
     if opened is not None and problem == "could not find expected ':'":
         return *_place(opened), _RULE, _keyless(_character(lines, opened))

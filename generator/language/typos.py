@@ -1,6 +1,6 @@
 """Obvious mistakes in YAML, fixed while reading. Each is reported once, and the rest is read as intended.
 
-Without this, a comma in a text would look like an unknown key, and a missing dash like an item full of duplicate keys.
+Without this, a comma in text would look like an unknown key, and a missing dash like an item full of duplicate keys.
 """
 
 from __future__ import annotations

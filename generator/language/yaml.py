@@ -1,4 +1,4 @@
-"""Convert events of PyYAML to data and marks, within bounds.
+"""Convert PyYAML events to data and marks, within bounds.
 
 Events are used instead of PyYAML's nodes, so that depth and aliases are bounded before anything is built. The cost of
 any file, even a hostile one, is then limited by its size.

@@ -38,6 +38,9 @@ def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool
 def _fault(text: int | str, parameters: Mapping[str, int]) -> str:
     try:
         found = Expression.parse(text)
+    except ExpressionError:
+        return ""  # Reported by the rule on expressions.
+    try:
         if parameters.keys() >= set(found.parameters):  # Another name is reported by the rule on expressions.
             found.value(parameters)
     except ExpressionError as error:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import keyword
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -69,10 +69,13 @@ def _share(one: Device, other: Device) -> bool:
     return one.name == other.name or any(item.code in codes for item in other.variants)
 
 
-def load_families(paths: Sequence[Path] = (), cache: Cache | None = None) -> tuple[list[Family], Report]:
+def load_families(
+    paths: Sequence[Path] = (), cache: Cache | None = None, prepare: Callable[[Document], object] | None = None
+) -> tuple[list[Family], Report]:
     """Load all families, like ``load_library``, with the spec and the files of each device.
 
-    With a cache, families that had no problems before, with the same content, are not built again.
+    With a cache, families that had no problems before, with the same content, are not built again. ``prepare`` is
+    called with each document before it is checked.
     """
     report = Report()
     before = contents(paths) if cache else {}
@@ -83,6 +86,9 @@ def load_families(paths: Sequence[Path] = (), cache: Cache | None = None) -> tup
     documents += _missing_manufacturers(documents, report)
     given = {Path(document.file).resolve() for document in documents}
     documents += read_specs((path for path in overlays_beside(documents) if path.resolve() not in given), report)
+    if prepare is not None:
+        for document in documents:
+            prepare(document)
     after = contents(paths) if cache else {}
     same = [file for file, content in before.items() if after.get(file) == content]
     known = {file: device for file in same if (device := found[file]) is not None}
@@ -104,7 +110,7 @@ def families_of(
 ) -> list[Family]:
     """Build the families of documents, sorted by name, and add their problems to ``report``.
 
-    ``known`` has devices, by the path of their specs, that were built before and had no problems.
+    ``known`` contains devices, by the path of their specs, that were built before and had no problems.
     """
     overlays = [document for document in documents if is_overlay(document)]
     documents = [document for document in documents if not is_overlay(document)]

@@ -10,14 +10,14 @@ from ..order_codes.narrowing import for_codes
 
 
 class UnknownName(ValueError):
-    """A name is that of no order code, interface or family. The message says which there are."""
+    """A name matches no order code, interface or family. The message lists those that exist."""
 
 
 def narrowed(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
     """Return the devices with the order codes that ``only`` names, and all of them if it is empty.
 
     Raises:
-        UnknownName: A name is that of no order code, interface or family.
+        UnknownName: A name matches no order code, interface or family.
     """
     words = [item.strip() for item in only.split(",") if item.strip()]
     if not words:

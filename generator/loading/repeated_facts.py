@@ -24,6 +24,7 @@ def check_agreement(raw: Raw, device: Device, report: DocumentReport) -> None:
     """Report contradictions in a spec that only the model shows."""
     for register in device.registers:
         _check_default(device, register, ("registers", register.name), report)
+        _check_preset(device, register, ("registers", register.name), report)
     _check_biss_id(device, report)
     _check_meanings(raw, device, report)
     _check_selectors(device, report)
@@ -44,6 +45,26 @@ def _check_default(device: Device, register: Register, path: Path, report: Docum
         if wrong:
             said = f"the default {default:#x} contradicts a field: {wrong}"
             report.add("default-does-not-fit", (*path, "default"), said)
+            return
+
+
+def _check_preset(device: Device, register: Register, path: Path, report: DocumentReport) -> None:
+    """Check that a preset cannot be above the highest position, which is one less than the number of positions."""
+    if "preset" not in register.name.split("_") or register.max is None or register.meanings:
+        return
+    if {*register.max.parameters} & {item.name for item in device.run_time_parameters}:
+        return
+    for variant in _variants(device, register.interface):
+        measurement = device.measurement_of(variant.interface)
+        whole = (measurement.counts_per_turn or measurement.modulus) if measurement is not None else None
+        if measurement is None or whole is None:
+            continue
+        count = whole.value(variant.parameters)
+        count *= measurement.turns.value(variant.parameters) if measurement.turns is not None else 1
+        highest = register.max.value(variant.parameters)
+        if highest >= count > 1:
+            wrong = f"'{register.name}' can be {highest}, but positions of {variant.code} end at {count - 1}"
+            report.add("limit-does-not-fit", (*path, "max"), f"{wrong}; the highest is one less than their number")
             return
 
 

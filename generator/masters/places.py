@@ -135,7 +135,7 @@ def _given(text: str) -> str:
 
 
 def _bits(text: str) -> tuple[int | None, int | None]:
-    """Return the highest and the lowest bit of ``5:0`` or ``6``, or twice None."""
+    """Return the highest and the lowest bit of ``5:0`` or ``6``, or None for both."""
     if not text:
         return None, None
     high, _, low = text.partition(":")

@@ -95,7 +95,7 @@ class Sheet:
     barred: frozenset[str] = frozenset()
 
     def devices_with(self, file: Raw) -> list[str]:
-        """Return the devices of the master that a file of its description is for."""
+        """Return the devices of the master to which a file in its description applies."""
         names = [item.name for item in self.master.devices if item.name not in self.barred]
         return [name for name in names if name in file.get("on", names)]
 

@@ -41,7 +41,7 @@ class Effect:
 class Writing:
     """One condition for writing. Exactly one of needs, after, then and takes_effect is not empty.
 
-    ``of`` names its settings, and is empty if it is about all. ``needs`` are values to write before these settings,
+    ``of`` names its settings, and is empty if it applies to all. ``needs`` are values to write before these settings,
     ``after`` names settings to write before them, ``then`` are values to write after them.
     """
 

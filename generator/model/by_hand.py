@@ -1,4 +1,4 @@
-"""Steps that a person carries out by hand, as numbered steps in a text."""
+"""Steps that a person carries out by hand, as numbered steps in text."""
 
 from __future__ import annotations
 
@@ -20,5 +20,5 @@ def steps_of(value: str) -> tuple[str, ...]:
 
 
 def has_steps(value: str) -> bool:
-    """Return whether a text has enough numbered steps to be a list."""
+    """Return whether a string has enough numbered steps to be a list."""
     return len(steps_of(value)) > _FEWEST

@@ -180,7 +180,7 @@ class RegisterMeaning:
 
 @dataclass(frozen=True, slots=True)
 class Register:
-    """A register of ``length`` bytes, starting at ``address``. ``layout`` has its fields."""
+    """A register of ``length`` bytes, starting at ``address``. ``layout`` contains its fields."""
 
     name: str
     printed_name: str
@@ -249,11 +249,12 @@ class Variant:
 class TimesRead:
     """Number of facts in a spec by how they were read: twice and equal, twice and different with a reason, or once.
 
-    ``derived`` counts facts that follow from others.
+    ``decided`` counts facts that no manual prints, and ``derived`` those that follow from others.
     """
 
     twice: int
     explained: int
+    decided: int
     once: int
     derived: int
 

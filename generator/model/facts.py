@@ -158,9 +158,22 @@ class Led:
 
 
 @dataclass(frozen=True, slots=True)
+class Quantity:
+    """A quantity with its bounds. ``where`` is the part that it applies to, if there are several."""
+
+    quantity: str
+    where: str
+    min: float | None
+    typical: float | None
+    max: float | None
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
 class Characteristic:
     name: str
     value: str
+    values: tuple[Quantity, ...]
     only: str
     source: Sources
 
@@ -188,6 +201,7 @@ class Table:
     name: str
     title: str
     columns: tuple[str, ...]
+    units: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     note: str
     source: Sources

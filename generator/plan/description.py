@@ -43,7 +43,7 @@ class BitField:
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A field, and the operation that converts its bits. ``runs`` has name, divisor and modulus of runs of digits."""
+    """A field, and the operation that converts its bits. ``runs`` lists name, divisor and modulus of runs of digits."""
 
     name: Name
     low: Expression
@@ -113,8 +113,8 @@ class Tells:
 class Description:
     """A frame or register. ``length`` is 0 and ``order`` is empty if it is not sent as bytes.
 
-    ``columns`` and ``fields`` have all fields, in the order of the layout. ``fixed`` has the constant bits that are not
-    all 0. ``otherwise`` is the verdict if no cause speaks, or None without a position.
+    ``columns`` and ``fields`` contain all fields, in the order of the layout. ``fixed`` contains the constant bits that
+    are not all 0. ``otherwise`` is the verdict if no cause applies, or None without a position.
     """
 
     bits: Expression
@@ -135,7 +135,7 @@ class Description:
 
 
 def describe(codec: plan.Codec, reporting: reports.Reporting | None = None) -> Description:
-    """Return the description of a frame or register. ``reporting`` has the reports and the verdict of a frame."""
+    """Return the description of a frame or register. ``reporting`` contains the reports and the verdict of a frame."""
     layout, powers = codec.layout, powers_of_two(codec)
     order = "little" if layout.byte_order == "low_byte_first" else "big"
     sent = [(Place(term.field.low, term.field.width), term.value) for term in codec.terms]
@@ -222,5 +222,5 @@ def _tells(item: reports.Told) -> Tells:
 
 
 def _mask(by: plan.Part | plan.Reserved) -> int:
-    """Return the bits of the number made of all reserved bits that these reserved bits are, or 0 for a flag."""
+    """Return the mask of reserved bits in the number made of all of them, or 0 for a flag."""
     return ((1 << by.bits.widest) - 1) << by.place if isinstance(by, plan.Reserved) else 0

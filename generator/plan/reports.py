@@ -153,7 +153,7 @@ def verdict_of(field: Field) -> Verdict | None:
 
 
 def _by_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
-    """Yield the field by order codes. If the manual explains it only for some, the others have a separate report."""
+    """Yield the field. If the manual explains it only for some order codes, yield a separate one for the others."""
     match field.kind:
         case Flag(only_while=parameter, only=codes) if parameter:
             yield field, Only(parameter, True, codes)

@@ -294,7 +294,7 @@ def _can_be_read_back(item: Writes) -> bool:
 
 
 def _stored(item: Writes) -> Iterator[Piece]:
-    """Yield the written bits that have a meaning. Reserved bits may read as anything."""
+    """Yield the written bits that have a meaning. Reserved bits can have any value when read."""
     for piece in item.pieces:
         mask = piece.mask & ~(_unused_bits(item.register, piece.byte) >> piece.right)
         if mask:

@@ -63,7 +63,7 @@ Meaning = Raw | TwosComplement | ZeroMeans | Active | Named | DigitRuns | Charac
 
 
 def is_number(meaning: Meaning) -> bool:
-    """Return whether the value is a single number, not a Boolean, a name, runs of digits or a text."""
+    """Return whether the value is a single number, not a Boolean, a name, runs of digits or a string."""
     match meaning:
         case Raw() | TwosComplement() | ZeroMeans():
             return True

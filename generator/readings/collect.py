@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import interfaces, order_codes, procedures, registers, surroundings
+from . import cited, interfaces, order_codes, procedures, registers, surroundings
 from .fact import Facts
 from .reading import Reading
 
@@ -16,4 +16,8 @@ def facts_of(reading: Reading) -> Facts:
     facts.add(procedures.procedures(reading))
     for found in (surroundings.contacts, surroundings.alarms, surroundings.inputs, surroundings.history):
         facts.add(found(reading))
+    for found in (surroundings.characteristics, surroundings.tables, surroundings.leds, cited.contents, cited.texts):
+        facts.add(found(reading))
+    facts.found, facts.sections = cited.by_path(reading), cited.sections_by_path(reading)
+    facts.decided = reading.document.data.get("decided", ())
     return facts

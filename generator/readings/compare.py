@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import partial
 from typing import Any
@@ -11,6 +11,7 @@ from typing import Any
 from ..changes.pairs import paired
 from ..language.problems import Path
 from ..say.numbers import first_of
+from .cited import NUMBERS
 from .fact import NOTHING, Bit, Case, Fact, Facts, Key, Names, Placed, Sort, Value, Word
 from .frame_bits import continues, run
 from .mistaken_names import are_settled, mistaken
@@ -19,15 +20,18 @@ from .reading import bits
 
 #: Items that each reader defines as needed, so that none is missing if the other has a different set.
 _OWN = frozenset(("parameter",))
+#: Classes of facts in words, which a second reading can also give by their paths.
+_WORDS = frozenset((Sort.TEXT, Sort.SECTION))
 
 
 class Read(IntEnum):
     """How often a fact was read, best first. For a place with several facts, the worst applies."""
 
     TWICE = 0
-    EXPLAINED = 1
-    ONCE = 2
-    OTHERWISE = 3
+    DECIDED = 1
+    EXPLAINED = 2
+    ONCE = 3
+    OTHERWISE = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,21 +73,59 @@ def compare(spec: Facts, second: Facts) -> Comparison:
     made = Comparison(settled=are_settled(spec, second))
 
     def near(fact: Fact) -> Path | None:
-        is_free = fact.mild and not (made.settled and fact.key[0] in _OWN)
+        # Missing order codes are reported together.
+        is_free = fact.key[0] == "code" or (fact.mild and not (made.settled and fact.key[0] in _OWN))
         # If the subject is missing, only that is reported.
         has_holder = not fact.under or fact.under in spec.facts
         return _near(fact, spec, second) if has_holder and not is_free else None
 
-    for found in _compare_facts(made, spec.facts, second.facts, near):
+    for found in _compare_facts(made, spec.facts, second.facts | dict(_by_path(spec, second)), near):
         _differ(made, found)
-    for found in _codes_too_many(spec, second):
+    for found in _codes_differ(spec, second):
         _differ(made, found)
     for found in _compare_names(made, spec.names, second.names):
         _differ(made, found)
     for key, word in spec.words.items():
         if _same_order(spec.facts.get((*key, "order")), second.facts.get((*key, "order"))):
             _compare_words(made, word, second.words.get(key))
+    _mark(made, spec, second)
     return made
+
+
+def _by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
+    """Yield the facts that the second reading gives by paths: numbers in texts, and sections."""
+    paths = {_dotted(fact.place): fact for fact in spec.facts.values() if fact.sort in _WORDS}
+    for path, (value, place) in second.found.items():
+        own = paths.get(path) or Fact(Sort.TEXT, (NUMBERS, path), "", f"numbers in {path}", ())
+        yield own.key, replace(own, value=value, place=place)
+    for key, fact in spec.facts.items():
+        steps = fact.place
+        if fact.sort is Sort.SECTION and _dotted(steps) not in second.found:
+            path = next(
+                (path for end in range(len(steps), 0, -1) if (path := _dotted(steps[:end])) in second.sections), ""
+            )
+            if path:
+                sections = second.sections[path]
+                yield key, replace(fact, value=", ".join(sorted(sections)), place=("sections", sections[0]))
+
+
+def _dotted(place: Path) -> str:
+    return ".".join(map(str, place))
+
+
+def _mark(made: Comparison, spec: Facts, second: Facts) -> None:
+    """Count facts that no manual prints as decided, and texts of which only a name was compared as read once."""
+    for (sort, place), read in made.read.items():
+        path = _dotted(place)
+        if read is not Read.TWICE:
+            continue
+        is_name = sort is Sort.CHARACTERISTIC and len(place) == 2 and (NUMBERS, *place, "value") not in spec.facts
+        if is_name or (sort in _WORDS and path in second.found):
+            made.read[sort, place] = Read.ONCE
+        elif sort not in _WORDS and any(
+            sort.value == item or f"{path}.".startswith(f"{item}.") for item in second.decided
+        ):
+            made.read[sort, place] = Read.DECIDED
 
 
 def _key(item: tuple[Any, Any]) -> Any:
@@ -91,13 +133,23 @@ def _key(item: tuple[Any, Any]) -> Any:
     return item[0]
 
 
-def _codes_too_many(spec: Facts, second: Facts) -> Iterator[Disagreement]:
-    """Yield one disagreement for all order codes that are missing from a second reading with order codes."""
-    alone = [fact for key, fact in spec.facts.items() if key[0] == "code" and key not in second.facts]
-    known = [fact for key, fact in second.facts.items() if key[0] == "code"]
-    if alone and known:
-        what = alone[0].what + (f" and of {len(alone) - 1} more" if len(alone) > 1 else "")
-        yield Disagreement(Sort.ORDER_CODE, what, _shown(alone[0].value), NOTHING, alone[0].place, known[0].place, ())
+def _codes_alone(own: Facts, other: Facts) -> tuple[Fact, str, Path] | None:
+    """Return the first order code that only one reading has, the text for all such codes, and the other's place."""
+    alone = [fact for key, fact in own.facts.items() if key[0] == "code" and key not in other.facts]
+    known = [fact for key, fact in other.facts.items() if key[0] == "code"]
+    if not alone or not known:
+        return None
+    return alone[0], alone[0].what + (f" and of {len(alone) - 1} more" if len(alone) > 1 else ""), known[0].place
+
+
+def _codes_differ(spec: Facts, second: Facts) -> Iterator[Disagreement]:
+    """Yield one disagreement for all order codes that only the spec has, and one for those that it lacks."""
+    if found := _codes_alone(spec, second):
+        fact, what, place = found
+        yield Disagreement(Sort.ORDER_CODE, what, _shown(fact.value), NOTHING, fact.place, place, ())
+    if found := _codes_alone(second, spec):
+        fact, what, near = found
+        yield Disagreement(Sort.ORDER_CODE, what, NOTHING, _shown(fact.value), (), fact.place, near)
 
 
 def _compare_names(made: Comparison, spec: Mapping[Key, Names], second: Mapping[Key, Names]) -> Iterator[Disagreement]:

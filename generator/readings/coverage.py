@@ -12,7 +12,7 @@ from .compare import Comparison, Read
 from .fact import Sort
 from .second_readings import Readings
 
-NOT_READ = TimesRead(0, 0, 0, 0)
+NOT_READ = TimesRead(0, 0, 0, 0, 0)
 
 
 @dataclass(frozen=True)
@@ -55,4 +55,5 @@ def _of_family(readings: Readings, outcome: Comparison) -> Coverage:
 
 def _count(sort: Sort, outcome: Comparison, derived: int) -> TimesRead:
     found = [read for (other, _), read in outcome.read.items() if other is sort]
-    return TimesRead(found.count(Read.TWICE), found.count(Read.EXPLAINED), found.count(Read.ONCE), derived)
+    twice, explained, decided, once = map(found.count, (Read.TWICE, Read.EXPLAINED, Read.DECIDED, Read.ONCE))
+    return TimesRead(twice, explained, decided, once, derived)

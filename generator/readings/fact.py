@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -38,6 +38,12 @@ class Sort(Enum):
     INPUT = "input"
     PRINTED = "printed name"
     HISTORY = "history"
+    CHARACTERISTIC = "characteristic"
+    TABLE = "table"
+    LED = "LED"
+    TEXT = "number in a text"
+    SECTION = "cited section"
+    CONTENTS = "contents"
 
     @property
     def is_needed(self) -> bool:
@@ -132,13 +138,18 @@ class Word:
 class Facts:
     """All facts of a reading. ``derived`` counts the facts that follow from others.
 
-    ``names`` contains the names of items of one kind, by interface if they belong to one.
+    ``names`` contains the names of items of one kind, by interface if they belong to one. A second reading can give
+    the numbers of a text in ``found`` by its path, and in ``sections`` the sections of everything under a path.
+    ``decided`` contains the paths and classes of facts that no manual prints.
     """
 
     facts: dict[Key, Fact] = field(default_factory=dict)
     words: dict[Key, Word] = field(default_factory=dict)
     derived: dict[Sort, int] = field(default_factory=dict)
     names: dict[Key, Names] = field(default_factory=dict)
+    found: Mapping[str, tuple[str, Path]] = field(default_factory=dict)
+    sections: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    decided: Sequence[str] = ()
 
     def add(self, found: Iterator[Fact]) -> None:
         """Add facts. A repeated key gets the next number of its kind."""

@@ -27,5 +27,5 @@ def same_name(one: str, other: str) -> bool:
 
 
 def plain(text: str) -> str:
-    """Return a text without the differences between readers: capitals and punctuation."""
+    """Return text without the differences between readers: capitals and punctuation."""
     return _BREAKS.sub(" ", text).strip().casefold() or text

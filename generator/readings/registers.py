@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from ..model import Choice, Register
 from ..model.limits import bounded, bounds
 from .fact import NOTHING, Fact, Facts, Name, Sort
 from .field_properties import Properties
 from .frame_bits import word
-from .reading import Reading, as_delivered, at, in_hex, short
+from .reading import Reading, as_delivered, at, bits, in_hex, short
 from .stated import Subject
 
 
@@ -69,7 +69,8 @@ def _limits(subject: Subject, register: Register) -> Iterator[Fact]:
     if any(low is not None or high is not None for _, low, high, _ in meanings):
         place = reading.first((*subject.place, "limits_of"), subject.place)
         what = f"bits that the limits of {subject.what} apply to"
-        yield Fact(Sort.LIMIT, (*subject.key, "bounded"), _bounded(reading, register), what, place, subject.key)
+        value = {case: _bounded(register, each) for case, each in reading.cases(register.interface).items()}
+        yield Fact(Sort.LIMIT, (*subject.key, "bounded"), value, what, place, subject.key)
     for held, low, high, place in meanings:
         for word_, limit, index in (("min", low, 0), ("max", high, 1)):
             if limit is not None:
@@ -81,9 +82,7 @@ def _limits(subject: Subject, register: Register) -> Iterator[Fact]:
                 yield Fact(Sort.LIMIT, key, value, what, (*place, word_), subject.key)
 
 
-def _bounded(reading: Reading, register: Register) -> str:
+def _bounded(register: Register, parameters: Mapping[str, int]) -> str:
     """Return the bits of a register that its limits apply to."""
-    name = bounded(register)
-    join = next((item.fields for item in register.layout.joins if item.name == name), (name,))
-    parts = [item for item in register.layout.fields if item.name in join]
-    return " and ".join(reading.bits_of(register.interface, item) for item in parts) or "all bits"
+    placed = map(register.layout.place(parameters).field, register.layout.names_in(bounded(register)))
+    return " and ".join(bits(item.low + item.width - 1, item.low) for item in placed if item is not None) or "all bits"

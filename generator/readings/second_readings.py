@@ -16,7 +16,7 @@ from ..loading.library import Family
 from ..model import Manufacturer
 from .collect import facts_of
 from .compare import Comparison, Disagreement, Read, compare
-from .fact import Facts, Sort
+from .fact import NOTHING, Facts, Sort
 from .reading import Reading
 
 RULE = "readings-disagree"
@@ -93,7 +93,7 @@ def compare_readings(
 
 
 def explain(spec: Document, second: Document, outcome: Comparison, report: Report) -> None:
-    """Count the disagreements explained by errata of the spec, and report both locations of each of the others."""
+    """Count the disagreements explained by errata of the spec, and report the others at both places."""
     errata = Errata(spec)
     for item in outcome.disagreements:
         if errata.explain(item):
@@ -103,6 +103,8 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Repor
         line, _ = second.position(item.second)
         here = f"{item.what}: {item.used} here, {item.other} in {File(second.file).name}:{line}; {_MEND}"
         report.add(RULE, spec, place, here)
+        if item.sort is Sort.ORDER_CODE and NOTHING in (item.used, item.other):
+            continue  # Order codes that one reading lacks are one problem.
         line, _ = spec.position(place)
         there = f"{item.what}: {item.other} here, {item.used} in {File(spec.file).name}:{line}; {_MEND}"
         report.add(RULE, second, item.second, there)

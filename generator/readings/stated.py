@@ -79,6 +79,8 @@ def _text(reading: Reading, member: Member, value: Any, interface: str) -> Value
         return words[value]
     if isinstance(value, int):
         return in_hex(value) if member.notation == "hex" else f"{value}{_UNITS.get(member.notation, '')}"
+    if isinstance(value, float):
+        return f"{value:g}"
     if isinstance(value, Enum):
         return str(value.value)
     if isinstance(value, tuple):

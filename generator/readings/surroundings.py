@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from ..language.problems import Path
 from ..model import Alarm, Connector, Edition, Manual
+from .cited import numbers_in
 from .fact import Fact, Sort
 from .printed_names import plain
 from .reading import Reading, at, over
@@ -84,3 +85,40 @@ def _edition(reading: Reading, item: Manual | Edition, place: Path) -> Iterator[
     subject = Subject(reading, ("edition", item.language), place, f"the edition '{item.language}'")
     yield Fact(Sort.HISTORY, subject.key, item.revision, f"revision of {subject.what}", (*place, "revision"))
     yield from subject.stated(item)
+
+
+def characteristics(reading: Reading) -> Iterator[Fact]:
+    """Yield every characteristic by its name, with its quantities in the order of the text."""
+    for item in reading.device.characteristics:
+        key, place = ("characteristic", item.name), ("characteristics", item.name)
+        subject = Subject(reading, key, place, f"the characteristic '{item.name}'")
+        yield subject.first(Sort.CHARACTERISTIC, "present", name=item.name)
+        yield from subject.stated(item)
+        for index, value in enumerate(item.values):
+            what = f"{value.quantity} {index + 1} of {subject.what}"
+            yield from Subject(reading, (*key, index), (*place, "values", index), what, under=key).stated(value)
+
+
+def tables(reading: Reading) -> Iterator[Fact]:
+    """Yield every table by its name, with the numbers in its cells by row and column."""
+    for item in reading.device.tables:
+        subject = Subject(reading, ("table", item.name), ("tables", item.name), f"the table '{item.name}'")
+        yield subject.first(Sort.TABLE, f"{len(item.rows)} rows", name=item.name)
+        yield from subject.stated(item)
+        for number, row in enumerate(item.rows):
+            for column, cell in enumerate(row):
+                if numbers := numbers_in(cell):
+                    place, noun = (*subject.place, "rows", number, column), f"row {number + 1}, column {column + 1}"
+                    yield subject.fact(Sort.TABLE, f"{number} {column}", numbers, noun, place)
+
+
+def leds(reading: Reading) -> Iterator[Fact]:
+    """Yield every LED by its name, with its states in the order of the manual."""
+    for item in reading.device.leds:
+        owner = Subject(reading, ("led", item.name), ("leds", item.name), f"the LED '{item.name}'")
+        yield owner.first(Sort.LED, f"{len(item.states)} states", name=item.name)
+        for number, state in enumerate(item.states):
+            key, place = (*owner.key, number), (*owner.place, "states", number)
+            subject = Subject(reading, key, place, f"state {number + 1} of {owner.what}", under=owner.key)
+            yield subject.fact(Sort.LED, "state", state.state.casefold(), "words")
+            yield from subject.stated(state)

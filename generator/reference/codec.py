@@ -55,7 +55,7 @@ class EncodeError(ValueError):
 class DecodedField:
     """A field of a decoded frame.
 
-    ``raw`` is the number on the wire. ``value`` is its meaning: a number, a Boolean, the name of a value, or a text.
+    ``raw`` is the number on the wire. ``value`` is its meaning: a number, a Boolean, the name of a value, or a string.
     """
 
     name: str

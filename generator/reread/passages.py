@@ -23,8 +23,8 @@ _SAME_LANGUAGE = 0.5
 class Passage:
     """A difference: its ``section`` in the old edition, or in the new one if it is new.
 
-    ``old`` and ``new`` have the words that differ, ``around`` those near them in both editions, and ``shown`` the two
-    texts for display.
+    ``old`` and ``new`` contain the words that differ, ``around`` those near them in both editions, and ``shown`` the
+    two texts for display.
     """
 
     section: Section

@@ -1,4 +1,4 @@
-"""Divide the text of a manual into its sections, and each section into words, without what only the layout adds."""
+"""Divide the text of a manual into its sections, and each section into words, without text of the page layout."""
 
 from __future__ import annotations
 
@@ -141,9 +141,9 @@ def _head(line: str) -> str:
 
 
 def _running_heads(lines: Sequence[str]) -> set[str]:
-    """Return the lines that are printed on many pages: those that count pages, and equal lines next to them.
+    """Return the lines that are printed on many pages: page numbers, and identical lines next to them.
 
-    A row of a table can also occur often. Its numbers do not increase from one to the next.
+    A row of a table can also occur often. Its numbers do not increase each time.
     """
     numbers: dict[str, list[list[int]]] = {}
     for line in lines:

@@ -22,7 +22,7 @@ def question(item: Alternative) -> Said:
 
 
 def answer(item: Answer) -> Said:
-    """Return one answer, led by its name."""
+    """Return one answer, preceded by its name."""
     return said(Code(item.name), f": {item.meaning}", source=item.source)
 
 

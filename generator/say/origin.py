@@ -41,7 +41,7 @@ def other_editions(device: Device) -> Iterator[Said]:
     if device.editions:
         example = f"codewheel generate --edition {device.name}={device.editions[0].revision}"
         yield said(
-            "Differences from other editions of the manual are noted inline. To generate files for one, use ",
+            "Differences from other editions of the manual are noted inline. For the files of another edition, use ",
             Code(example),
         )
 

@@ -87,7 +87,7 @@ def said(*parts: Part, label: str = "", source: Sources = ()) -> Said:
 
 
 def told(text: str, label: str = "", source: Sources = ()) -> Iterator[Said]:
-    """Yield a text from the spec unless it is empty."""
+    """Yield text from the spec unless it is empty."""
     if text:
         yield said(text, label=label, source=source)
 

@@ -56,7 +56,7 @@ class TargetError(ValueError):
 
 
 class OptionError(TargetError):
-    """A value of an option that a target cannot use. The message says which values it can. The exit code is 2."""
+    """An option value that a target cannot use. The message lists the valid values. The exit code is 2."""
 
 
 @dataclass(frozen=True)

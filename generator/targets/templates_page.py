@@ -183,7 +183,7 @@ def _marked(line: str) -> str:
 
 
 def _environment(templates: Templates) -> Environment:
-    """Return an environment without predefined names, so that names of Jinja also count as used."""
+    """Return an environment without predefined names, so that Jinja's names also count as used."""
     made = environment(templates).overlay()
     made.globals = {}
     return made

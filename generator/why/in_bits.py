@@ -32,7 +32,7 @@ OtherCrc = tuple[str, str, Crc]
 
 @dataclass(frozen=True, slots=True)
 class Slip:
-    """A text that does not begin and end with the frame.
+    """Bits that do not begin and end with the frame.
 
     ``front`` are extra bits before the frame (``?`` is any bit), ``missing`` are missing first bits of the frame,
     ``lost`` is the number of missing last bits, and ``behind`` is the number of extra bits after it.
@@ -126,7 +126,7 @@ def read_as(
     holds: bool = True,
     codes: Sequence[str] = (),
 ) -> Try:
-    """Return the try that the frame was ``number``, whose last ``lost`` bits were not received."""
+    """Return a try in which the frame was ``number``, whose last ``lost`` bits were not received."""
     fixed, right = fixed_bits(placed, number)
     received = (number & crc.mask) >> lost
     return Try(
@@ -147,7 +147,7 @@ def read_as(
 
 
 def as_sent(placed: PlacedLayout, crc: Crc, number: int) -> Try:
-    """Return a try of the frame as it is, with everything but the mistake."""
+    """Return a try of the frame as sent, to which the caller adds the mistake."""
     fixed, right = fixed_bits(placed, number)
     same = Try("", "", crc, number >> crc.width, placed.bits - crc.width, number & crc.mask, crc.width)
     return replace(same, fixed=fixed if right else 0, usual=usual(placed, number))
@@ -320,7 +320,7 @@ def _with_polynomial(crc: Crc, polynomial: int) -> Crc:
 
 
 def _of_length(placed: PlacedLayout, crc: Crc, other: Crc, number: int, length: int) -> Try:
-    """Return the try that the ``length`` bits of ``number`` are the frame's data with the CRC ``other``."""
+    """Return a try in which the ``length`` bits of ``number`` are the frame's data with the CRC ``other``."""
     before, width = placed.bits - crc.width, other.width
     behind, data = number & ((1 << (length - before)) - 1), number >> (length - before)
     known = min(width, length - before)

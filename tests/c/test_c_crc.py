@@ -89,8 +89,8 @@ def test_what_a_table_brings(crcs: Device) -> None:
     """No table without need: the one of a CRC that folds only where it is asked for."""
     files = generate(Library((crcs,)))
     text = files["c/include/test/crcs_biss.h"] + files["c/include/test/crcs_rs485.h"]
-    assert text.count("#ifndef TEST_CRC_BITWISE\n/** Return the remainder of a byte from the table of CRC ") == 13
-    assert text.count("#ifdef TEST_CRC_TABLE\n/** Return the remainder of a byte from the table of CRC ") == 2
+    assert text.count("#ifndef TEST_CRC_BITWISE\n/** Remainder of each byte for CRC ") == 13
+    assert text.count("#ifdef TEST_CRC_TABLE\n/** Remainder of each byte for CRC ") == 2
 
 
 def test_a_crc_without_a_frame_has_no_function(every_device: Mapping[str, Device]) -> None:

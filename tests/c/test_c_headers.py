@@ -118,7 +118,7 @@ def names_have_their_prefix(family: str, header: str) -> None:
     types = re.findall(r"^typedef (?:struct|enum) (\w+)", text, re.MULTILINE)
     assert all(name.startswith(f"LIKA_{family.upper()}_") for name in macros)
     assert all(name.startswith(f"lika_{family}_") for name in functions + types if name != f"lika_{family}")
-    codes = re.findall(rf"^static const lika_{family} (\w+) = ", text, re.MULTILINE)
+    codes = re.findall(rf"^static CW_CONST lika_{family} (\w+) = ", text, re.MULTILINE)
     assert codes
     assert all(name.startswith(f"LIKA_{family.upper()}_") for name in codes)
     names = macros + functions + types + codes
@@ -552,7 +552,9 @@ def test_no_result_can_be_dropped_unseen(include: Path) -> None:
     plain, marked = set(), set()
     for path in include.rglob("*.h"):
         text = without_texts(path.read_text(encoding="ascii"))
-        for found in re.finditer(r"^(CW_NODISCARD\n)?static inline cw_result\s+(\w+)\(", text, re.MULTILINE):
+        for found in re.finditer(
+            r"^(CW_NODISCARD\n)?(?:CW_CONSTEXPR\n)?static inline cw_result\s+(\w+)\(", text, re.MULTILINE
+        ):
             (marked if found[1] else plain).add(found[2])
     assert plain == MAY_BE_LEFT
     assert len(marked) > 100

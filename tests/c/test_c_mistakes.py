@@ -24,11 +24,15 @@ MISTAKES = {
     "order code of another interface": "lika_amm5_biss_decode(&LIKA_AMM5_RS485_A21_65KJP1, word, &frame) == CW_OK",
     "order code of another encoder": "lika_asc85_biss_decode(amm5, my_zero_bit, word, &other) == CW_OK",
     "buffer of one order code with the bits of another": "LIKA_AMM5_BISS_RECEIVE(A23_65KSC1, rx, &word) == CW_OK",
+    # On a 32-bit processor the pointer has the size of this buffer.
+    "pointer instead of a buffer": "LIKA_SMA21_SSI_RECEIVE(BG1_0010, pointer, &word) == CW_OK",
+    "buffer of other elements": "LIKA_SMA21_SSI_RECEIVE(BG1_0010, halves, &word) == CW_OK",
     "initial value of another encoder": "copied(word) != 0",
 }
 PROGRAM = """#include "lika/amm5_biss.h"
 #include "lika/amm5_rs485.h"
 #include "lika/asc85_biss.h"
+#include "lika/sma21_ssi.h"
 int read_encoder(uint64_t word);
 static int copied(uint64_t word)
 {
@@ -44,7 +48,11 @@ int read_encoder(uint64_t word)
     uint64_t position = 0U;
     lika_amm5_biss_frame frame;
     lika_asc85_biss_frame other;
+    static int16_t halves[2];
+    uint8_t *pointer = rx;
     (void)rx;
+    (void)halves;
+    (void)pointer;
     (void)amm5;
     (void)my_zero_bit;
     (void)frame;

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 _FUNCTION = re.compile(r"^static inline ([\w \*]+?)(\w+)\(([^()]*)\)\s*\{", re.MULTILINE)
-_CONSTANT = re.compile(r"^static const (\w+) (\w+) = \{", re.MULTILINE)
+_CONSTANT = re.compile(r"^static CW_CONST (\w+) (\w+) = \{", re.MULTILINE)
+_TABLE = re.compile(r"^static CW_CONST (\w+) (\w+)\[256\] = \{", re.MULTILINE)
 _MACRO = re.compile(r"^#define (\w+)(\S*)(?: (.*))?$", re.MULTILINE)
 _ENUM = re.compile(r"^typedef enum \w* ?\{(.*?)\} (\w+);", re.MULTILINE | re.DOTALL)
 _STRUCT = re.compile(r"^typedef struct \w+ \{.*?^\} (\w+);", re.MULTILINE | re.DOTALL)
@@ -27,6 +28,8 @@ class Declared:
     enumerators: tuple[str, ...]
     #: The order codes: type and name of each.
     constants: tuple[tuple[str, str], ...]
+    #: The tables of CRCs: type and name of each.
+    tables: tuple[tuple[str, str], ...]
     types: tuple[str, ...]
     #: The lines that open the conditions under which a function is there at all.
     conditions: Mapping[str, tuple[str, ...]]
@@ -37,7 +40,7 @@ class Declared:
             *(name for _, name, _ in self.functions),
             *(name for name, _ in self.macros),
             *self.enumerators,
-            *(name for _, name in self.constants),
+            *(name for _, name in (*self.constants, *self.tables)),
             *self.types,
         ]
 
@@ -59,13 +62,14 @@ def _emptied(found: re.Match[str]) -> str:
 
 def without_nodiscard(code: str) -> str:
     """The code without the word for results that have to be looked at, whose spelling depends on the compiler."""
-    return re.sub(
-        r"^#ifndef (\w+_NODISCARD)\n.*?^#endif\n#endif\n|^\w+_NODISCARD\n", "", code, flags=re.MULTILINE | re.DOTALL
-    )
+    word = r"^#ifndef (\w+_NODISCARD)\n.*?^#endif\n#endif\n|^(\w+_NODISCARD|CW_CONSTEXPR)\n"
+    return re.sub(word, "", code, flags=re.MULTILINE | re.DOTALL)
 
 
 #: Macros that take arguments: a length at compile time, and a check that can be left out.
 _WITH_ARGUMENTS = ("_RECEIVE", "CW_ASSERT")
+#: Macros that are words of the language.
+_WORDS = ("CW_CONSTEXPR", "CW_CONST")
 
 
 def declared(texts: Iterable[str]) -> Declared:
@@ -74,10 +78,13 @@ def declared(texts: Iterable[str]) -> Declared:
     functions = tuple((kind.strip(), name, " ".join(given.split())) for kind, name, given in _FUNCTION.findall(code))
     # A name that the expressions above do not find would be unused without notice.
     constants = tuple((kind, name) for kind, name in _CONSTANT.findall(code))
+    tables = tuple((kind, name) for kind, name in _TABLE.findall(code))
     statics = len(re.findall(r"^static ", code, re.MULTILINE))
-    assert len(functions) + len(constants) == statics, "a static that is no inline function and no order code"
+    assert len(functions) + len(constants) + len(tables) == statics, "a static that is none of them"
     macros = [
-        (name, value.strip()) for name, rest, value in _MACRO.findall(code) if not name.endswith("_H") or value.strip()
+        (name, value.strip())
+        for name, rest, value in _MACRO.findall(code)
+        if name not in _WORDS and (not name.endswith("_H") or value.strip())
     ]
     with_arguments = {name for name, rest, _ in _MACRO.findall(code) if rest}
     assert all(name.endswith(_WITH_ARGUMENTS) for name in with_arguments), "a macro with arguments"
@@ -89,6 +96,7 @@ def declared(texts: Iterable[str]) -> Declared:
         macros,
         enumerators,
         constants,
+        tables,
         (*(name for _, name in enums), *_STRUCT.findall(code)),
         dict(_conditions(code)),
     )
@@ -106,7 +114,7 @@ def _conditions(code: str) -> Iterator[tuple[str, tuple[str, ...]]]:
             opened[-1] = f"{'#ifndef' if opened[-1].startswith('#ifdef') else '#ifdef'} {opened[-1].split()[1]}"
         elif word == "#endif":
             opened.pop()
-        found = re.match(r"static inline [\w \*]+?(\w+)\(", line)
+        found = re.match(r"static (?:inline|CW_CONST) [\w \*]+?(\w+)[\[(]", line)
         settings = tuple(item for item in opened if not item.endswith("_H") and item != "#ifdef __cplusplus")
         if found and settings:
             yield found[1], settings
@@ -138,10 +146,19 @@ def use_everything(headers: Sequence[str], include: Path) -> str:
             lines += _function("const char *", name, "void", f"return {name};")
         else:
             lines += _function("int", name, "void", f"return {name} != 0;")
+    for kind, name in found.tables:
+        settings = found.conditions.get(name, ())
+        lines += [
+            *settings,
+            *_function(f"const {kind} *", name, "void", f"return {name};"),
+            *("#endif" for _ in settings),
+        ]
     for kind, name in found.constants:
         # In two functions: MISRA 8.9 wants an object that only one function uses to be defined in it.
         for function in (name, f"{name}_again"):
             lines += _function(f"const {kind} *", function, "void", f"return &{name};")
+    if "codewheel/bits.h" in every:
+        lines += _function("int", "CW_CONST", "void", "CW_CONST int value = 1;", "return value;")
     for name in found.enumerators:
         lines += _function("int", name, "void", f"return {name} != 0;")
     for name in found.types:

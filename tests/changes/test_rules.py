@@ -82,7 +82,8 @@ def test_a_limit_is_held_against_the_old_one_at_the_new_numbers() -> None:
     """More bits allow more. This is reported for the bits, and does not hide that the limit allows less."""
     more = [(f"sets: {{singleturn_bits: {bits}}}", f"sets: {{singleturn_bits: {bits + 1}}}") for bits in (13, 17)]
     less = ("max: 2^position_bits - 1", "max: 2^position_bits - 2")
-    assert shown(devices([]), devices([*more, less])) == (
+    words = [(f"meaning: {bits} bits", f"meaning: Size {bits}") for bits in (13, 17)]
+    assert shown(devices(words), devices([*words, *more, less])) == (
         "demo\n"
         "  behaviour      singleturn_bits 13 → 14\n"
         "                 DEMO13…; C, Python, XML [parameter-of-code]\n"

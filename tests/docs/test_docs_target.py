@@ -188,6 +188,9 @@ def test_every_text_of_the_plain_data_is_on_the_page(library: Library, files: Fi
             (key, value) for key, value in leaves(device_dump(device)) if key not in WORDS and not shown(value, page)
         }
         missing -= {(key, getattr(item, key)) for item in device.errata if item.edition for key in ("printed", "used")}
+        # The text of a characteristic gives its quantities in its own words.
+        quantities = [value for item in device.characteristics for value in item.values]
+        missing -= {(key, getattr(value, key)) for value in quantities for key in ("quantity", "where", "unit")}
         padding = [field for _, layout in device.layouts() for field in layout.fields if field.padding_of]
         missing -= {pair for field in padding for pair in (("name", field.name), ("meaning", field.meaning))}
         assert missing == set()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from pathlib import Path
 
@@ -35,6 +36,32 @@ def test_it_passes_check_and_decodes(tmp_path: Path, capsys: pytest.CaptureFixtu
     # these 15 bits by x^6 + x + 1.
     assert main(["decode", "MY-ENCODER-13-SC", "0b0001111101000_1_1_011010", "--specs", str(tmp_path)]) == 0
     assert "no frame error" in capsys.readouterr().out
+
+
+#: Per kind, an order code, a frame with 5 revolutions and 1000 counts (linear: 1000 steps), and its position. The CRC
+#: over RS-485 is the XOR of the bytes. That over BiSS is the inverted remainder of the division by x^6 + x + 1.
+STARTS = {
+    "ssi": ("MY-ENCODER-13-4096-BG", "0b000000000101_0001111101000", 5 * 8192 + 1000),
+    "rs485": ("MY-ENCODER-17-4096-JP", "1A 00 E8 03 00 17 05 00 00 00 E3", 5 * 131_072 + 1000),
+    "biss": ("MY-ENCODER-13-1-SC", "0b0001111101000_1_1_011010", 1000),
+    "linear": ("MY-ENCODER-5-SC", "0b000000000_0001111101000_1_1_011010", 1000),
+}
+
+
+@pytest.mark.parametrize(("kind", "code", "frame", "position"), [(kind, *item) for kind, item in STARTS.items()])
+def test_each_start_passes_check_and_decodes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str, code: str, frame: str, position: int
+) -> None:
+    assert main(["new", "my_encoder", "--like", kind, "-o", str(tmp_path)]) == 0
+    assert not load_for([tmp_path], targets_named())[1].problems
+    text = (tmp_path / "my_encoder.yaml").read_text(encoding="utf-8")
+    assert ("join: {position: [multiturn, singleturn]}" in text) == (kind != "linear")
+    assert "@" not in text
+    capsys.readouterr()
+    assert main(["decode", code, frame, "--json", "--specs", str(tmp_path)]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert {item["name"]: item["value"] for item in found["fields"]}["position"] == position
+    assert found["problems"] == []
 
 
 def modeline(path: Path) -> str:

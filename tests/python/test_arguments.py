@@ -205,7 +205,7 @@ def test_every_encoder_knows_the_length_of_its_frame(lika: Any, devices: Mapping
                     _ = made.frame_bits
                 continue
             if device.alternatives_of(layout):
-                with pytest.raises(ValueError, match="no frame bits over BiSS: the length depends on an answer"):
+                with pytest.raises(ValueError, match="no frame bits over BiSS: the length depends on your choice"):
                     _ = made.frame_bits
                 continue
             assert made.frame_bits == layout.bits.value(variant.parameters)

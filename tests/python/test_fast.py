@@ -109,7 +109,7 @@ def test_an_answer_left_out_is_told_with_the_answers(families: dict[str, Family]
             with pytest.raises(TypeError, match=said):
                 asks(answer)
     assert cycle.frame_bits(encoder, module.Form.NARROW) == 47
-    with pytest.raises(ValueError, match="the length depends on an answer"):
+    with pytest.raises(ValueError, match="the length depends on your choice"):
         assert encoder.frame_bits
     fault = encoder.try_decode(5, form_=module.Form.NARROW)
     assert fault.hint == ""

@@ -12,7 +12,7 @@ from codewheel.commands import check
 from codewheel.commands.cli import main
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
-from codewheel.language.second_reading import is_prose
+from codewheel.language.second_reading import is_left_out
 from codewheel.loading.library import load_families
 
 # Reads whole specs twice, which no wording and no rule of check touches.
@@ -121,14 +121,14 @@ def test_a_fact_that_only_the_second_reading_has_can_be_explained(folder: pathli
     assert told() == []
 
 
-NO_PROSE = "a second reading has only facts, no prose; leave it out"
+LEFT_OUT = "a second reading does not have this part; leave it out"
 
 
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
-        ("movement: rotary", "movement: rotary\ntitle: TWICE", f"5:1: unknown-key: unknown key 'title'; {NO_PROSE}"),
-        ("movement: rotary", "movement: rotary\nerrata: []", f"5:1: unknown-key: unknown key 'errata'; {NO_PROSE}"),
+        ("movement: rotary", "movement: rotary\nexamples: []", f"5:1: unknown-key: unknown key 'examples'; {LEFT_OUT}"),
+        ("movement: rotary", "movement: rotary\nerrata: []", f"5:1: unknown-key: unknown key 'errata'; {LEFT_OUT}"),
         (
             "device: twice",
             "device: thrice",
@@ -187,31 +187,37 @@ def test_without_one_nothing_changes(folder: pathlib.Path, capsys: pytest.Captur
 
 TABLE = """\
 facts by number of readings (*: two are required)
-                      twice  explained       once    derived
-position *               34          0          0          0
-crc *                    12          0          0          0
-address *                 4          0          0          0
-byte order *              3          0          0          0
-access *                  4          0          0          0
-default *                 3          0          0          0
-limit *                   6          0          0          1
-clock *                   6          0          0          0
-time *                    5          0          0          0
-wait *                    2          0          1          0
-value                     7          0          0          0
-behaviour                 1          0          0          0
-verdict                   3          0          1          0
-alarm                     5          0          0          0
-procedure                 3          0          0          0
-order code                1          0          0          0
-measurement               1          0          0          0
-setting                   6          0          0          0
-supply                    1          0          0          0
-pin                       3          0          0          0
-input                     2          0          0          0
-printed name              8          0          0          0
-history                   5          0          0          0
-twice                   125          0          2          1
+                       twice  explained    decided       once    derived
+position *                34          0          0          0          0
+crc *                     12          0          0          0          0
+address *                  4          0          0          0          0
+byte order *               3          0          0          0          0
+access *                   4          0          0          0          0
+default *                  3          0          0          0          0
+limit *                    6          0          0          0          1
+clock *                    6          0          0          0          0
+time *                     5          0          0          0          0
+wait *                     2          0          0          1          0
+value                      7          0          0          0          0
+behaviour                  1          0          0          0          0
+verdict                    3          0          0          1          0
+alarm                      5          0          0          0          0
+procedure                  3          0          0          0          0
+order code                 1          0          0          0          0
+measurement                1          0          0          0          0
+setting                    6          0          0          0          0
+supply                     1          0          0          0          0
+pin                        3          0          0          0          0
+input                      2          0          0          0          0
+printed name               8          0          0          0          0
+history                    5          0          0          0          0
+characteristic             0          0          0          0          0
+table                      0          0          0          0          0
+LED                        0          0          0          0          0
+number in a text           0          0          0          2          0
+cited section              0          0          0         36          0
+contents                   0          0          0          0          0
+twice                    125          0          0         40          1
 twice.yaml:117:23: read once: wait, registers.command.wait_at_least_ms
 1 fact to read a second time
 """
@@ -230,9 +236,10 @@ def test_coverage_as_json(folder: pathlib.Path, capsys: pytest.CaptureFixture[st
     assert main(["check", "--coverage", "--json"]) == 1
     found = json.loads(capsys.readouterr().out)
     assert (found["version"], found["problems"]) == (1, [])
-    assert found["total"] == {"twice": 125, "explained": 0, "once": 2, "derived": 1}
+    assert found["total"] == {"twice": 125, "explained": 0, "decided": 0, "once": 40, "derived": 1}
     (family,) = found["coverage"]
-    assert family["classes"]["wait"] == {"twice": 2, "explained": 0, "once": 1, "derived": 0, "needed": True}
+    wait = {"twice": 2, "explained": 0, "decided": 0, "once": 1, "derived": 0, "needed": True}
+    assert family["classes"]["wait"] == wait
     assert {
         "class": "wait",
         "file": "twice.yaml",
@@ -249,7 +256,8 @@ def test_counts_beside_the_spec(folder: pathlib.Path, capsys: pytest.CaptureFixt
     assert main(["check", "--coverage"]) == 0
     assert not kept.exists()
     assert main(["check", "--coverage", "--write"]) == 0
-    assert kept.read_text(encoding="utf-8") == '{"twice": 126, "explained": 0, "once": 1, "derived": 1}\n'
+    counts = '{"twice": 126, "explained": 0, "decided": 0, "once": 39, "derived": 1}\n'
+    assert kept.read_text(encoding="utf-8") == counts
     (family,), _ = load_families([folder])
     assert family.device.times_read is not None
     assert family.device.times_read.twice == 126
@@ -304,7 +312,7 @@ def write_facts_only(folder: pathlib.Path) -> None:
 
     def kept(node: object) -> object:
         if isinstance(node, dict):
-            return {key: kept(item) for key, item in node.items() if not is_prose(key) and key != "manufacturer"}
+            return {key: kept(item) for key, item in node.items() if not is_left_out(key) and key != "manufacturer"}
         return [kept(item) for item in node] if isinstance(node, list) else node
 
     document = read_document(folder / "twice.yaml", Report())

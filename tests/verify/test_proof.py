@@ -204,7 +204,7 @@ SEEDED = {
     ),
     "table entry": (
         "amm5_biss",
-        "lika_amm5_biss_crc_biss_6_entry",
+        "lika_amm5_biss_crc_biss_6_entries",
         r"0x30U",
         "0x31U",
         "amm5_biss decode_result with LIKA_CRC_TABLE",
@@ -292,11 +292,11 @@ SEEDED = {
 
 
 def with_fault(header: Path, function: str, pattern: str, instead: str) -> None:
-    """Puts a fault into a function of a header."""
+    """Puts a fault into a function or a table of a header."""
     text = header.read_text(encoding="utf-8")
-    start = re.search(rf"^static inline [^;{{}}]*\b{function}\([^{{}}]*\)\n\{{", text, re.MULTILINE)
+    start = re.search(rf"^static [^;{{}}=]*\b{function}(\([^{{}}]*\)\n|\[256\] = )\{{", text, re.MULTILINE)
     assert start, f"{function} is gone: choose another place for this fault"
-    end = text.index("\n}\n", start.end())
+    end = text.index("\n}", start.end())
     body, count = re.subn(pattern, instead, text[start.end() : end], count=1)
     assert count, f"{pattern} is gone from {function}: choose another place for this fault"
     assert body != text[start.end() : end], f"{pattern} is gone from {function}: choose another place for this fault"

@@ -29,6 +29,8 @@ PACKAGES = {
     "doxygen": "apt-get install doxygen",
     "pkg-config": "apt-get install pkg-config",
     "sdcc": "apt-get install sdcc",
+    "s51": "apt-get install sdcc-ucsim",
+    "sstm8": "apt-get install sdcc-ucsim",
     "chromium": "apt-get install chromium",
 }
 

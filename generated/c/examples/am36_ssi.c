@@ -15,12 +15,12 @@
 /* The order code from the label, AM3619/4096-GG. The compiler computes the position of each bit. */
 static const lika_am36_ssi *const encoder = &LIKA_AM36_SSI_AM3619_4096_GG;
 
-/* Set this yourself: the most counts that the axis can move from one word to the next. */
+/* Set this yourself: maximum number of counts that the axis moves from one word to the next. */
 #define AT_MOST 100U
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
-/* SSI word, as sent by the encoder: made up, since the manual shows none. */
+/* SSI word, as sent by the encoder: made up, since the manual has no example. */
 static void spi_receive(uint8_t *buffer, size_t size)
 {
     static const uint8_t sent[LIKA_AM36_SSI_AM3619_4096_GG_RX_BYTES] = {

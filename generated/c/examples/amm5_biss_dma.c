@@ -27,7 +27,7 @@ static cw_tracker axis;
 #define MAX_SPEED 100000000U
 /* Set this yourself: time after power-up during which a 0 may not be a real position. */
 #define BOOT_US 100000U
-/* Set these yourself: the axis is lost after this long, or this many frames, out of reach. */
+/* Set these yourself: the axis is LOST after this time, or this many frames, out of reach. */
 #define LOST_AFTER_US 10000U
 #define LOST_AFTER_REFUSED 20U
 

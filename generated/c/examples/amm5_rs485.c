@@ -156,7 +156,7 @@ static void reply_came(void)
     refused = show_frame(line.bytes, line.length);
     asked = refused != CW_OK;
     if (asked) {
-        cw_rs485_resume(&line); /* look for a later start. Without this, no time-out follows */
+        cw_rs485_resume(&line); /* look for a later start, or there is no time-out */
     }
 }
 

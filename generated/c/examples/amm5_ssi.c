@@ -15,12 +15,12 @@
 /* The order code from the label, AMM5A23/65KBG1. The compiler computes the position of each bit. */
 static const lika_amm5_ssi *const encoder = &LIKA_AMM5_SSI_A23_65KBG1;
 
-/* Set this yourself: the most counts that the axis can move from one word to the next. */
+/* Set this yourself: maximum number of counts that the axis moves from one word to the next. */
 #define AT_MOST 100U
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
-/* SSI word, as sent by the encoder: made up, since the manual shows none. */
+/* SSI word, as sent by the encoder: made up, since the manual has no example. */
 static void spi_receive(uint8_t *buffer, size_t size)
 {
     static const uint8_t sent[LIKA_AMM5_SSI_A23_65KBG1_RX_BYTES] = {

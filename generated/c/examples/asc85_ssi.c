@@ -15,12 +15,12 @@
 /* The order code from the label, ASC8525/GG1. The compiler computes the position of each bit. */
 static const lika_asc85_ssi *const encoder = &LIKA_ASC85_SSI_25_GG1;
 
-/* Set this yourself: the most counts that the axis can move from one word to the next. */
+/* Set this yourself: maximum number of counts that the axis moves from one word to the next. */
 #define AT_MOST 100U
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
-/* SSI word, as sent by the encoder: made up, since the manual shows none. */
+/* SSI word, as sent by the encoder: made up, since the manual has no example. */
 static void spi_receive(uint8_t *buffer, size_t size)
 {
     static const uint8_t sent[LIKA_ASC85_SSI_25_GG1_RX_BYTES] = {

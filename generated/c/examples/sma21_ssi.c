@@ -16,7 +16,7 @@
 /* The order code from the label, SMA21-BG1-0001. The compiler computes the position of each bit. */
 static const lika_sma21_ssi *const encoder = &LIKA_SMA21_SSI_BG1_0001;
 
-/* Set this yourself: the most counts that the axis can move from one word to the next. */
+/* Set this yourself: maximum number of counts that the axis moves from one word to the next. */
 #define AT_MOST 100U
 
 /* -- your bus ---------------------------------------------------------------------------------- */

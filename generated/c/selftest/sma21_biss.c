@@ -14,7 +14,7 @@
 #include "lika/sma21_biss_procedures.h"
 #include "lika/sma21_biss_simulate.h"
 
-/* Return true if a text is as expected, padded with zeros if it is shorter. */
+/* Return true if a string is as expected, padded with zeros if it is shorter. */
 static bool is_text(const char *text, size_t length, const char *sound)
 {
     size_t index;

@@ -31,8 +31,8 @@ Version 0.1.0, generated from the manual “AM36 AMC36”, revision 1.0 of 2014 
 manual. A source that starts with a language code refers to the edition in that language. A source that starts with any
 other key refers to that entry of DOCUMENTS.
 
-Differences from other editions of the manual are noted inline. To generate files for one, use ``codewheel generate
---edition am36=1.0``.
+Differences from other editions of the manual are noted inline. For the files of another edition, use ``codewheel
+generate --edition am36=1.0``.
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l. This project is
 not affiliated with either company and claims no certification.
@@ -311,7 +311,7 @@ class SsiEncoder(Variant):
         """Decode a frame that the encoder sent.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -330,7 +330,7 @@ class SsiEncoder(Variant):
         Type checkers then require that the error is handled.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -377,7 +377,7 @@ class BissEncoder(Variant):
         """Decode a frame that the encoder sent.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -396,7 +396,7 @@ class BissEncoder(Variant):
         Type checkers then require that the error is handled.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -573,7 +573,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     Errata (full text in ERRATA):
         output_letters (open, wrong data): BG is binary, GG is Gray.
         ssi_bit_numbers (settled, wrong data): The words have bits 27:0 and 30:0.
-        ssi_clock_count (open, wrong limit): The outputs do not enforce either rule. n + 1 clocks satisfy both.
+        ssi_clock_count (open, wrong limit): The generated files do not enforce either rule. n + 1 clocks satisfy both.
         position_order (open, omission): Multiturn comes first, as the more significant part.
     """
 
@@ -614,7 +614,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         """Decode the frame.
 
         Args:
-            word: A number whose most significant bit was sent first, or a text of 0 and 1.
+            word: A number whose most significant bit was sent first, or a string of 0 and 1.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
@@ -747,7 +747,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         """Decode the frame.
 
         Args:
-            word: A number whose most significant bit was sent first, or a text of 0 and 1.
+            word: A number whose most significant bit was sent first, or a string of 0 and 1.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
@@ -833,7 +833,8 @@ class ProfileId(FixedRegister, _ProfileId):
     Next to this register, the manual refers to "Standard encoder profile", "data format", "Variant 0-24".
 
     Errata (full text in ERRATA):
-        profile_id_variant (open, wrong data): The value is 00 00. The outputs do not derive a data length from it.
+        profile_id_variant (open, wrong data): The value is 00 00. The generated files do not derive a data length from
+            it.
         In edition 1.1: Not known: register profile_id, register serial_number, register command, register device_type,
             register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2
             more.

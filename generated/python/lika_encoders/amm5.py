@@ -32,8 +32,8 @@ Version 0.1.0, generated from the manual “AMM5A AMM5B”, revision 1.9 of 2021
 this manual. A source that starts with a language code refers to the edition in that language. A source that starts with
 any other key refers to that entry of DOCUMENTS.
 
-Differences from other editions of the manual are noted inline. To generate files for one, use ``codewheel generate
---edition amm5=1.0``.
+Differences from other editions of the manual are noted inline. For the files of another edition, use ``codewheel
+generate --edition amm5=1.0``.
 
 Before edition 1.4 [Document release]:
     Not known: Register 3Bh, Counting direction.
@@ -276,7 +276,7 @@ class SsiEncoder(Variant):
         """Decode a frame that the encoder sent.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -295,7 +295,7 @@ class SsiEncoder(Variant):
         Type checkers then require that the error is handled.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -342,7 +342,7 @@ class BissEncoder(Variant):
         """Decode a frame that the encoder sent.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -361,7 +361,7 @@ class BissEncoder(Variant):
         Type checkers then require that the error is handled.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -598,11 +598,11 @@ class DataId(IntEnum):
     EEPROM_READ = 0xD
     """Data ID D: Read one byte of the EEPROM."""
     RESET_ERRORS = 7
-    """Data ID 7: Reset all errors. The reply carries the singleturn position."""
+    """Data ID 7: Reset all errors. The reply contains the singleturn position."""
     RESET_SINGLETURN_AND_MULTITURN = 8
-    """Data ID 8: Reset singleturn and multiturn data to 0. The reply carries the singleturn position."""
+    """Data ID 8: Reset singleturn and multiturn data to 0. The reply contains the singleturn position."""
     RESET_MULTITURN_AND_ERRORS = 0xC
-    """Data ID C: Reset multiturn data and all errors. The reply carries the singleturn position."""
+    """Data ID C: Reset multiturn data and all errors. The reply contains the singleturn position."""
 
 
 # Questions that the manual leaves open
@@ -647,7 +647,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
     Attributes:
         variant: Encoder to which the frame belongs.
-        multiturn: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
+        multiturn: Number of revolutions. 0 if the encoder does not have this field. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
 
     In the manual: Structure of the position information.
@@ -659,7 +659,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
     Errata (full text in ERRATA):
         ssi_output_code (settled, wrong data): Binary.
-        ssi_clock_count (open, wrong limit): The outputs do not enforce either rule. n + 1 clocks satisfy both.
+        ssi_clock_count (open, wrong limit): The generated files do not enforce either rule. n + 1 clocks satisfy both.
         ssi_table_65kkg1 (settled, wrong limit): 65KBG1.
         position_order (open, omission): Multiturn comes first, as the more significant part.
     """
@@ -701,7 +701,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         """Decode the frame.
 
         Args:
-            word: A number whose most significant bit was sent first, or a text of 0 and 1.
+            word: A number whose most significant bit was sent first, or a string of 0 and 1.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
@@ -750,13 +750,13 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
     Attributes:
         variant: Encoder to which the frame belongs.
-        multiturn: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
+        multiturn: Number of revolutions. 0 if the encoder does not have this field. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
         error: Error, nE: Reports, for instance, that circuitry and disk are not aligned (gap out of tolerance,
             circuitry not installed properly). In multiturn models (.../65K...) it also reports that the battery is
             depleted. The encoder cannot operate with a depleted battery. True when 0: error active in the system. False
             when 1: no active error. While it is True, the position is not usable. Remedy: If the disk is misaligned,
-            switch off, align the disk and continue with the connection. If the battery of a multiturn model is
+            switch off, align the disk and continue connecting the encoder. If the battery of a multiturn model is
             depleted, replace the battery. Steps: ``battery_replacement_with_error``.
         warning: Warning, nW: Reports an error in the magnetic multiturn system, which may make the number of
             revolutions wrong, or a low battery. The bit does not distinguish the two (erratum position_under_error).
@@ -836,7 +836,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         """Decode the frame.
 
         Args:
-            word: A number whose most significant bit was sent first, or a text of 0 and 1.
+            word: A number whose most significant bit was sent first, or a string of 0 and 1.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
@@ -1332,8 +1332,8 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
             ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag that it combines
             is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC shows the active
             error.
-        multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
-            Right-aligned in 24 bits, with zeros above it.
+        multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 if the encoder does not have this field. Unit:
+            revolutions. Right-aligned in 24 bits, with zeros above it.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 DF1 DF2 CRC.
@@ -1565,8 +1565,8 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             above it.
         encoder_id: ENID: Encoder ID, printed as 23h. A frame with another ID is still decoded. Holds 23h, which
             identifies the encoder. The decoder also accepts other values.
-        multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
-            Right-aligned in 24 bits, with zeros above it.
+        multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 if the encoder does not have this field. Unit:
+            revolutions. Right-aligned in 24 bits, with zeros above it.
         busy: BUSY. True when 1: not ready after power-on or during a reset. All position data are 0. False when 0:
             ready. While it is True, the position is not usable.
         st_error: STERR. True when 1: counted and calculated data disagree. False when 0: no ST error. While it is True,
@@ -2175,7 +2175,7 @@ class Preset(RegisterOf["BissEncoder"], _Preset):
 
     Attributes:
         variant: Encoder to which the register belongs.
-        multiturn: Number of revolutions. 0 if the encoder does not have it. Unit: revolutions.
+        multiturn: Number of revolutions. 0 if the encoder does not have this field. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
 
     Value that the encoder reports at the current shaft position once the preset is activated.
@@ -2691,8 +2691,8 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
     The ten requests must follow one another directly. Stop polling the position during the reset.
 
     Errata (full text in ERRATA):
-        data_id_8_scope (open, wrong data): The outputs follow the table. Data ID 8 resets singleturn and multiturn
-            data.
+        data_id_8_scope (open, wrong data): The generated files follow the table. Data ID 8 resets singleturn and
+            multiturn data.
         reset_interval (open, omission): No other request is sent in between.
         reset_standstill (open, wrong limit): The condition is standstill, which the manual defines as 300 rpm or less.
 

@@ -217,11 +217,11 @@ class Variant(Rotary, Wrapping):
         """Number of bits in a frame, including the CRC if it has one.
 
         Raises:
-            ValueError: Over this interface, the length depends on an answer.
+            ValueError: Over this interface, the length depends on your choice.
         """
         if self.interface is _SSI:
             return self.position_bits
-        raise ValueError(f"no frame bits over {self.interface.title}: the length depends on an answer")
+        raise ValueError(f"no frame bits over {self.interface.title}: the length depends on your choice")
 
 
 class SsiEncoder(Variant):
@@ -233,7 +233,7 @@ class SsiEncoder(Variant):
         """Decode a frame that the encoder sent.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -252,7 +252,7 @@ class SsiEncoder(Variant):
         Type checkers then require that the error is handled.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -299,7 +299,7 @@ class BissEncoder(Variant):
         """Decode a frame that the encoder sent.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
             zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Required only for frames that
                 depend on it.
@@ -326,7 +326,7 @@ class BissEncoder(Variant):
         Type checkers then require that the error is handled.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
             zero_bit: Constant 0 bit between position and error bit of a BiSS frame. Required only for frames that
                 depend on it.
@@ -496,7 +496,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
     Errata (full text in ERRATA):
         ssi_code_letters (open, wrong data): BG is binary, GG is Gray.
-        ssi_clock_count (open, wrong limit): The outputs do not enforce either rule. n + 1 clocks satisfy both.
+        ssi_clock_count (open, wrong limit): The generated files do not enforce either rule. n + 1 clocks satisfy both.
         ssi_bit_numbers (settled, wrong data): The bits are 19:0 to 24:0, with bit 0 as the LSB.
     """
 
@@ -518,7 +518,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         """Decode the frame.
 
         Args:
-            word: A number whose most significant bit was sent first, or a text of 0 and 1.
+            word: A number whose most significant bit was sent first, or a string of 0 and 1.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
@@ -618,7 +618,7 @@ class SingleCycleData(Sent, InBits, _SingleCycleData, Positioned):
         """Decode the frame.
 
         Args:
-            word: A number whose most significant bit was sent first, or a text of 0 and 1.
+            word: A number whose most significant bit was sent first, or a string of 0 and 1.
             variant: The encoder.
             zero_bit: Answer to a question that the manual leaves open, as a member of ``ZeroBit``.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
@@ -921,8 +921,9 @@ class Command(IntEnum):
     starts as configured.
     """
     VERIFY_CONFIGURATION = 4
-    """Verify CRC of internal configuration: Checks all configuration registers with the check sum. During the check,
-    the status Internal data bus busy and the error Configuration error are 1. The error remains if the check failed.
+    """Verify CRC of internal configuration: Checks all configuration registers against the check sum. During the
+    check, the status Internal data bus busy and the error Configuration error are 1. The error remains if the check
+    failed.
     """
     SIMULATE_ERROR = 5
     """Error simulation: activate Error message status: Forces the status Error message to 1."""
@@ -997,7 +998,7 @@ class Status(FixedRegister, _Status):
         absolute_data_valid_bit (settled, wrong data): Absolute data valid is bit 1.
         internal_data_bus_busy_bit (settled, wrong data): Internal data bus busy is bit 2.
         warning_sources (open, omission): No bit of the error register is interpreted as a warning.
-        eds_bank_missing (open, omission): The outputs have no EDS.
+        eds_bank_missing (open, omission): The generated files have no EDS.
     """
 
     __slots__ = ()

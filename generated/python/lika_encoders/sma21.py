@@ -33,8 +33,8 @@ Version 0.1.0, generated from the manual “SMA21 + MTA-A154”, revision 1.2 of
 to this manual. A source that starts with a language code refers to the edition in that language. A source that starts
 with any other key refers to that entry of DOCUMENTS.
 
-Differences from other editions of the manual are noted inline. To generate files for one, use ``codewheel generate
---edition sma21=1.0``.
+Differences from other editions of the manual are noted inline. For the files of another edition, use ``codewheel
+generate --edition sma21=1.0``.
 
 Before edition 1.1 [Release table]:
     Not known: The cause of Encoder inharmonious error, whether it is kept, and how it is cleared.
@@ -343,7 +343,7 @@ class SsiEncoder(Variant):
         """Decode a frame that the encoder sent.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -362,7 +362,7 @@ class SsiEncoder(Variant):
         Type checkers then require that the error is handled.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -409,7 +409,7 @@ class BissEncoder(Variant):
         """Decode a frame that the encoder sent.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -428,7 +428,7 @@ class BissEncoder(Variant):
         Type checkers then require that the error is handled.
 
         Args:
-            frame: Frame as a number whose most significant bit was sent first, or as a text of 0 and 1.
+            frame: Frame as a number whose most significant bit was sent first, or as a string of 0 and 1.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
@@ -649,7 +649,9 @@ class DataId(IntEnum):
 
 
 class CountingDirection(IntEnum):
-    """Direzione di conteggio: Counting direction of the absolute position. The incremental signals keep their own."""
+    """Direzione di conteggio: Counting direction of the absolute position. The incremental signals keep their own
+    direction.
+    """
 
     STANDARD = 0
     """Standard: Counts up when the sensor moves in the direction of the arrow of Figure 1."""
@@ -713,7 +715,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     position is bit 1. The manual's name is "Struttura dell'informazione di posizione".
 
     Errata (full text in ERRATA):
-        ssi_clock_count (open, wrong limit): The outputs do not enforce either rule.
+        ssi_clock_count (open, wrong limit): The generated files do not enforce either rule.
         gray_scope (open, omission): Only the position is coded.
         position_under_error (open, omission): The position is not usable if any of these is active: nE, ea1 or an alarm
             that is part of ea1.
@@ -741,7 +743,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         """Decode the frame.
 
         Args:
-            word: A number whose most significant bit was sent first, or a text of 0 and 1.
+            word: A number whose most significant bit was sent first, or a string of 0 and 1.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
@@ -849,7 +851,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         """Decode the frame.
 
         Args:
-            word: A number whose most significant bit was sent first, or a text of 0 and 1.
+            word: A number whose most significant bit was sent first, or a string of 0 and 1.
             variant: The encoder.
             bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
@@ -1729,7 +1731,7 @@ class Configuration(FixedRegister, _Configuration):
 
     Attributes:
         counting_direction: Direzione di conteggio: Counting direction of the absolute position. The incremental signals
-            keep their own. Default: 0.
+            keep their own direction. Default: 0.
         output_code: Codice d'uscita: Code of the absolute position. Default: 1.
         enable_preset_offset: Abilita preset / offset: Enables preset and offset. 0 enables. Default: 0.
         select_preset_offset: Seleziona preset / offset: Content of the Preset / Offset register. The bit is available
@@ -1848,8 +1850,8 @@ class PresetOffset(FixedRegister, _PresetOffset):
     preset is activated. All positions before and after it shift accordingly. The preset can be used, for instance, to
     align the zero points of sensor and application. [6.4 p.32] While ``configuration.select_preset_offset`` is 1
     (``offset``), the register holds ``offset``, 0 to ``2^scd_position_bits - 2^position_bits``: Value by which the
-    transmitted positions are shifted. Their number stays the same, and they start at the offset. The offset is applied
-    to the position of the sensor at the activation. [6.4 p.32]
+    transmitted positions are shifted. The number of positions stays the same, and they start at the offset. The offset
+    is applied to the position of the sensor at the time of activation. [6.4 p.32]
 
     The register is available only while the Enable preset / offset bit of the Configuration register is 0 (enable).
     Activate it only with the device at rest, with the command Save and activate Preset / Offset. The highest preset is
@@ -2423,7 +2425,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 
     Errata (full text in ERRATA):
         reset_interval (open, omission): No other request is sent in between.
-        rs485_reset_duration (open, omission): The outputs give no waiting time.
+        rs485_reset_duration (open, omission): The generated files give no waiting time.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -2456,7 +2458,7 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     Errata (full text in ERRATA):
         zero_setting_rs485 (open, wrong limit): Data ID F is used as described in 7.3.1 and 7.3.3.2.
         reset_interval (open, omission): No other request is sent in between.
-        rs485_reset_duration (open, omission): The outputs give no waiting time.
+        rs485_reset_duration (open, omission): The generated files give no waiting time.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

@@ -19,6 +19,7 @@ from . import (
     parameters,
     printed,
     procedures,
+    quantities,
     references,
     repeated,
     shapes,
@@ -111,4 +112,7 @@ RULES: tuple[Rule, ...] = (
     shapes.example_arguments,
     shapes.measurement_shape,
     shapes.table_shape,
+    quantities.quantity_text,
+    quantities.quantity_repeated,
+    quantities.column_units,
 )

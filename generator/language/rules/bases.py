@@ -9,7 +9,7 @@ from ..problems import DocumentReport, Path, quoted
 from .walk import Spec, walk
 
 #: Keys of numbers that manuals print in hexadecimal.
-_HEXADECIMAL = frozenset("address addresses poly init xorout check control constant unused biss_id".split())
+HEXADECIMAL = frozenset("address addresses poly init xorout check control constant unused biss_id".split())
 #: Maps whose keys are names defined in the spec.
 _OWN_NAMES = frozenset(("values", "arguments", "sets"))
 #: Pairs of quotes used by word processors and PDF files.
@@ -55,4 +55,4 @@ def _numbers(node: object, path: Path) -> Iterator[tuple[Path, int]]:
 def _is_hexadecimal(path: Path) -> bool:
     if path[-1] == "value":
         return "writes" in path
-    return path[-1] in _HEXADECIMAL and _OWN_NAMES.isdisjoint(path[-2:-1])
+    return path[-1] in HEXADECIMAL and _OWN_NAMES.isdisjoint(path[-2:-1])

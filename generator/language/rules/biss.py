@@ -119,7 +119,7 @@ def _frame_faults(
         if name in _FLAGS and field.get("active") == "high":
             wrong = f"{quoted(name)} is active high, but in BiSS it is active low; write 'active: low'"
             yield (*path, "active"), f"{where}.{name}", wrong
-        crc = crcs.get(field.get("crc", ""), {})
+        crc = crcs.get(field["crc"], {}) if "crc" in field else {}
         if crc.get("xorout") == 0 and isinstance(width := crc.get("width"), int):
             wrong = f"the CRC {quoted(field['crc'])} has 'xorout' 0, but BiSS sends the CRC inverted"
             yield (*path, "crc"), f"crcs.{field['crc']}.xorout", f"{wrong}; write 'xorout: {(1 << width) - 1:#x}'"

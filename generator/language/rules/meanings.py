@@ -22,6 +22,7 @@ _WITH_SUFFIX = re.compile(r"((?:0[0-9A-F]*|[0-9A-F]*[A-F][0-9A-F]*))h")
 #: A length in micrometres, and a voltage: one with its tolerance, or two.
 _MICROMETRES = re.compile(r"(?<![\d.,])([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*) ?[µμ]m\b")
 _UNITS_OF_MICROMETRES = ("µm", "μm", "um", "micrometres", "micrometers")
+_BITS = re.compile(r"\b([1-9][0-9]?)[ -]bits?\b")
 _VOLT = r"\+?([0-9]+(?:\.[0-9]+)?) ?V(?: ?DC|dc)?"
 _ONE_VOLTAGE = re.compile(rf"{_VOLT}(?: ?± ?([0-9]+(?:\.[0-9]+)?) ?%)?")
 _TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.) ?{_VOLT}")
@@ -31,18 +32,27 @@ def value_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the meaning of an order code value agrees with its settings: code, length and supply."""
     for path, part in items(spec, "order_code", "parts"):
         for text, value in part["values"].items():
-            meaning, here = value.get("meaning", ""), (*path, "values", text)
+            meaning, here, sets = value.get("meaning", ""), (*path, "values", text), mapping(value, "sets")
             for name, right in _codes_named(spec, value).items():
                 if value["sets"][name] != right:
                     word = "Gray" if right else "binary"
                     wrong = f"the meaning of {quoted(text)} says {word}, so {quoted(name)} must be {right}"
                     report.add("meaning-mismatch", (*here, "sets", name), wrong)
             lengths = [int(found.replace(",", "")) for found in _MICROMETRES.findall(meaning)]
-            for name, number in mapping(value, "sets").items():
+            for name, number in sets.items():
                 unit = mapping(raw, "parameters", name).get("unit")
                 if lengths and unit in _UNITS_OF_MICROMETRES and number not in lengths:
                     wrong = f"the meaning of {quoted(text)} says {lengths[0]} µm, but {quoted(name)} is {number}"
                     report.add("meaning-mismatch", (*here, "sets", name), wrong)
+            bits = [int(found) for found in _BITS.findall(meaning)]
+            sets = mapping(value, "sets")
+            widths = {
+                name: sets[name] for name in sets if mapping(raw, "parameters", name).get("unit") in ("bit", "bits")
+            }
+            if len(bits) == 1 and widths and bits[0] not in (*widths.values(), sum(widths.values())):
+                name = next(iter(widths))
+                wrong = f"the meaning of {quoted(text)} says {bits[0]} bits, but {quoted(name)} is {widths[name]}"
+                report.add("meaning-mismatch", (*here, "sets", name), wrong)
             named, has = _supply_named(meaning), mapping(value, "supply")
             if named and has and named != (has["min_mv"], has["max_mv"]):
                 wrong = f"the meaning of {quoted(text)} says {named[0]} to {named[1]} mV"

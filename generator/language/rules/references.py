@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from ...model import Biss
+from ...model import INTERFACES, Biss
 from ...model.by_hand import has_steps
 from ...model.expressions import Expression, ExpressionError
-from ..hints import number_hint
-from ..problems import DocumentReport, Path, quoted, suggestion
+from ..hints import expression_hint, number_hint
+from ..problems import DocumentReport, Path, meant, quoted, suggestion
+from ..schema import value_at
 from . import parameters
 from .walk import (
     INTERFACE_OF_REGISTERS,
@@ -29,12 +31,17 @@ from .walk import (
     readable_names,
 )
 
+_NAME = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
+
 
 class _Names:
     """Names defined in a spec as read, by kind, and the report for undefined ones."""
 
     def __init__(self, raw: Spec, report: DocumentReport) -> None:
         self._report = report
+        named = (value_at(raw, path) if path[-1] == "name" else path[-1] for path in report.faults())
+        interfaces = {name for name in mapping(raw, "interfaces") if name not in INTERFACES}
+        self._broken = interfaces | {name for name in named if isinstance(name, str) and not _NAME.fullmatch(name)}
         self.groups, self.registers = by_name(raw, "field_groups"), by_name(raw, "registers")
         self.procedures, self.parameters = by_name(raw, "procedures"), mapping(raw, "parameters")
         self._known: Mapping[str, Iterable[str]] = {
@@ -48,11 +55,18 @@ class _Names:
         }
 
     def refer(self, path: Path, kind: str, name: str, known: Iterable[str] | None = None) -> None:
-        """Report ``name`` at ``path`` unless it is in ``known``, by default all names of its kind."""
+        """Report ``name`` at ``path`` unless it is in ``known``, by default all names of its kind.
+
+        If one of these names is itself wrong, it is reported already and may be the one that is meant.
+        """
         choices = list(self._known[kind] if known is None else known)
-        if name not in choices:
+        if name in choices:
+            return
+        if self._broken.isdisjoint(choices) or meant(name, [item for item in choices if item not in self._broken]):
             wrong = f"there is no {kind} {quoted(name)}{suggestion(name, choices)}"
             self._report.add("undefined-reference", path, wrong)
+        else:
+            self._report.mark(path)
 
     def tell(self, path: Path, wrong: str) -> None:
         """Report a name that exists but is not sufficient."""
@@ -326,9 +340,7 @@ def expressions(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         try:
             names = Expression.parse(text).parameters
         except ExpressionError as error:
-            hint = number_hint(str(path[-1]), text) or (
-                f"; write {str(text).replace('**', '^')}" if "**" in str(text) else ""
-            )
+            hint = expression_hint(str(text)) or number_hint(str(path[-1]), text)
             report.add("bad-expression", path, f"{error}{hint or '; write an expression such as singleturn_bits + 8'}")
             continue
         for name in names:

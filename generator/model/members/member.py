@@ -75,7 +75,7 @@ class Member:
 
     @property
     def is_limit(self) -> bool:
-        """True if a changed value allows more or less, which are different rules."""
+        """True if a change that allows more and one that allows less have different rules."""
         return self.rule in WIDER
 
     @property

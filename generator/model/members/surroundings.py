@@ -51,8 +51,20 @@ SURROUNDINGS = (
         "One state.",
         Member("state", "string", "State that a person sees."),
         Member("meaning", "text", "Meaning."),
-        Member("only", "string", "Order codes that the item applies to. Empty if it applies to all."),
-        Member("by_hand", "[name]", "Steps carried out by a person: names of characteristics."),
+        Member(
+            "only",
+            "string",
+            "Order codes that the item applies to. Empty if it applies to all.",
+            label="order codes",
+            read="LED",
+        ),
+        Member(
+            "by_hand",
+            "[name]",
+            "Steps carried out by a person: names of characteristics.",
+            label="steps by hand",
+            read="LED",
+        ),
     ),
     Part(
         "led",
@@ -66,7 +78,19 @@ SURROUNDINGS = (
         "A fact that is only displayed, never used in computations.",
         NAME,
         Member("value", "text", "Fact as text."),
-        Member("only", "string", "Order codes that the item applies to."),
+        Member("values", "[quantity]", "Quantities in the text."),
+        Member("only", "string", "Order codes that the item applies to.", label="order codes", read="characteristic"),
+    ),
+    Part(
+        "quantity",
+        "A quantity with its bounds.",
+        Member("quantity", "string", "Kind of quantity, such as torque.", label="kind", read="characteristic"),
+        Member("where", "string", "Part or condition that it applies to. Empty if there is only one."),
+        Member("min", "number?", "Lower bound.", label="lower bound", read="characteristic"),
+        Member("typical", "number?", "Typical or nominal value.", label="typical value", read="characteristic"),
+        Member("max", "number?", "Upper bound.", label="upper bound", read="characteristic"),
+        Member("unit", "string", "Unit of the numbers.", read="characteristic"),
+        is_sourced=False,
     ),
     Part(
         "write",
@@ -250,6 +274,9 @@ SURROUNDINGS = (
         NAME,
         Member("title", "string", "Subject of the table."),
         Member("columns", "[text]", "Column headings."),
+        Member(
+            "units", "[text]", "Units of the columns that contain numbers. Empty for a column of text.", read="table"
+        ),
         Member("rows", "[table_row]", "Rows of the table."),
         NOTE,
     ),

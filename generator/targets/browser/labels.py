@@ -1,4 +1,4 @@
-"""Grammar of the order codes of a family for the script: what a label may look like, and the parts of each code.
+"""Grammar of the order codes of a family for the script: the possible labels, and the parts of each code.
 
 Regular expressions are those of ``order_codes.labels`` in the notation of JavaScript.
 """

@@ -127,7 +127,7 @@ def _cut(*row: Any) -> list[Any]:
 
 
 def _stated(item: Field) -> Any:
-    """Return the documented value of a field, either as a text or as a list that holds a number or an expression."""
+    """Return the documented value of a field, either as a string or as a list that holds a number or an expression."""
     value = item.equals
     if value is None or isinstance(value, str):
         return value
@@ -149,7 +149,7 @@ def _sent(value: object) -> Data:
 
 
 def _message(layout: Layout, item: Check) -> Data:
-    """Return the message of a check that fails: ``says`` selects it. The others are for what is written in it."""
+    """Return the message of a check that fails: ``says`` selects it. The other members fill it in."""
     name, says, most, always = item.field.name, "", 0, False
     match item:
         case AlwaysIs():

@@ -104,8 +104,8 @@ def _derivation(item: Crc) -> str:
     powers = [f"of {_power(width << up)} is {_power(middle << up)} + 1" for up in range(3)]
     return (
         f"How it folds: the remainder {powers[0]}. By squaring, the remainder {powers[1]}, and {powers[2]}. "
-        f"With h = v >> {4 * width}, v becomes (v mod 2^{4 * width}) ^ h ^ (h << {4 * middle}). The same is done at "
-        f"{2 * width} with {2 * middle} and at {width} with {middle}, until {width} bits are left."
+        f"With h = v >> {4 * width}, v becomes (v mod 2^{4 * width}) ^ h ^ (h << {4 * middle}). The same is done with "
+        f"the shifts {2 * width} and {2 * middle}, then {width} and {middle}, until {width} bits are left."
     )
 
 

@@ -1,4 +1,4 @@
-"""The page of each manufacturer that a safety review needs: what the frames and the code assume and do not detect."""
+"""The page of each manufacturer for safety reviews: assumptions of frames and code, and undetected errors."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TEMPLATE = "ASSUMPTIONS.md.jinja"
 
 @dataclass(frozen=True)
 class Frames:
-    """Frames of one length with the same CRC, and what the CRC misses in them."""
+    """Frames of one length with the same CRC, and the errors that the CRC misses in them."""
 
     crc: Crc
     names: tuple[str, ...]
@@ -54,7 +54,7 @@ def _frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
 
 
 def _lengths(device: Device, interface: str, layout: Layout) -> set[int]:
-    """Return the lengths that frames of a layout can have: of each order code, and the longest that registers set."""
+    """Return the possible lengths of frames of a layout: of each order code, and the longest that registers allow."""
     variants = [item for item in device.variants if item.interface in ("", interface)]
     decided = [sets for _, sets in choices(device.alternatives)]
     return {layout.widest, *(layout.bits.value({**item.parameters, **sets}) for item in variants for sets in decided)}

@@ -66,7 +66,7 @@ class Reader:
         return Call("cw_above", (self.word, self.scope.of(bits.low)))
 
     def flag(self, bits: Bits) -> Expr:
-        """Return the bit of a flag in place: in the word, or in the byte ``flags``."""
+        """Return the bit of a flag at its position: in the word, or in the byte ``flags``."""
         if not self.plan.by_word:
             return masked(Name("flags"), bits.pieces[0].mask << bits.pieces[0].right)
         if not bits.are_fixed:

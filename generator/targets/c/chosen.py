@@ -119,7 +119,7 @@ class Chosen:
     def _frame(self) -> Frame:
         """Return a worked frame, or a made-up one if there is none.
 
-        A frame used as printed is preferred, then one of the manual to one of another source.
+        A frame used as printed is preferred, and then a frame from the manual to one from another source.
         """
         worked = [item for item in self.examples if isinstance(item, FrameExample)]
         if not worked:
@@ -136,7 +136,7 @@ class Chosen:
         sample = self.device.sample_of(sent[0])
         if sample is None:
             raise NoFrame
-        about = "made up, since the manual shows none"
+        about = "made up, since the manual has no example"
         if sample.source:
             about = f"made up, with the position of a worked example [{cite(sample.source)}]"
         return Frame(sent[0], sample.frame, about, sample.values)

@@ -20,7 +20,7 @@ from .types import unsigned
 class CrcCode:
     """The function of a CRC over bits or bytes. ``table`` holds the remainder of each byte, if there is a table.
 
-    The function is there only if a frame calls it. Frames that are one number mostly have a CRC function of their own.
+    The function exists only if a frame calls it. Frames that are one number mostly have a CRC function of their own.
     """
 
     name: str
@@ -33,7 +33,7 @@ class CrcCode:
         if self.is_called:
             yield self.name, ("crcs", self.crc.name)
         if self.table:
-            yield f"{self.name}_entry", ("crcs", self.crc.name)
+            yield f"{self.name}_entries", ("crcs", self.crc.name)
 
     @property
     def type(self) -> str:

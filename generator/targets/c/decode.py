@@ -32,7 +32,7 @@ class ByteIs:
 
 @dataclass(frozen=True, slots=True)
 class FlagsIn:
-    """The byte of the next flags. ``is_first`` and ``is_only`` say whether there are others."""
+    """The byte of the next flags. ``is_first`` and ``is_only`` show whether there are others."""
 
     byte: int
     is_first: bool

@@ -107,7 +107,7 @@ class DeviceView:
 
     @property
     def header(self) -> str:
-        """The header for reading positions, as it is included."""
+        """Include path of the header for reading positions."""
         return f"{self.maker.name}/{self.stem}.h"
 
     @property
@@ -118,9 +118,9 @@ class DeviceView:
         labels = (f"{self.maker.name}/{self.stem}_labels.h",) if self.identities else ()
         registers = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else own
         found = (
-            ("labels", "order codes by the text on a label", True, (codes, own)),
-            ("reports", "texts of the reports, alarms and times", texts, (codes, own)),
-            ("registers", "registers, and identification by them", self.registers, (codes, steps, own, *labels)),
+            ("labels", "find the order code that a label shows", True, (codes, own)),
+            ("reports", "texts that describe reports, alarms and times", texts, (codes, own)),
+            ("registers", "registers, and identification of encoders", self.registers, (codes, steps, own, *labels)),
             ("procedures", "procedures, step by step", self.procedures, (steps, registers)),
             ("simulate", "the encoder's side, for simulators and tests", True, (own,)),
         )
@@ -128,15 +128,25 @@ class DeviceView:
 
     @property
     def headers(self) -> list[str]:
-        """All headers of the interface, as they are included."""
+        """Include paths of all headers of the interface."""
         return [self.header, *(f"{self.maker.name}/{item.file}" for item in self.parts)]
+
+    @property
+    def cpp_header(self) -> str:
+        """The header for C++17."""
+        return f"{self.header}pp"
+
+    @property
+    def space(self) -> str:
+        """The namespace of the functions for C++17."""
+        return f"{c_name(self.maker.name)}::{c_name(self.stem)}"
 
     @cached_property
     def names(self) -> Names:
         return Names(self._declared())
 
     def _declared(self) -> Iterator[Declared]:
-        yield f"{self.PREFIX}_H", ()
+        yield from ((f"{self.PREFIX}_{ending}", ()) for ending in ("H", "HPP"))
         yield from ((f"{self.PREFIX}_{item.name}_H".upper(), ()) for item in self.parts)
         yield f"{self.PREFIX}_VERSION", ()
         if self.read_state:

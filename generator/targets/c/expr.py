@@ -1,4 +1,4 @@
-"""Expressions of C as trees that print themselves, with parentheses around each operation inside another."""
+"""C expressions as trees that print themselves, with parentheses around each operation inside another."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .types import number, signed_number
 
 
 class Expr:
-    """An expression of C, whose text is its ``str``."""
+    """C expression, whose text is its ``str``."""
 
     __slots__ = ()
 

@@ -1,6 +1,6 @@
 """The C target: headers for firmware, some for each interface of a family, and the runtime that they include.
 
-The headers need C99 or C++11 and no library. The templates have their statements. Names, types and expressions are
+The headers need C99 or C++11 and no library. The templates contain the statements. Names, types and expressions are
 built here.
 
 Names from a spec become C names unchanged. A member whose name is reserved gets a trailing underscore. Reserved are the
@@ -104,18 +104,19 @@ def problems(library: Library) -> Iterator[TargetProblem]:
 
 
 def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, str]]:
-    """Yield the headers of an interface, by their path as they are included."""
+    """Yield the headers of an interface, by their include paths."""
     values: Family = {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view}
     yield view.header, _render(library, "device.h.jinja", values | {"runtime": runtime_version()})
+    yield view.cpp_header, _render(library, "device.hpp.jinja", values)
     for part in view.parts:
         yield f"{view.maker.name}/{part.file}", _render(library, "part.h.jinja", values | {"further": part})
 
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:
     text = TEMPLATES.render(template, values, library.own_templates)
-    if template.endswith(".h.jinja"):
+    if template.endswith((".h.jinja", ".hpp.jinja")):
         return documented(laid_out(text))
-    return laid_out(text) if template.endswith(".c.jinja") else text
+    return laid_out(text) if template.endswith((".c.jinja", ".ino.jinja")) else text
 
 
 def _json(value: object) -> str:
@@ -127,10 +128,12 @@ TEMPLATES = Templates(
     our_templates("c"),
     values={
         "device.h.jinja": FamilyHeader,
+        "device.hpp.jinja": Family,
         "part.h.jinja": PartHeader,
         "example.c.jinja": Program,
         "poller.c.jinja": Program,
         "receiver.c.jinja": Receiver,
+        "sketch.ino.jinja": Receiver,
         "selftest.c.jinja": FamilyTest,
         "selftest_all.c.jinja": AllTests,
         "selftest.h.jinja": AllTests,
@@ -143,7 +146,7 @@ TEMPLATES = Templates(
 )
 TARGET = Target(
     name="c",
-    summary="headers for C99 and C++11, packaged for CMake, pkg-config, PlatformIO and Zephyr",
+    summary="headers for C99 and C++11, packaged for CMake, pkg-config, PlatformIO, Arduino and Zephyr",
     files=generate,
     problems=problems,
     options=(ONLY,),

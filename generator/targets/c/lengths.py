@@ -40,9 +40,9 @@ class LengthCode:
 
     @property
     def named(self) -> str:
-        """Say how the macro names an order code."""
+        """Explain how the macro names an order code."""
         code = self.code_of(self._shown) if self._shown is not None else ""
-        return f"For code, write {code} for example, as in {self._prefix}{code}_BITS."
+        return f"For example, code can be {code}, as in {self._prefix}{code}_BITS."
 
     def code_of(self, item: Received) -> str:
         """Return the name of an order code in names of lengths, with the answers on which these depend."""

@@ -1,4 +1,4 @@
-"""Break long lines of C, and move comments from the end of a line to above it."""
+"""Break long lines of C, and move comments from the end of a line to the line above it."""
 
 from __future__ import annotations
 

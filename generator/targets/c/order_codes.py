@@ -41,7 +41,7 @@ class OpenCode:
 
 @dataclass(frozen=True)
 class _Choice:
-    """A text for a part of an order code: a listed one, or a pattern if the manual leaves it open.
+    """A string for a part of an order code: a listed one, or a pattern if the manual leaves it open.
 
     ``label`` is the text on the label if that differs.
     """

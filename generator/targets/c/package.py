@@ -1,4 +1,4 @@
-"""The package files of the C folder: for CMake, pkg-config, PlatformIO and Zephyr, and the example programs."""
+"""The package files of the C folder for CMake, pkg-config, PlatformIO, Arduino and Zephyr, and its example programs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .examples import ExampleCode, ShownRegister, ShownRun, example_codes
 from .procedures import ProcedureCode
 from .receivers import ReceiverCode, receiver_codes
 from .reserved import c_name
-from .runtime import runtime_headers
+from .runtime import FOLDER, runtime_headers
 
 #: The other files of the package, and their templates. ``{package}`` is the name of the package. The folder has the
 #: layout of an installation.
@@ -28,6 +28,7 @@ FILES = {
     "share/cmake/{package}/{package}-config-version.cmake": "config-version.cmake.jinja",
     "share/pkgconfig/{package}.pc": "pkgconfig.pc.jinja",
     "library.json": "library.json.jinja",
+    "library.properties": "library.properties.jinja",
     "zephyr/module.yml": "zephyr_module.yml.jinja",
     "zephyr/CMakeLists.txt": "zephyr_CMakeLists.txt.jinja",
     "zephyr/Kconfig": "zephyr_Kconfig.jinja",
@@ -48,7 +49,7 @@ class Package(TypedDict):
     with_tables: Annotated[list[str], "the uppercase names of manufacturers with a CRC that can use a table"]
     with_bitwise: Annotated[list[str], "the uppercase names of manufacturers with a CRC that can do without a table"]
     longest: Annotated[ProcedureCode | None, "the procedure with parameters that has the most steps"]
-    runtime: Annotated[list[str], "the names of the headers of the runtime"]
+    headers: Annotated[list[str], "all headers, as they are included"]
     examples: Annotated[list[str], "the names of the programs"]
     tests: Annotated[list[str], "the C files of the self-test, keyed by their path within the folder"]
 
@@ -75,7 +76,10 @@ def package_files(views: Sequence[DeviceView], tests: Iterable[str], render: Ren
             key=lambda item: item.count,
             default=None,
         ),
-        "runtime": list(runtime_headers()),
+        "headers": [
+            *(header for view in views for header in (*view.headers, view.cpp_header)),
+            *(f"{FOLDER}/{item}" for item in runtime_headers()),
+        ],
         "examples": [item.name for item in shown],
         "tests": sorted(path for path in tests if path.endswith(".c")),
     }
@@ -84,6 +88,8 @@ def package_files(views: Sequence[DeviceView], tests: Iterable[str], render: Ren
         maker = item.view.maker
         used = {"maker": maker, "PREFIX": maker.name.upper(), "d": item.view, "e": item}
         files[f"examples/{item.name}.c"] = render(_template(item), used)
+        if isinstance(item, ReceiverCode):
+            files[f"examples/{item.sketch}/{item.sketch}.ino"] = render("sketch.ino.jinja", used)
     return files
 
 

@@ -28,7 +28,7 @@ class AnglePositions:
 
     @property
     def names(self) -> Iterator[str]:
-        """The functions, by their ends."""
+        """The functions, by the ends of their names."""
         rolling = ("modulus", "position_difference") if self.turns is not None else ()
         yield from ("counts_per_turn", *rolling, "turns", "degrees")
 
@@ -48,7 +48,7 @@ class LengthPositions:
 
     @property
     def names(self) -> Iterator[str]:
-        """The functions, by their ends."""
+        """The functions, by the ends of their names."""
         rolling = ("modulus", "position_difference") if self.modulus is not None else ()
         yield from (*rolling, "micrometres", "millimetres")
 
@@ -60,7 +60,7 @@ Positions = AnglePositions | LengthPositions
 
 
 def positions(context: Context) -> Positions | None:
-    """Return the functions that convert the positions of the interface, if the manual says what these are."""
+    """Return the functions that convert the positions of the interface, if the manual gives their unit."""
     measurement = context.device.measurement_of(context.interface.name)
     return _positions(context, measurement) if measurement is not None else None
 

@@ -15,7 +15,7 @@ class ReceiverCode:
     def __init__(self, example: ExampleCode) -> None:
         view = example.view
         self.view, self.example = view, example
-        self.name = f"{view.stem}_dma"
+        self.name, self.sketch = f"{view.stem}_dma", f"{view.stem}_arduino"
         self.struct = example.struct
         self.verdict = example.reports.verdict if example.reports is not None else ""
         self.member = example.counts

@@ -36,7 +36,7 @@ from .types import number, string
 
 @dataclass(frozen=True, slots=True)
 class Expected:
-    """A member of a struct and its expected value. ``text`` is True if it is a text."""
+    """A member of a struct and its expected value. ``text`` is True if it is a string."""
 
     member: str
     value: str
@@ -186,7 +186,7 @@ class SelfTest:
                 )
 
     def _answers(self, item: StructCodec, example: FrameExample) -> str:
-        """Return the answers for the example, or the first answer where it states none."""
+        """Return the answers for the example, or the first answer if it states none."""
         found = ""
         for asked in item.asked:
             names = [answer.name for answer in asked.item.answers]

@@ -85,7 +85,7 @@ class Struct:
         return choice if choice is not None and choice.is_enum else None
 
     def type_of(self, field: Field) -> str:
-        """Return the type of a member, or of each character of a text."""
+        """Return the type of a member, or of each character of a string."""
         match meaning_of(field):
             case Active():
                 return "bool"
@@ -102,7 +102,7 @@ class Struct:
                 assert_never(other)
 
     def member(self, field: Field) -> str:
-        """Return the name of a member in its declaration, with the length of a text."""
+        """Return the name of a member in its declaration, with the length of a string."""
         size = f"[{field.widest // 8}]" if isinstance(meaning_of(field), Characters) else ""
         return f"{c_name(field.name)}{size}"
 

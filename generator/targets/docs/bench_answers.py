@@ -55,7 +55,7 @@ _BEFORE_BISS = 2
 class Wiring:
     """Table of contacts and signals.
 
-    ``about`` has the connectors and cables of each column, and ``notes`` the sentences that hold for all of them.
+    ``about`` lists the connectors and cables of each column, and ``notes`` the sentences that apply to all of them.
     ``errata`` are the paths of the connectors in the spec.
     """
 

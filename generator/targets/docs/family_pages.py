@@ -181,11 +181,13 @@ def _times_read(counts: TimesRead | None) -> str:
     """Return the text about facts confirmed by a second reading, or an empty string without one."""
     if counts is None:
         return ""
-    every = counts.twice + counts.explained + counts.once
+    every = counts.twice + counts.explained + counts.decided + counts.once
     differ = "differs for a reason" if counts.explained == 1 else "differ for reasons"
     explained = f", {counts.explained} {differ} given in the errata" if counts.explained else ""
+    decided = f", {counts.decided} {'is' if counts.decided == 1 else 'are'} not in the manual" if counts.decided else ""
     once = f", and {counts.once} {'was' if counts.once == 1 else 'were'} read only once" if counts.once else ""
-    return f"Twice. Of {every} facts, {counts.twice} agree in both readings{explained}{once}"
+    derived = f". {counts.derived} more follow from others" if counts.derived else ""
+    return f"Twice. Of {every} facts, {counts.twice} agree in both readings{explained}{decided}{once}{derived}"
 
 
 def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:

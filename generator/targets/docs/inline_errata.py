@@ -128,7 +128,7 @@ def _edition(item: Erratum) -> str:
 
 
 def in_one_line(item: Erratum, page: str) -> str:
-    """Return the status and title of an erratum, and what is used. The link leads to the full text.
+    """Return the status and title of an erratum, and the value used. The link leads to the full text.
 
     A change by an overlay has its reason and source, because the user of a special model needs them.
     """

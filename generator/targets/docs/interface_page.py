@@ -60,7 +60,7 @@ def over_values(
 def page_values(
     device: Device, kind: str, links: Mapping[str, str], has_masters: bool, pictures: Pictures
 ) -> InterfacePage:
-    """Return the values of the page. ``links`` has a link to the page of each order code."""
+    """Return the values of the page. ``links`` contains a link to the page of each order code."""
     here = for_interface(device, kind)
     variants = [item for item in device.variants if item.interface == kind]
     return {

@@ -90,7 +90,7 @@ def width(words: str, size: float) -> float:
 
 
 def wrapped(words: str, room: float, size: float) -> list[str]:
-    """Return a text as lines no wider than ``room``."""
+    """Return text as lines no wider than ``room``."""
     return wrap(plain(words), max(1, int(room / (size * _LETTER))))
 
 

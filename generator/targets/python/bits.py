@@ -90,7 +90,7 @@ class Reader:
         return moved(Operation(found, "&", self.scope.ones(item.bits.width)), "<<", number(item.place))
 
     def characters(self, bits: Bits) -> str:
-        """Return the slice of ``data`` that contains the bytes of a text. Empty if they are not adjacent."""
+        """Return the slice of ``data`` that contains the bytes of a string. Empty if they are not adjacent."""
         places = [piece.byte for piece in reversed(bits.pieces) if not piece.right and piece.mask == 0xFF]
         if self.codec.by_word or len(places) < len(bits.pieces) or not _ascend(places):
             return ""

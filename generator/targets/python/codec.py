@@ -48,7 +48,7 @@ class Attribute:
 
 @dataclass(frozen=True)
 class LimitsFunction:
-    """Function that returns the limits of a register. Of several meanings, the member ``when`` names the one meant."""
+    """Function that returns the limits of a register. ``when`` names one of several meanings."""
 
     name: str
     when: str

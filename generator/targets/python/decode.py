@@ -25,7 +25,7 @@ _UNPACKED = 16
 class Once(Scope):
     """Scope that assigns a name to each value that depends on the order code, and records its expression.
 
-    Values that depend on the parameters ``answered`` are not known once, since a caller can give other answers.
+    Values that depend on the parameters ``answered`` are not assigned once, since a caller can give other answers.
     """
 
     answered: frozenset[str] = frozenset()
@@ -121,7 +121,7 @@ class Decoder:
 
     @cached_property
     def heads(self) -> list[tuple[int, int]]:
-        """Valid first bytes of a frame whose selector is there, each with its selector."""
+        """Valid first bytes of a frame whose selector is in the first byte, each with its selector."""
         checks = [item for item in self.codec.checks if self._in_head(item)]
         selector = next((item for item in checks if isinstance(item, IsOneOf) and self.selects(item.field)), None)
         if selector is None:

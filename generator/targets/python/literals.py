@@ -65,7 +65,19 @@ class Sometimes:
 
 
 Literal = (
-    None | bool | int | str | bytes | Code | Member | Hex | Call | Sometimes | Sequence["Literal"] | Mapping[str, str]
+    None
+    | bool
+    | int
+    | float
+    | str
+    | bytes
+    | Code
+    | Member
+    | Hex
+    | Call
+    | Sometimes
+    | Sequence["Literal"]
+    | Mapping[str, str]
 )
 
 
@@ -134,6 +146,8 @@ def literal(value: Literal) -> str:
         return str(value)
     if isinstance(value, int):
         return grouped(value)
+    if isinstance(value, float):
+        return f"{value:g}"
     if isinstance(value, Mapping):
         return "ReadOnly({" + ", ".join(f"{quoted(key)}: {quoted(item)}" for key, item in value.items()) + "})"
     return f"({', '.join(map(literal, value))}{',' if len(value) == 1 else ''})"

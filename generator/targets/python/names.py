@@ -53,8 +53,9 @@ FACTS: Mapping[str, tuple[str, ...]] = {
     for module, names in {
         "facts": """AboveMax Access Alarm Alignment BissFacts ByteOrder CableLength Characteristic Clock Connector
             ConnectorKind Contact ControlField Crc DataIdFacts Document Edition Erratum Exchange FieldFacts Input
-            Led LedState LostFigure Manual MemoryAccess NamedValue Network Port PrintedTimeout Purpose Register
-            RegisterMeaning Revision Rs485Facts Severity SpiFacts SsiFacts Status Table Timeout TimeoutRule Timing""",
+            Led LedState LostFigure Manual MemoryAccess NamedValue Network Port PrintedTimeout Purpose Quantity
+            Register RegisterMeaning Revision Rs485Facts Severity SpiFacts SsiFacts Status Table Timeout TimeoutRule
+            Timing""",
         "order_codes": "OrderCode Part PartValue SpelledValue Spelling",
         "reports": "Interface ReadOnly Report Reports Verdict",
     }.items()

@@ -1,7 +1,7 @@
 """Records of the facts of a device, filled from the model by the names of their members.
 
 The classes of the records are read from their source, so no separate list of members is needed: a member of the
-class is printed if the model has it, and an enumeration or another record is printed as what its type says.
+class is printed if the model has it, and an enumeration or another record is printed according to its type.
 """
 
 from __future__ import annotations

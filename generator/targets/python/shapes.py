@@ -102,7 +102,7 @@ class Shape:
         return Sometimes(self._record(value), str(holding(only, member)))
 
     def _record(self, item: Any) -> Call:
-        """Return the call of the class of the same name. Its bits in a mask say which unused bits a cause is."""
+        """Return the call of the class of the same name. The mask of a cause identifies its unused bits."""
         kind = type(item).__name__
         omitted = ("only", "flag") if getattr(item, "mask", 0) else ("only",)
         given = [(each, getattr(item, each.name)) for each in fields(item) if each.name not in omitted]

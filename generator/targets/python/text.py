@@ -189,7 +189,7 @@ def of_argument(device: Device, item: Argument) -> str:
 
 
 def of_field(device: Device, item: Field, may_be_missing: bool = False) -> str:
-    missing = [said("0 if the encoder does not have it")] if may_be_missing else []
+    missing = [said("0 if the encoder does not have this field")] if may_be_missing else []
     about = [*field.meaning(item, item.meaning), *missing, *field.rules(device, item), *told(item.note)]
     return S.paragraph(about) or sentence(title(item))
 

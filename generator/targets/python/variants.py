@@ -57,7 +57,7 @@ class FrameKind:
         """Arguments of ``decode``, with their descriptions."""
         if self.in_bytes:
             return [("frame", "Bytes of the frame, in the order of transmission."), *self.listed]
-        frame = "Frame as a number whose most significant bit was sent first, or as a text of 0 and 1."
+        frame = "Frame as a number whose most significant bit was sent first, or as a string of 0 and 1."
         bits = "Number of bits received, if known. The number itself does not show whether bits are missing."
         return [("frame", frame), ("bits", bits), *self.listed]
 
@@ -204,7 +204,9 @@ class Variants:
     def no_frame_bits(self) -> str:
         """Reason why ``frame_bits`` is missing, for each interface without it."""
         of_bytes = ["frames are made of bytes"] if any(item.in_bytes for item in self.frame_kinds) else []
-        is_open = ["the length depends on an answer"] if any(item.has_open_length for item in self.frame_kinds) else []
+        is_open = (
+            ["the length depends on your choice"] if any(item.has_open_length for item in self.frame_kinds) else []
+        )
         return ", or ".join([*of_bytes, *is_open])
 
     # -- parameters in registers

@@ -25,7 +25,7 @@ extern "C" {
 typedef struct cw_report_text {
     const char *name; /**< its name in these headers */
     const char *printed_name; /**< its name in the manual */
-    const char *meaning; /**< what it means */
+    const char *meaning; /**< its meaning */
     const char *remedy; /**< what to do about it */
     const char *source; /**< section and page of the manual */
 } cw_report_text;
@@ -138,7 +138,7 @@ static inline size_t cw_label_match(const char *label, const char *code)
 
 /** A pattern for labels, the index of its order code, and the parts that it leaves open. */
 typedef struct cw_open_code {
-    const char *pattern; /**< letters, and the marks that cw_label_match knows */
+    const char *pattern; /**< order code with the marks # ~ @ % of cw_label_match */
     uint16_t code; /**< index of the order code, or CW_NO_CODE */
     uint16_t unlisted; /**< bits of the parts that are left open */
 } cw_open_code;

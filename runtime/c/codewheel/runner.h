@@ -23,11 +23,11 @@
  *
  *     cw_runner_done(&runner, error, now_us);       after each access: 0, or your error number
  *
- * It does the same as cw_run(), in the same order. After a failure it closes what was opened, and
- * then ends. Always keep calling _next() until END, since a register may be open until then. now_us
- * is a free-running 32-bit microsecond counter that wraps around. A wait can be one tick too short,
- * so use a counter with a short tick. There is no locking and nothing is volatile: call the
- * functions from one task, or where none of the calls can interrupt another.
+ * It does the same as cw_run(), in the same order. After a failure it closes the registers that
+ * were opened, and then ends. Always keep calling _next() until END, since a register may be open
+ * until then. now_us is a free-running 32-bit microsecond counter that wraps around. A wait can be
+ * one tick too short, so use a counter with a short tick. There is no locking and nothing is
+ * volatile: call the functions from one task, or where none of the calls can interrupt another.
  */
 #ifndef CODEWHEEL_RUNNER_H
 #define CODEWHEEL_RUNNER_H
@@ -44,7 +44,7 @@ extern "C" {
 
 /** Next action for the caller. */
 typedef enum cw_todo {
-    CW_TODO_END = 0,   /**< nothing: the procedure is over */
+    CW_TODO_END = 0,   /**< nothing to do: the procedure is over */
     CW_TODO_READ = 1,  /**< start reading registers */
     CW_TODO_WRITE = 2, /**< start writing a register byte */
     CW_TODO_SEND = 3,  /**< start sending a request */
@@ -106,7 +106,7 @@ static inline cw_result cw_runner_start(
     return runner->result;
 }
 
-/** Advance to the next step, or after a failure to the next step that closes what was opened. */
+/** Advance to the next step, or after a failure to the next step that closes a register. */
 static inline void cw_runner_advance(cw_runner *runner, size_t steps)
 {
     runner->at += steps;
@@ -185,8 +185,8 @@ static inline cw_todo cw_runner_write(
 }
 
 /**
- * Begin the current step. Return END if it needs no access, such as a wait, which is recorded, or
- * if it fails.
+ * Begin the current step. Return END if it fails or needs no access. A wait needs none, and it is
+ * recorded.
  */
 static inline cw_todo cw_runner_begin(cw_runner *runner)
 {
@@ -329,9 +329,9 @@ static inline void cw_runner_accessed(cw_runner *runner, cw_todo did)
  * The first error ends the procedure, and the closing steps follow immediately. Therefore, if the
  * line is disturbed, wait until it is clean and repeat the access before you report an error. You
  * may repeat READ and WRITE, since writing a value twice is harmless. A command may then be carried
- * out twice. A preset then takes effect the second time, so keep the axis at rest. Do not repeat
- * SEND, since the requests of a step belong together. After a failure, use _close() to close what
- * is still open, and then start the whole procedure again.
+ * out twice. A preset then takes effect twice, so keep the axis at rest. Do not repeat SEND, since
+ * the requests of a step belong together. After a failure, use _close() to close what is still
+ * open, and then start the whole procedure again.
  *
  * @param runner  the procedure in progress
  * @param error  0 if the access succeeded and the bytes received are in runner.data, otherwise your

@@ -118,7 +118,7 @@ static inline void cw_tracker_start(
     cw_tracker *tracker, const cw_tracker_config *config, uint32_t now_us)
 {
     CW_ASSERT((tracker != NULL) && (config != NULL));
-    /* Add 1/16 and count per 2^20 us, which allows 1.3 percent more than max_speed. */
+    /* 1/16 more per 2^20 us is 1.3 percent more than max_speed, which is per second. */
     const uint32_t more = config->max_speed >> 4U;
     tracker->limit = (config->max_speed > (0xFFFFFFFFU - more)) ?
         0xFFFFFFFFU : (config->max_speed + more);
@@ -253,9 +253,9 @@ static inline int64_t cw_counts_per_second(int64_t counts, uint32_t elapsed_us)
 }
 
 /**
- * Return the same as cw_counts_per_second(), computed by the division of the compiler. It is faster
- * on a processor that divides in hardware, even if only 32 bits at a time. On a 32-bit processor
- * the division is a library function of some 800 bytes.
+ * Return the same result as cw_counts_per_second(), computed with the compiler's division. It is
+ * faster on a processor that divides in hardware, even if only 32 bits at a time. On a 32-bit
+ * processor the division is a library function of some 800 bytes.
  *
  * @param counts  counts that the axis moved
  * @param elapsed_us  time that the movement took

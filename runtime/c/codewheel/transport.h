@@ -30,7 +30,7 @@ typedef enum cw_step_kind {
     CW_STEP_SEND = 3,  /**< send the request in value. times is the number of requests */
     CW_STEP_READ = 4,  /**< read the register byte at address */
     CW_STEP_POLL = 5,  /**< read the byte at address until its bits under mask equal value */
-    CW_STEP_CLOSE = 6, /**< like WRITE, but closes what a WRITE to the same address opened */
+    CW_STEP_CLOSE = 6, /**< like WRITE, to close what a WRITE to the same address opened */
     CW_STEP_VERIFY = 7 /**< read the byte at address: its bits under mask must equal value */
 } cw_step_kind;
 
@@ -93,7 +93,7 @@ static inline cw_step cw_step_verify(uint16_t address, uint8_t mask, uint8_t val
     return step;
 }
 
-/** Return a step that closes what an earlier step opened. */
+/** Return a step that closes the registers that an earlier step opened. */
 static inline cw_step cw_step_close(uint16_t address, uint8_t mask, uint8_t value)
 {
     const cw_step step = { CW_STEP_CLOSE, address, mask, value, 1U, 0U };
@@ -446,8 +446,8 @@ static inline uint16_t cw_step_address(const cw_step *step)
 }
 
 /**
- * Return true if a step closes what one of the first count steps opened. A failed step counts too,
- * since it may have reached the encoder.
+ * Return true if a step closes registers that one of the first count steps opened. A failed step
+ * counts too, since it may have reached the encoder.
  */
 static inline bool cw_step_closes(
     const cw_step *steps, size_t count, const cw_step *step)

@@ -109,7 +109,7 @@ def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
 
 
 def _is_arrow(frames: object) -> bool:
-    """Return whether frames are a column of Arrow, polars, or another library with Arrow's C interface."""
+    """Return whether frames are a column from Arrow, polars, or another library with Arrow's C interface."""
     return hasattr(frames, "__arrow_c_stream__") or hasattr(frames, "__arrow_c_array__")
 
 
@@ -175,7 +175,7 @@ def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
 def of_floats(frames: Any, bits: int, done: int = 0) -> Any:
     """Return floating-point frames as integers, masked if they are NaN or out of range.
 
-    ``done`` is the number of earlier rows, for the row in an error.
+    ``done`` is the number of earlier rows, to number the row in an error.
 
     Raises:
         TypeError: A value is not an integer, or the type cannot represent every frame of that length.
@@ -334,7 +334,7 @@ def crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
 
 
 def _folded(number: Any, crc: CrcOf, bits: int) -> Any:
-    """Return remainders. Numbers are folded at multiples of the polynomial, in 32 bits as soon as they fit."""
+    """Return remainders. Each step folds high bits onto lower ones, in 32 bits as soon as the numbers fit."""
     found, one = number ^ np.uint64(crc.xorout) if crc.xorout else number, np.uint64
     for step in crc.steps:
         if bits <= step.shift:

@@ -141,7 +141,7 @@ class Encoder:
         """Decode a frame that the encoder sent. The class for each family and interface describes its frames.
 
         Args:
-            frame: Bytes, or a number or a text of 0 and 1 if the frame is a string of bits.
+            frame: Bytes, or a number or a string of 0 and 1 if the frame consists of bits.
 
         Returns:
             The frame. It is a :class:`PositionFrame` if it has a position.
@@ -170,7 +170,8 @@ class Encoder:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
-            frames: The frames, as numbers or rows of bytes. Their class follows if the encoder sends several kinds.
+            frames: The frames, as numbers or rows of bytes. If the encoder sends several kinds, their class is the
+                second argument.
             answers: Answers to the questions that the manual leaves open.
 
         Returns:

@@ -529,6 +529,7 @@ class Table(NamedTuple):
     rows: tuple[tuple[str, ...], ...]
     note: str = ""
     source: str = ""
+    units: tuple[str, ...] = ()
 
 
 class LostFigure(NamedTuple):
@@ -538,13 +539,28 @@ class LostFigure(NamedTuple):
     source: str = ""
 
 
+class Quantity(NamedTuple):
+    """Quantity such as ``torque``, with its bounds in ``unit``. ``where`` is the part that it applies to."""
+
+    quantity: str
+    unit: str
+    min: float | None = None
+    typical: float | None = None
+    max: float | None = None
+    where: str = ""
+
+
 class Characteristic(NamedTuple):
-    """Further fact, as text. ``only`` describes the order codes that it applies to, if not all."""
+    """Further fact, as text and in ``values`` as quantities with units.
+
+    ``only`` describes the order codes that it applies to, if not all.
+    """
 
     name: str
     value: str
     only: str = ""
     source: str = ""
+    values: tuple[Quantity, ...] = ()
 
 
 class Erratum(NamedTuple):

@@ -376,7 +376,7 @@ def shape_of(kind: type, *given: object) -> Shape:
 
 
 def any_shape(kind: type, encoder: Encoder) -> Shape:
-    """Return the description of a class for an encoder, with some answer to each question that is open."""
+    """Return the description of a class for an encoder, with any answer to each open question."""
     make, needed = _described(kind)
     return make(*(encoder if issubclass(item, Encoder) else next(iter(cast(Any, item))) for item in needed))
 

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Types shared by the readers of files, and the check of the first frames of a file."""
+"""Types shared by the file readers, and the check of a file's first frames."""
 
 from __future__ import annotations
 

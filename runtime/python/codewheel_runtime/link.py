@@ -107,7 +107,7 @@ class Link:
         return self._do(self.session.exchange(request))
 
     def run(self, steps: Sequence[Step]) -> None:
-        """Carry out a procedure, such as a reset. Requests in succession start again after a failure.
+        """Carry out a procedure, such as a reset. If a request in a series fails, the series starts again.
 
         Args:
             steps: Steps, as returned by a function for a procedure.
@@ -165,7 +165,7 @@ class SerialTransport:
     """Serial port, or another line that pyserial can open, such as ``socket://host:port``.
 
     Args:
-        port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a URL of pyserial.
+        port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
         baud: Baud rate.
         rs485: Let the driver of the port switch the direction of the line. Few adapters need this.
 
@@ -212,7 +212,7 @@ def open_encoder(
     """Open a serial port with the settings of an encoder.
 
     Args:
-        port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a URL of pyserial.
+        port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
         encoder: The encoder, with RS-485.
         timeout_s: Time in seconds in which a reply must be complete.
         retries: Number of further attempts after a failure.
@@ -255,7 +255,7 @@ class Ports:
         Not yet tested on hardware.
 
         Args:
-            port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a URL of pyserial.
+            port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
             label: Order code on the label, or the encoder.
             timeout_s: Time in seconds in which a reply must be complete.
             retries: Number of further attempts after a failure.

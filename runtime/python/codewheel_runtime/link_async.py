@@ -32,7 +32,7 @@ class AsyncTransport(Protocol):
 
 
 class StreamTransport:
-    """Line over the streams of asyncio, such as those of ``asyncio.open_connection``."""
+    """Line over asyncio streams, such as those of ``asyncio.open_connection``."""
 
     def __init__(self, reader: StreamReader, writer: StreamWriter) -> None:
         self._reader, self._writer = reader, writer
@@ -146,7 +146,7 @@ def open_async(port: str, encoder: Encoder, *, timeout_s: float = 0.05, retries:
     """Open a serial port with the settings of an encoder, for ``async with``.
 
     Args:
-        port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a URL of pyserial.
+        port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
         encoder: The encoder, with RS-485.
         timeout_s: Time in seconds in which a reply must be complete.
         retries: Number of further attempts after a failure.

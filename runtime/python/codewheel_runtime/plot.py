@@ -133,7 +133,7 @@ def _error(kind: ErrorKind) -> str:
 
 
 def _line(axes: Any, times: Any, values: Any, wraps: bool) -> None:
-    """Draw values over time. A line that wraps around is interrupted there."""
+    """Draw values over time. The line has a gap where the position wraps around."""
     times, values = _thinned(times, values)
     if wraps and len(values):
         jumps = np.flatnonzero(np.abs(np.diff(values)) > 180) + 1

@@ -108,7 +108,7 @@ def of_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) ->
     """Yield the edges of samples.
 
     Each part has one number per sample, the amount read so far, and the time of each sample. Without times, samples are
-    numbered from 0. ``masks`` has the bit of each signal in a sample.
+    numbered from 0. ``masks`` contains the bit of each signal in a sample.
     """
     start, before = 0, None
     for samples, done, times in parts:

@@ -207,7 +207,7 @@ class Files(NamedTuple):
             progress: Called from time to time with the amount read, the total if known, and the number of frames.
 
         Returns:
-            Number of frames, and of each error and verdict.
+            Counts of frames, of each error and of each verdict.
 
         Raises:
             InputError: The source does not contain such frames. The message says where. This error is also raised if
@@ -252,7 +252,7 @@ class Files(NamedTuple):
         raw: bool = False,
         answers: Mapping[str, Enum | str] = _NO_ANSWERS,
     ) -> _Part:
-        """Decode the frames of a table of Arrow, pandas, polars, DuckDB, or another library with Arrow's C stream.
+        """Decode the frames of a table from Arrow, pandas, polars, DuckDB, or another library with Arrow's C stream.
 
         The fields, ``verdict`` and ``fault`` replace the column of frames. Other columns, all rows and the index of a
         DataFrame are unchanged. A position is null if the frame has an error or its position is not usable. A missing
@@ -270,7 +270,7 @@ class Files(NamedTuple):
             answers: Answers to the questions that the manual leaves open, by name.
 
         Returns:
-            A partition of the same type: a ``pyarrow.Table`` or ``RecordBatch`` or a DataFrame of pandas. For other
+            A partition of the same type: a ``pyarrow.Table`` or ``RecordBatch`` or a pandas DataFrame. For other
             types, a ``pyarrow.Table``, which they accept.
 
         Raises:

@@ -58,8 +58,8 @@ static inline uint32_t cw_angle_highest_bit(uint64_t number)
 /**
  * Return the angle of a position within its turn, rounded down. Full turns are ignored. If steps is
  * a power of two, the function only shifts, and if steps is also a constant, the compiler removes
- * the rest. For any other number, the function divides bit by bit, with the same result on every
- * processor.
+ * the other code. For any other number, the function divides bit by bit, with the same result on
+ * every processor.
  *
  * @param position  position in counts
  * @param steps  counts per turn, from _counts_per_turn() in the encoder's header. For a linear
@@ -107,7 +107,7 @@ static inline uint32_t cw_angle(uint64_t position, uint64_t steps)
  *
  * @param angle  mechanical angle
  * @param pole_pairs  pole pairs of the motor
- * @param offset  the value that this function returns for offset 0 when the field is at 0
+ * @param offset  the result of this function with offset 0 while the field is at 0
  * @return angle * pole_pairs - offset
  */
 static inline uint32_t cw_angle_electrical(uint32_t angle, uint32_t pole_pairs, uint32_t offset)

@@ -68,7 +68,7 @@ extern "C" {
 
 /* -- words ------------------------------------------------------------------------------------- */
 
-/** Number of zeros that must precede a control frame. They also end one at any time. */
+/** Number of zeros that must precede a control frame. The same number also ends one at any time. */
 #define CW_BISS_ZEROS 14U
 /** Number of IDs for slaves. The only slave, or the last in a chain, whose SLI is 0, has ID 0. */
 #define CW_BISS_IDS 8U
@@ -94,11 +94,11 @@ typedef enum cw_biss_outcome {
     CW_BISS_IDLE = 0,      /**< no access requested yet */
     CW_BISS_RUNNING = 1,   /**< in progress */
     CW_BISS_DONE = 2,      /**< all bytes read or written */
-    CW_BISS_REFUSED = 3,   /**< not implemented or protected, or (write only) not understood */
+    CW_BISS_REFUSED = 3,   /**< register protected or not implemented, or write not understood */
     CW_BISS_NO_ANSWER = 4, /**< no slave has this ID, or CDS never changes */
     CW_BISS_BUSY = 5,      /**< the slave was busy for more frames than allowed */
     CW_BISS_BAD_CRC = 6,   /**< CRC error in the byte read */
-    CW_BISS_BAD_ECHO = 7,  /**< R W or a byte came back changed, and may have been written */
+    CW_BISS_BAD_ECHO = 7,  /**< R W or a byte came back changed (the byte may be stored) */
     CW_BISS_ABORTED = 8    /**< aborted by the caller */
 } cw_biss_outcome;
 
@@ -585,7 +585,7 @@ static inline bool cw_biss_master_next(cw_biss_master *master, bool cds)
  * is required during the time-out, so the clock can be as fast as the SPI and the cable allow.
  * Changing the level after the last clock is too late, since the time-out begins with that clock
  * and can be as short as 1.5 clocks. Further clocks that fill the buffer after the stop bit delay
- * the time-out. The level after the last clock counts.
+ * the time-out. Only the level after the last clock matters.
  *
  * lenzencoders/BISS-C uses both modes and switches the pin in this way on an STM32G4
  * (biss_c_master_hal). The effect of clocks after the stop bit is inferred. It is not known whether
@@ -691,7 +691,7 @@ static inline bool cw_biss_late_byte(cw_biss_master *master, bool cds)
 }
 
 /**
- * Return the CDM bit of the next frame. This is for SPI and DMA, which have a frame in memory only
+ * Return the CDM bit of the next frame. This is for SPI and DMA, where a frame is in memory only
  * when it is over. Use it in place of _master_next for all frames of an access. The CDM bit of the
  * very first frame is 0.
  *

@@ -17,6 +17,15 @@
 #error "codewheel/bits.h 1.0 and version.h differ: take all of codewheel/ from one folder"
 #endif
 
+/* With C++17, decoders and constants can be used at compile time. */
+#if defined(__cplusplus) && (__cplusplus >= 201703L)
+#define CW_CONSTEXPR constexpr /**< marks a function that C++17 can call at compile time */
+#define CW_CONST constexpr /**< marks a constant, of use at compile time in C++17 */
+#else
+#define CW_CONSTEXPR /**< marks a function that C++17 can call at compile time */
+#define CW_CONST const /**< marks a constant, of use at compile time in C++17 */
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -24,12 +33,14 @@ extern "C" {
 /* -- bits -------------------------------------------------------------------------------------- */
 
 /** Return a mask with the lowest 0 to 64 bits set. */
+CW_CONSTEXPR
 static inline uint64_t cw_mask(uint32_t bits)
 {
     return (bits < 64U) ? (((uint64_t)1U << bits) - 1U) : UINT64_MAX;
 }
 
 /** Return word >> low. On small processors this is faster than a plain shift. */
+CW_CONSTEXPR
 static inline uint64_t cw_above(uint64_t word, uint32_t low)
 {
     if (low > 63U) {
@@ -44,12 +55,14 @@ static inline uint64_t cw_above(uint64_t word, uint32_t low)
 }
 
 /** Return the field of a word that starts at bit low. */
+CW_CONSTEXPR
 static inline uint64_t cw_field(uint64_t word, uint32_t low, uint32_t bits)
 {
     return cw_above(word, low) & cw_mask(bits);
 }
 
 /** Return the value of a two's complement number of this many bits. */
+CW_CONSTEXPR
 static inline int64_t cw_signed(uint64_t value, uint32_t bits)
 {
     const uint64_t largest = cw_mask(bits);
@@ -58,6 +71,7 @@ static inline int64_t cw_signed(uint64_t value, uint32_t bits)
 }
 
 /** Return true if a number fits in this many bits in two's complement. */
+CW_CONSTEXPR
 static inline bool cw_fits_signed(int64_t value, uint32_t bits)
 {
     const uint64_t half = cw_mask(bits) >> 1U;
@@ -66,6 +80,7 @@ static inline bool cw_fits_signed(int64_t value, uint32_t bits)
 }
 
 /** Convert the field that starts at bit low from Gray code to binary and return the word. */
+CW_CONSTEXPR
 static inline uint64_t cw_from_gray(uint64_t word, uint32_t low, uint32_t bits)
 {
     uint64_t v = cw_field(word, low, bits);
@@ -79,6 +94,7 @@ static inline uint64_t cw_from_gray(uint64_t word, uint32_t low, uint32_t bits)
 }
 
 /** Convert the field that starts at bit low from binary to Gray code and return the word. */
+CW_CONSTEXPR
 static inline uint64_t cw_to_gray(uint64_t word, uint32_t low, uint32_t bits)
 {
     const uint64_t v = cw_field(word, low, bits);
@@ -86,6 +102,7 @@ static inline uint64_t cw_to_gray(uint64_t word, uint32_t low, uint32_t bits)
 }
 
 /** Return 1 if the number of ones is odd, 0 if it is even. */
+CW_CONSTEXPR
 static inline uint32_t cw_parity(uint32_t value)
 {
     uint32_t v = value;
@@ -105,22 +122,20 @@ static inline uint32_t cw_parity(uint32_t value)
  * @param modulus  counts after which the position wraps around to 0
  * @return the distance, from -modulus / 2 to below modulus / 2, or 0 if modulus is 0
  */
+CW_CONSTEXPR
 static inline int64_t cw_difference(uint64_t now, uint64_t before, uint64_t modulus)
 {
-    uint64_t start;
-    uint64_t forward;
-    uint64_t backward;
     if (modulus == 0U) {
         return 0;
     }
-    start = before % modulus;
-    forward = now % modulus;
+    const uint64_t start = before % modulus;
+    uint64_t forward = now % modulus;
     if (forward < start) {
         forward += modulus - start;
     } else {
         forward -= start;
     }
-    backward = modulus - forward;
+    const uint64_t backward = modulus - forward;
     return (forward < backward) ? (int64_t)forward : -(int64_t)backward;
 }
 

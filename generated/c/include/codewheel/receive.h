@@ -72,7 +72,7 @@ static inline uint32_t cw_received_zeros(uint32_t value)
     uint32_t left = value;
     uint32_t zeros = 0U;
     while (left < 0x1000000U) {
-        left <<= 8U;
+        left = (left << 4U) << 4U; /* SDCC 4.2 miscompiles <<= 8 for STM8 */
         zeros += 8U;
     }
     while (left < 0x80000000U) {
@@ -117,7 +117,7 @@ static inline uint64_t cw_received_bits(const uint8_t *rx, size_t first, uint32_
  *
  * @param rx  the buffer
  * @param size  number of bytes in it
- * @param first  place of the first bit
+ * @param first  index of the first bit
  * @param bits  number of bits, all of which must be in the buffer
  */
 static inline uint64_t cw_received_word(
@@ -127,7 +127,7 @@ static inline uint64_t cw_received_word(
     if ((size < 8U) || (bits == 0U) || (bits > 57U)) {
         return cw_received_bits(rx, first, bits);
     }
-    /* Take 8 bytes from that of the first bit on, or the last 8, and drop the bits before. */
+    /* Take 8 bytes from the one with the first bit on, or the last 8, and drop the bits before. */
     const size_t end = (wanted > size) ? size : wanted;
     const size_t before = (first + 64U) - (8U * end);
     uint32_t high = cw_received_4_bytes(&rx[end - 8U]);
@@ -174,11 +174,11 @@ static inline void cw_received_words32(const uint32_t *words, size_t count, uint
  * Return one bit of each of 8 samples, that of the first sample in bit 7.
  *
  * @param samples  the samples
- * @param place  place of the bit in each sample, 0 to 7
+ * @param place  number of the bit in each sample, 0 to 7
  */
 static inline uint32_t cw_received_8_samples(const uint8_t *samples, uint32_t place)
 {
-    /* Compilers turn each of the sums into one load, where the processor has such a load. */
+    /* Compilers turn each sum into one load if the processor has such a load. */
     const uint32_t first = (uint32_t)samples[0] | ((uint32_t)samples[1] << 8U) |
         ((uint32_t)samples[2] << 16U) | ((uint32_t)samples[3] << 24U);
     const uint32_t then = (uint32_t)samples[4] | ((uint32_t)samples[5] << 8U) |
@@ -226,7 +226,7 @@ static inline size_t cw_received_samples(
     for (byte = 0U; byte < whole; byte++) {
         rx[byte] = (uint8_t)cw_received_8_samples(&samples[8U * byte], place);
     }
-    /* The rest, or all of them if the mask has several bits or none. */
+    /* The remaining bytes, or all bytes if the mask has several bits or none. */
     for (byte = whole; byte < size; byte++) {
         uint32_t bits = 0U;
         size_t at;
@@ -242,7 +242,7 @@ static inline size_t cw_received_samples(
 /* -- BiSS C ------------------------------------------------------------------------------------ */
 
 /**
- * Return the place of the start bit, which is the first 1 after a 0. If there is none, return
+ * Return the index of the start bit, which is the first 1 after a 0. If there is none, return
  * received, or received + 1 if there is no 0 either.
  */
 static inline size_t cw_biss_start(const uint8_t *rx, size_t received)
@@ -251,9 +251,10 @@ static inline size_t cw_biss_start(const uint8_t *rx, size_t received)
     size_t at;
     for (at = 0U; (at + 32U) <= received; at += 32U) {
         const uint32_t bits = cw_received_4_bytes(&rx[at / 8U]);
-        const uint32_t rising = bits & ~(before | (bits >> 1U));
+        const uint32_t follows = before | (bits >> 1U);
+        const uint32_t rising = (bits | follows) ^ follows; /* SDCC 4.2 miscompiles & ~ for STM8 */
         if (rising != 0U) {
-            return at + cw_received_zeros(rising);
+            return at + (size_t)cw_received_zeros(rising);
         }
         before = (bits & 1U) << 31U;
     }
@@ -582,10 +583,10 @@ static inline bool cw_rs485_late(const cw_rs485_line *line, uint32_t now_us)
  * @return
  *   OK            there is a reply.
  *   TIMEOUT       nothing arrived: no supply, a cut cable, or the request was not received.
- *   HEAD_MISSING  the bytes did not begin like a reply. If every request ends like this, the driver
- *                 is released too late or the receiver enabled too late, and the first byte of the
- *                 reply is lost: see cw_rs485_line. Otherwise the baud rate is wrong, or the byte
- *                 was disturbed.
+ *   HEAD_MISSING  the bytes did not begin with the control byte. If every request ends like this,
+ *                 the driver is released too late or the receiver enabled too late, and the first
+ *                 byte of the reply is lost: see cw_rs485_line. Otherwise the baud rate is wrong,
+ *                 or the byte was disturbed.
  *   LENGTH        the reply began but is not complete: a byte was lost, or at_most_us is too short.
  */
 CW_NODISCARD

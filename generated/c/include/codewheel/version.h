@@ -9,7 +9,7 @@
  *
  * A header for an encoder works with a runtime of the same major version, and at least the minor
  * version that it was generated with. It does not compile with any other runtime. A newer minor
- * version only adds to the runtime, so of several copies, use the newest one.
+ * version only adds to the runtime, so if you have several copies, use the newest one.
  */
 #ifndef CODEWHEEL_VERSION_H
 #define CODEWHEEL_VERSION_H

@@ -16,20 +16,20 @@
  *         ... position ...
  *     }
  *
- * The word comes from a master for BiSS C-mode, or from SPI and DMA by LIKA_AM36_BISS_RECEIVE.
+ * The word comes from a master for BiSS C-mode, or from SPI and DMA with LIKA_AM36_BISS_RECEIVE.
  *
- * Further headers of this interface, only for those who need them:
- *   am36_biss_labels.h           order codes by the text on a label
- *   am36_biss_reports.h          texts of the reports, alarms and times
- *   am36_biss_registers.h        registers, and identification by them
+ * More headers of this interface, to include if you need them:
+ *   am36_biss_labels.h           find the order code that a label shows
+ *   am36_biss_reports.h          texts that describe reports, alarms and times
+ *   am36_biss_registers.h        registers, and identification of encoders
  *   am36_biss_procedures.h       procedures, step by step
  *   am36_biss_simulate.h         the encoder's side, for simulators and tests
  *
  * Manual: "AM36 AMC36", revision 1.0 of 2014 (en)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. To generate files for one, use
- * codewheel generate --edition am36=1.0.
+ * Differences from other editions of the manual are noted inline. For the files of another edition,
+ * use codewheel generate --edition am36=1.0.
  *
  * Other documents, cited by the word before the colon:
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
@@ -160,21 +160,23 @@ typedef struct lika_am36_biss {
 } lika_am36_biss;
 
 /** AM3616/4096-I7 */
-static const lika_am36_biss LIKA_AM36_BISS_AM3616_4096_I7 = { 20U, 16U, 65536U, 1048576U, 1U };
+static CW_CONST lika_am36_biss LIKA_AM36_BISS_AM3616_4096_I7 = { 20U, 16U, 65536U, 1048576U, 1U };
 /** AM3619/4096-I7 */
-static const lika_am36_biss LIKA_AM36_BISS_AM3619_4096_I7 = { 20U, 16U, 65536U, 1048576U, 1U };
+static CW_CONST lika_am36_biss LIKA_AM36_BISS_AM3619_4096_I7 = { 20U, 16U, 65536U, 1048576U, 1U };
 /** AMC3616/4096-I7 */
-static const lika_am36_biss LIKA_AM36_BISS_AMC3616_4096_I7 = { 20U, 16U, 65536U, 1048576U, 1U };
+static CW_CONST lika_am36_biss LIKA_AM36_BISS_AMC3616_4096_I7 = { 20U, 16U, 65536U, 1048576U, 1U };
 /** AMC3619/4096-I7 */
-static const lika_am36_biss LIKA_AM36_BISS_AMC3619_4096_I7 = { 20U, 16U, 65536U, 1048576U, 1U };
+static CW_CONST lika_am36_biss LIKA_AM36_BISS_AMC3619_4096_I7 = { 20U, 16U, 65536U, 1048576U, 1U };
 
 /** Width of the whole BiSS position, as currently set, at most 36 bits [6.3.1 p.21]. Unit: bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_am36_biss_used_position_bits(const lika_am36_biss *variant)
 {
     return (uint32_t)variant->used_singleturn_bits + variant->used_multiturn_bits;
 }
 
 /** Position encoding over BiSS, as currently set: 1 Gray code, 0 binary code [6.5 p.26]. */
+CW_CONSTEXPR
 static inline uint32_t lika_am36_biss_biss_gray(const lika_am36_biss *variant)
 {
     return 1U - variant->output_code;
@@ -183,35 +185,31 @@ static inline uint32_t lika_am36_biss_biss_gray(const lika_am36_biss *variant)
 /* -- CRCs -------------------------------------------------------------------------------------- */
 
 #ifdef LIKA_CRC_TABLE
-/** Return the remainder of a byte from the table of CRC biss_6. */
-static inline uint8_t lika_am36_biss_crc_biss_6_entry(uint8_t byte)
-{
-    static const uint8_t entries[256] = {
-        0x00U, 0x0CU, 0x18U, 0x14U, 0x30U, 0x3CU, 0x28U, 0x24U, 0x23U, 0x2FU, 0x3BU, 0x37U,
-        0x13U, 0x1FU, 0x0BU, 0x07U, 0x05U, 0x09U, 0x1DU, 0x11U, 0x35U, 0x39U, 0x2DU, 0x21U,
-        0x26U, 0x2AU, 0x3EU, 0x32U, 0x16U, 0x1AU, 0x0EU, 0x02U, 0x0AU, 0x06U, 0x12U, 0x1EU,
-        0x3AU, 0x36U, 0x22U, 0x2EU, 0x29U, 0x25U, 0x31U, 0x3DU, 0x19U, 0x15U, 0x01U, 0x0DU,
-        0x0FU, 0x03U, 0x17U, 0x1BU, 0x3FU, 0x33U, 0x27U, 0x2BU, 0x2CU, 0x20U, 0x34U, 0x38U,
-        0x1CU, 0x10U, 0x04U, 0x08U, 0x14U, 0x18U, 0x0CU, 0x00U, 0x24U, 0x28U, 0x3CU, 0x30U,
-        0x37U, 0x3BU, 0x2FU, 0x23U, 0x07U, 0x0BU, 0x1FU, 0x13U, 0x11U, 0x1DU, 0x09U, 0x05U,
-        0x21U, 0x2DU, 0x39U, 0x35U, 0x32U, 0x3EU, 0x2AU, 0x26U, 0x02U, 0x0EU, 0x1AU, 0x16U,
-        0x1EU, 0x12U, 0x06U, 0x0AU, 0x2EU, 0x22U, 0x36U, 0x3AU, 0x3DU, 0x31U, 0x25U, 0x29U,
-        0x0DU, 0x01U, 0x15U, 0x19U, 0x1BU, 0x17U, 0x03U, 0x0FU, 0x2BU, 0x27U, 0x33U, 0x3FU,
-        0x38U, 0x34U, 0x20U, 0x2CU, 0x08U, 0x04U, 0x10U, 0x1CU, 0x28U, 0x24U, 0x30U, 0x3CU,
-        0x18U, 0x14U, 0x00U, 0x0CU, 0x0BU, 0x07U, 0x13U, 0x1FU, 0x3BU, 0x37U, 0x23U, 0x2FU,
-        0x2DU, 0x21U, 0x35U, 0x39U, 0x1DU, 0x11U, 0x05U, 0x09U, 0x0EU, 0x02U, 0x16U, 0x1AU,
-        0x3EU, 0x32U, 0x26U, 0x2AU, 0x22U, 0x2EU, 0x3AU, 0x36U, 0x12U, 0x1EU, 0x0AU, 0x06U,
-        0x01U, 0x0DU, 0x19U, 0x15U, 0x31U, 0x3DU, 0x29U, 0x25U, 0x27U, 0x2BU, 0x3FU, 0x33U,
-        0x17U, 0x1BU, 0x0FU, 0x03U, 0x04U, 0x08U, 0x1CU, 0x10U, 0x34U, 0x38U, 0x2CU, 0x20U,
-        0x3CU, 0x30U, 0x24U, 0x28U, 0x0CU, 0x00U, 0x14U, 0x18U, 0x1FU, 0x13U, 0x07U, 0x0BU,
-        0x2FU, 0x23U, 0x37U, 0x3BU, 0x39U, 0x35U, 0x21U, 0x2DU, 0x09U, 0x05U, 0x11U, 0x1DU,
-        0x1AU, 0x16U, 0x02U, 0x0EU, 0x2AU, 0x26U, 0x32U, 0x3EU, 0x36U, 0x3AU, 0x2EU, 0x22U,
-        0x06U, 0x0AU, 0x1EU, 0x12U, 0x15U, 0x19U, 0x0DU, 0x01U, 0x25U, 0x29U, 0x3DU, 0x31U,
-        0x33U, 0x3FU, 0x2BU, 0x27U, 0x03U, 0x0FU, 0x1BU, 0x17U, 0x10U, 0x1CU, 0x08U, 0x04U,
-        0x20U, 0x2CU, 0x38U, 0x34U
-    };
-    return entries[byte];
-}
+/** Remainder of each byte for CRC biss_6. */
+static CW_CONST uint8_t lika_am36_biss_crc_biss_6_entries[256] = {
+    0x00U, 0x0CU, 0x18U, 0x14U, 0x30U, 0x3CU, 0x28U, 0x24U, 0x23U, 0x2FU, 0x3BU, 0x37U,
+    0x13U, 0x1FU, 0x0BU, 0x07U, 0x05U, 0x09U, 0x1DU, 0x11U, 0x35U, 0x39U, 0x2DU, 0x21U,
+    0x26U, 0x2AU, 0x3EU, 0x32U, 0x16U, 0x1AU, 0x0EU, 0x02U, 0x0AU, 0x06U, 0x12U, 0x1EU,
+    0x3AU, 0x36U, 0x22U, 0x2EU, 0x29U, 0x25U, 0x31U, 0x3DU, 0x19U, 0x15U, 0x01U, 0x0DU,
+    0x0FU, 0x03U, 0x17U, 0x1BU, 0x3FU, 0x33U, 0x27U, 0x2BU, 0x2CU, 0x20U, 0x34U, 0x38U,
+    0x1CU, 0x10U, 0x04U, 0x08U, 0x14U, 0x18U, 0x0CU, 0x00U, 0x24U, 0x28U, 0x3CU, 0x30U,
+    0x37U, 0x3BU, 0x2FU, 0x23U, 0x07U, 0x0BU, 0x1FU, 0x13U, 0x11U, 0x1DU, 0x09U, 0x05U,
+    0x21U, 0x2DU, 0x39U, 0x35U, 0x32U, 0x3EU, 0x2AU, 0x26U, 0x02U, 0x0EU, 0x1AU, 0x16U,
+    0x1EU, 0x12U, 0x06U, 0x0AU, 0x2EU, 0x22U, 0x36U, 0x3AU, 0x3DU, 0x31U, 0x25U, 0x29U,
+    0x0DU, 0x01U, 0x15U, 0x19U, 0x1BU, 0x17U, 0x03U, 0x0FU, 0x2BU, 0x27U, 0x33U, 0x3FU,
+    0x38U, 0x34U, 0x20U, 0x2CU, 0x08U, 0x04U, 0x10U, 0x1CU, 0x28U, 0x24U, 0x30U, 0x3CU,
+    0x18U, 0x14U, 0x00U, 0x0CU, 0x0BU, 0x07U, 0x13U, 0x1FU, 0x3BU, 0x37U, 0x23U, 0x2FU,
+    0x2DU, 0x21U, 0x35U, 0x39U, 0x1DU, 0x11U, 0x05U, 0x09U, 0x0EU, 0x02U, 0x16U, 0x1AU,
+    0x3EU, 0x32U, 0x26U, 0x2AU, 0x22U, 0x2EU, 0x3AU, 0x36U, 0x12U, 0x1EU, 0x0AU, 0x06U,
+    0x01U, 0x0DU, 0x19U, 0x15U, 0x31U, 0x3DU, 0x29U, 0x25U, 0x27U, 0x2BU, 0x3FU, 0x33U,
+    0x17U, 0x1BU, 0x0FU, 0x03U, 0x04U, 0x08U, 0x1CU, 0x10U, 0x34U, 0x38U, 0x2CU, 0x20U,
+    0x3CU, 0x30U, 0x24U, 0x28U, 0x0CU, 0x00U, 0x14U, 0x18U, 0x1FU, 0x13U, 0x07U, 0x0BU,
+    0x2FU, 0x23U, 0x37U, 0x3BU, 0x39U, 0x35U, 0x21U, 0x2DU, 0x09U, 0x05U, 0x11U, 0x1DU,
+    0x1AU, 0x16U, 0x02U, 0x0EU, 0x2AU, 0x26U, 0x32U, 0x3EU, 0x36U, 0x3AU, 0x2EU, 0x22U,
+    0x06U, 0x0AU, 0x1EU, 0x12U, 0x15U, 0x19U, 0x0DU, 0x01U, 0x25U, 0x29U, 0x3DU, 0x31U,
+    0x33U, 0x3FU, 0x2BU, 0x27U, 0x03U, 0x0FU, 0x1BU, 0x17U, 0x10U, 0x1CU, 0x08U, 0x04U,
+    0x20U, 0x2CU, 0x38U, 0x34U
+};
 #endif
 
 /* -- reports ----------------------------------------------------------------------------------- */
@@ -271,8 +269,8 @@ typedef enum lika_am36_biss_report {
 /**
  * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its
  * buffer.
- * The number of bits is the factory default, since registers can change it. The number of bytes is
- * enough for any content of the registers.
+ * The number of bits applies to the factory defaults, since registers can change it. The number of
+ * bytes is enough for any content of the registers.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
  * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
@@ -287,14 +285,14 @@ typedef enum lika_am36_biss_report {
 #define LIKA_AM36_BISS_AMC3619_4096_I7_RX_BYTES 12U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write AM3616_4096_I7 for example, as in LIKA_AM36_BISS_AM3616_4096_I7_BITS. The array rx has its
- * _RX_BYTES: another size does not compile. For buffers of other sizes, call cw_biss_receive
- * yourself.
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be AM3616_4096_I7, as in LIKA_AM36_BISS_AM3616_4096_I7_BITS. The array rx must have the
+ * size _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call
+ * cw_biss_receive yourself.
  */
 #define LIKA_AM36_BISS_RECEIVE(code, rx, word) \
-    cw_biss_receive((rx), \
-        sizeof(rx) * sizeof(char[(sizeof(rx) == LIKA_AM36_BISS_##code##_RX_BYTES) ? 1 : -1]), \
+    cw_biss_receive((rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_AM36_BISS_##code##_RX_BYTES])&(rx))), \
         LIKA_AM36_BISS_##code##_BITS, (word))
 
 /**
@@ -348,6 +346,7 @@ typedef struct lika_am36_biss_frame {
 } lika_am36_biss_frame;
 
 /** Return the number of bits in the word. */
+CW_CONSTEXPR
 static inline uint32_t lika_am36_biss_bits(const lika_am36_biss *variant)
 {
     return 8U + variant->used_singleturn_bits + variant->used_multiturn_bits;
@@ -363,20 +362,21 @@ static inline uint32_t lika_am36_biss_bits(const lika_am36_biss *variant)
  * public BiSS documents.
  * Erratum biss_crc_start (open, omission).
  * How it folds: the remainder of x^6 is x + 1. By squaring, the remainder of x^12 is x^2 + 1, and
- * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done at
- * 12 with 2 and at 6 with 1, until 6 bits are left.
+ * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done
+ * with the shifts 12 and 2, then 6 and 1, until 6 bits are left.
  */
+CW_CONSTEXPR
 static inline uint32_t lika_am36_biss_crc(uint64_t word)
 {
 #ifdef LIKA_CRC_TABLE
     const uint32_t low = (uint32_t)word;
     const uint32_t high = (uint32_t)(word >> 32U);
     uint8_t v = (uint8_t)(high >> 8U);
-    v = (uint8_t)(lika_am36_biss_crc_biss_6_entry(v) ^ (uint8_t)high);
-    v = (uint8_t)(lika_am36_biss_crc_biss_6_entry(v) ^ (uint8_t)(low >> 24U));
-    v = (uint8_t)(lika_am36_biss_crc_biss_6_entry(v) ^ (uint8_t)(low >> 16U));
-    v = (uint8_t)(lika_am36_biss_crc_biss_6_entry(v) ^ (uint8_t)(low >> 8U));
-    v = (uint8_t)(lika_am36_biss_crc_biss_6_entry(v) ^ (uint8_t)low);
+    v = (uint8_t)(lika_am36_biss_crc_biss_6_entries[v] ^ (uint8_t)high);
+    v = (uint8_t)(lika_am36_biss_crc_biss_6_entries[v] ^ (uint8_t)(low >> 24U));
+    v = (uint8_t)(lika_am36_biss_crc_biss_6_entries[v] ^ (uint8_t)(low >> 16U));
+    v = (uint8_t)(lika_am36_biss_crc_biss_6_entries[v] ^ (uint8_t)(low >> 8U));
+    v = (uint8_t)(lika_am36_biss_crc_biss_6_entries[v] ^ (uint8_t)low);
     v = (uint8_t)(((uint32_t)v & 0x3FU) ^ ((uint32_t)v >> 6U) ^ (((uint32_t)v >> 6U) << 1U));
     return v ^ 0x3FU;
 #else
@@ -393,11 +393,12 @@ static inline uint32_t lika_am36_biss_crc(uint64_t word)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. Its last bit sent is bit 0, and the bits above it are 0.
+ * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_decode(
     const lika_am36_biss *variant, uint64_t word, lika_am36_biss_frame *out)
 {
@@ -419,6 +420,7 @@ static inline cw_result lika_am36_biss_decode(
 }
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_am36_biss_is_expected(
     const lika_am36_biss *variant, const lika_am36_biss_frame *in)
 {
@@ -428,6 +430,7 @@ static inline bool lika_am36_biss_is_expected(
 
 /** Return the verdict of the most severe active report, or CW_UNKNOWN if none is active. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_am36_biss_verdict(
     const lika_am36_biss *variant, const lika_am36_biss_frame *frame)
 {
@@ -460,6 +463,7 @@ static inline cw_verdict lika_am36_biss_position(
 }
 
 /** Return the active reports, as a mask of LIKA_AM36_BISS_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_am36_biss_reports(
     const lika_am36_biss *variant, const lika_am36_biss_frame *frame)
 {
@@ -471,6 +475,7 @@ static inline uint32_t lika_am36_biss_reports(
 /* -- positions --------------------------------------------------------------------------------- */
 
 /** Return the number of counts in one revolution [6.5 p.27, 6.5 p.28]. */
+CW_CONSTEXPR
 static inline uint64_t lika_am36_biss_counts_per_turn(const lika_am36_biss *variant)
 {
     return (uint64_t)1U << variant->used_singleturn_bits;
@@ -479,6 +484,7 @@ static inline uint64_t lika_am36_biss_counts_per_turn(const lika_am36_biss *vari
 /**
  * Return the number of counts after which the position wraps around to 0, which is all revolutions.
  */
+CW_CONSTEXPR
 static inline uint64_t lika_am36_biss_modulus(const lika_am36_biss *variant)
 {
     return lika_am36_biss_counts_per_turn(variant) * variant->used_revolutions;
@@ -488,6 +494,7 @@ static inline uint64_t lika_am36_biss_modulus(const lika_am36_biss *variant)
  * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
+CW_CONSTEXPR
 static inline int64_t lika_am36_biss_position_difference(
     const lika_am36_biss *variant, uint64_t now, uint64_t before)
 {
@@ -495,6 +502,7 @@ static inline int64_t lika_am36_biss_position_difference(
 }
 
 /** Convert a position to revolutions. */
+CW_CONSTEXPR
 static inline double lika_am36_biss_turns(const lika_am36_biss *variant, uint64_t position)
 {
     const uint64_t counts = lika_am36_biss_counts_per_turn(variant);
@@ -502,6 +510,7 @@ static inline double lika_am36_biss_turns(const lika_am36_biss *variant, uint64_
 }
 
 /** Convert a position to degrees within its revolution, 0 to below 360. */
+CW_CONSTEXPR
 static inline double lika_am36_biss_degrees(const lika_am36_biss *variant, uint64_t position)
 {
     const uint64_t counts = lika_am36_biss_counts_per_turn(variant);

@@ -16,6 +16,7 @@ extern "C" {
 
 /** Set position together with multiturn and singleturn. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_set_position(
     const lika_am36_biss *variant, uint64_t position, lika_am36_biss_frame *out)
 {
@@ -32,6 +33,7 @@ static inline cw_result lika_am36_biss_set_position(
 
 /** Encode a word. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_biss_encode(
     const lika_am36_biss *variant, const lika_am36_biss_frame *in, uint64_t *out)
 {

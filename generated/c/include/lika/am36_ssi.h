@@ -22,17 +22,17 @@
  * CRC protects them. CW_UNKNOWN does not mean that a word is correct. AT_MOST is the maximum
  * number of counts that the axis can move in the meantime.
  *
- * Each word comes from a master for SSI, or from SPI and DMA by LIKA_AM36_SSI_RECEIVE.
+ * Each word comes from a master for SSI, or from SPI and DMA with LIKA_AM36_SSI_RECEIVE.
  *
- * Further headers of this interface, only for those who need them:
- *   am36_ssi_labels.h            order codes by the text on a label
+ * More headers of this interface, to include if you need them:
+ *   am36_ssi_labels.h            find the order code that a label shows
  *   am36_ssi_simulate.h          the encoder's side, for simulators and tests
  *
  * Manual: "AM36 AMC36", revision 1.0 of 2014 (en)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. To generate files for one, use
- * codewheel generate --edition am36=1.0.
+ * Differences from other editions of the manual are noted inline. For the files of another edition,
+ * use codewheel generate --edition am36=1.0.
  *
  * Other documents, cited by the word before the colon:
  *   am36_1_1: AMx36 manual, English edition 1.1, Lika Electronic, single pages -
@@ -130,19 +130,28 @@ typedef struct lika_am36_ssi {
     uint8_t ssi_gray;
 } lika_am36_ssi;
 
-static const lika_am36_ssi LIKA_AM36_SSI_AM3616_4096_BG = { 16U, 12U, 0U }; /**< AM3616/4096-BG */
-static const lika_am36_ssi LIKA_AM36_SSI_AM3616_4096_GG = { 16U, 12U, 1U }; /**< AM3616/4096-GG */
-static const lika_am36_ssi LIKA_AM36_SSI_AM3619_4096_BG = { 19U, 12U, 0U }; /**< AM3619/4096-BG */
-static const lika_am36_ssi LIKA_AM36_SSI_AM3619_4096_GG = { 19U, 12U, 1U }; /**< AM3619/4096-GG */
-static const lika_am36_ssi LIKA_AM36_SSI_AMC3616_4096_BG = { 16U, 12U, 0U }; /**< AMC3616/4096-BG */
-static const lika_am36_ssi LIKA_AM36_SSI_AMC3616_4096_GG = { 16U, 12U, 1U }; /**< AMC3616/4096-GG */
-static const lika_am36_ssi LIKA_AM36_SSI_AMC3619_4096_BG = { 19U, 12U, 0U }; /**< AMC3619/4096-BG */
-static const lika_am36_ssi LIKA_AM36_SSI_AMC3619_4096_GG = { 19U, 12U, 1U }; /**< AMC3619/4096-GG */
+/** AM3616/4096-BG */
+static CW_CONST lika_am36_ssi LIKA_AM36_SSI_AM3616_4096_BG = { 16U, 12U, 0U };
+/** AM3616/4096-GG */
+static CW_CONST lika_am36_ssi LIKA_AM36_SSI_AM3616_4096_GG = { 16U, 12U, 1U };
+/** AM3619/4096-BG */
+static CW_CONST lika_am36_ssi LIKA_AM36_SSI_AM3619_4096_BG = { 19U, 12U, 0U };
+/** AM3619/4096-GG */
+static CW_CONST lika_am36_ssi LIKA_AM36_SSI_AM3619_4096_GG = { 19U, 12U, 1U };
+/** AMC3616/4096-BG */
+static CW_CONST lika_am36_ssi LIKA_AM36_SSI_AMC3616_4096_BG = { 16U, 12U, 0U };
+/** AMC3616/4096-GG */
+static CW_CONST lika_am36_ssi LIKA_AM36_SSI_AMC3616_4096_GG = { 16U, 12U, 1U };
+/** AMC3619/4096-BG */
+static CW_CONST lika_am36_ssi LIKA_AM36_SSI_AMC3619_4096_BG = { 19U, 12U, 0U };
+/** AMC3619/4096-GG */
+static CW_CONST lika_am36_ssi LIKA_AM36_SSI_AMC3619_4096_GG = { 19U, 12U, 1U };
 
 /**
  * Width of the whole position given by the order code, revolutions included. It is the length of
  * the SSI word [5.2]. Unit: bits.
  */
+CW_CONSTEXPR
 static inline uint32_t lika_am36_ssi_position_bits(const lika_am36_ssi *variant)
 {
     return (uint32_t)variant->singleturn_bits + variant->multiturn_bits;
@@ -200,20 +209,21 @@ static inline uint32_t lika_am36_ssi_position_bits(const lika_am36_ssi *variant)
 #define LIKA_AM36_SSI_AMC3619_4096_GG_RX_BYTES 5U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write AM3619_4096_GG for example, as in LIKA_AM36_SSI_AM3619_4096_GG_BITS. The array rx has its
- * _RX_BYTES: another size does not compile. For buffers of other sizes, call cw_ssi_receive
- * yourself.
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be AM3619_4096_GG, as in LIKA_AM36_SSI_AM3619_4096_GG_BITS. The array rx must have the
+ * size _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call
+ * cw_ssi_receive yourself.
  */
 #define LIKA_AM36_SSI_RECEIVE(code, rx, word) \
-    cw_ssi_receive((rx), \
-        sizeof(rx) * sizeof(char[(sizeof(rx) == LIKA_AM36_SSI_##code##_RX_BYTES) ? 1 : -1]), \
+    cw_ssi_receive((rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_AM36_SSI_##code##_RX_BYTES])&(rx))), \
         LIKA_AM36_SSI_##code##_BITS, (word))
 
 /**
  * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
  * 0 if the manual gives none for this length [5.3].
  */
+CW_CONSTEXPR
 static inline uint32_t lika_am36_ssi_clock_limit_hz(uint32_t cable_m)
 {
     if (cable_m < 50U) {
@@ -254,6 +264,7 @@ typedef struct lika_am36_ssi_frame {
 } lika_am36_ssi_frame;
 
 /** Return the number of bits in the word. */
+CW_CONSTEXPR
 static inline uint32_t lika_am36_ssi_bits(const lika_am36_ssi *variant)
 {
     return (uint32_t)variant->singleturn_bits + variant->multiturn_bits;
@@ -263,11 +274,12 @@ static inline uint32_t lika_am36_ssi_bits(const lika_am36_ssi *variant)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. Its last bit sent is bit 0, and the bits above it are 0.
+ * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_ssi_decode(
     const lika_am36_ssi *variant, uint64_t word, lika_am36_ssi_frame *out)
 {
@@ -286,6 +298,7 @@ static inline cw_result lika_am36_ssi_decode(
 
 /** Return the verdict on the position, always CW_UNKNOWN, since the frame has no status bit. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_am36_ssi_verdict(
     const lika_am36_ssi *variant, const lika_am36_ssi_frame *frame)
 {
@@ -318,6 +331,7 @@ static inline cw_verdict lika_am36_ssi_position(
 /* -- positions --------------------------------------------------------------------------------- */
 
 /** Return the number of counts in one revolution [5.2]. */
+CW_CONSTEXPR
 static inline uint64_t lika_am36_ssi_counts_per_turn(const lika_am36_ssi *variant)
 {
     return (uint64_t)1U << variant->singleturn_bits;
@@ -326,6 +340,7 @@ static inline uint64_t lika_am36_ssi_counts_per_turn(const lika_am36_ssi *varian
 /**
  * Return the number of counts after which the position wraps around to 0, which is all revolutions.
  */
+CW_CONSTEXPR
 static inline uint64_t lika_am36_ssi_modulus(const lika_am36_ssi *variant)
 {
     return lika_am36_ssi_counts_per_turn(variant) * ((uint64_t)1U << variant->multiturn_bits);
@@ -335,6 +350,7 @@ static inline uint64_t lika_am36_ssi_modulus(const lika_am36_ssi *variant)
  * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
+CW_CONSTEXPR
 static inline int64_t lika_am36_ssi_position_difference(
     const lika_am36_ssi *variant, uint64_t now, uint64_t before)
 {
@@ -342,6 +358,7 @@ static inline int64_t lika_am36_ssi_position_difference(
 }
 
 /** Convert a position to revolutions. */
+CW_CONSTEXPR
 static inline double lika_am36_ssi_turns(const lika_am36_ssi *variant, uint64_t position)
 {
     const uint64_t counts = lika_am36_ssi_counts_per_turn(variant);
@@ -349,6 +366,7 @@ static inline double lika_am36_ssi_turns(const lika_am36_ssi *variant, uint64_t 
 }
 
 /** Convert a position to degrees within its revolution, 0 to below 360. */
+CW_CONSTEXPR
 static inline double lika_am36_ssi_degrees(const lika_am36_ssi *variant, uint64_t position)
 {
     const uint64_t counts = lika_am36_ssi_counts_per_turn(variant);

@@ -16,6 +16,7 @@ extern "C" {
 
 /** Set position together with multiturn and singleturn. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_ssi_set_position(
     const lika_am36_ssi *variant, uint32_t position, lika_am36_ssi_frame *out)
 {
@@ -31,6 +32,7 @@ static inline cw_result lika_am36_ssi_set_position(
 
 /** Encode a word. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_am36_ssi_encode(
     const lika_am36_ssi *variant, const lika_am36_ssi_frame *in, uint64_t *out)
 {

@@ -15,20 +15,20 @@
  *         ... position ...
  *     }
  *
- * The word comes from a master for BiSS C-mode, or from SPI and DMA by LIKA_AMM5_BISS_RECEIVE.
+ * The word comes from a master for BiSS C-mode, or from SPI and DMA with LIKA_AMM5_BISS_RECEIVE.
  *
- * Further headers of this interface, only for those who need them:
- *   amm5_biss_labels.h           order codes by the text on a label
- *   amm5_biss_reports.h          texts of the reports, alarms and times
- *   amm5_biss_registers.h        registers, and identification by them
+ * More headers of this interface, to include if you need them:
+ *   amm5_biss_labels.h           find the order code that a label shows
+ *   amm5_biss_reports.h          texts that describe reports, alarms and times
+ *   amm5_biss_registers.h        registers, and identification of encoders
  *   amm5_biss_procedures.h       procedures, step by step
  *   amm5_biss_simulate.h         the encoder's side, for simulators and tests
  *
  * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en, compared with: it 1.9)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. To generate files for one, use
- * codewheel generate --edition amm5=1.0.
+ * Differences from other editions of the manual are noted inline. For the files of another edition,
+ * use codewheel generate --edition amm5=1.0.
  * Before edition 1.4: may differ, see the page of the encoder.
  * Before edition 1.3: may differ, see the page of the encoder.
  *
@@ -114,23 +114,24 @@ typedef struct lika_amm5_biss {
     uint8_t multiturn_bits;
 } lika_amm5_biss;
 
-static const lika_amm5_biss LIKA_AMM5_BISS_A17_1SC1 = { 17U, 0U }; /**< AMM5A17/1SC1 */
-static const lika_amm5_biss LIKA_AMM5_BISS_A17_65KSC1 = { 17U, 16U }; /**< AMM5A17/65KSC1 */
-static const lika_amm5_biss LIKA_AMM5_BISS_A21_1SC1 = { 21U, 0U }; /**< AMM5A21/1SC1 */
-static const lika_amm5_biss LIKA_AMM5_BISS_A21_65KSC1 = { 21U, 16U }; /**< AMM5A21/65KSC1 */
-static const lika_amm5_biss LIKA_AMM5_BISS_A23_1SC1 = { 23U, 0U }; /**< AMM5A23/1SC1 */
-static const lika_amm5_biss LIKA_AMM5_BISS_A23_65KSC1 = { 23U, 16U }; /**< AMM5A23/65KSC1 */
-static const lika_amm5_biss LIKA_AMM5_BISS_B17_1SC1 = { 17U, 0U }; /**< AMM5B17/1SC1 */
-static const lika_amm5_biss LIKA_AMM5_BISS_B17_65KSC1 = { 17U, 16U }; /**< AMM5B17/65KSC1 */
-static const lika_amm5_biss LIKA_AMM5_BISS_B21_1SC1 = { 21U, 0U }; /**< AMM5B21/1SC1 */
-static const lika_amm5_biss LIKA_AMM5_BISS_B21_65KSC1 = { 21U, 16U }; /**< AMM5B21/65KSC1 */
-static const lika_amm5_biss LIKA_AMM5_BISS_B23_1SC1 = { 23U, 0U }; /**< AMM5B23/1SC1 */
-static const lika_amm5_biss LIKA_AMM5_BISS_B23_65KSC1 = { 23U, 16U }; /**< AMM5B23/65KSC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A17_1SC1 = { 17U, 0U }; /**< AMM5A17/1SC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A17_65KSC1 = { 17U, 16U }; /**< AMM5A17/65KSC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A21_1SC1 = { 21U, 0U }; /**< AMM5A21/1SC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A21_65KSC1 = { 21U, 16U }; /**< AMM5A21/65KSC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A23_1SC1 = { 23U, 0U }; /**< AMM5A23/1SC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A23_65KSC1 = { 23U, 16U }; /**< AMM5A23/65KSC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B17_1SC1 = { 17U, 0U }; /**< AMM5B17/1SC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B17_65KSC1 = { 17U, 16U }; /**< AMM5B17/65KSC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B21_1SC1 = { 21U, 0U }; /**< AMM5B21/1SC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B21_65KSC1 = { 21U, 16U }; /**< AMM5B21/65KSC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B23_1SC1 = { 23U, 0U }; /**< AMM5B23/1SC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B23_65KSC1 = { 23U, 16U }; /**< AMM5B23/65KSC1 */
 
 /**
  * Width of the whole position, revolutions included, 17 to 39 bits. The manual calls it "encoder
  * resolution" and "nbitres" [6.2.1 p.32]. Unit: bits.
  */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_biss_position_bits(const lika_amm5_biss *variant)
 {
     return (uint32_t)variant->singleturn_bits + variant->multiturn_bits;
@@ -140,6 +141,7 @@ static inline uint32_t lika_amm5_biss_position_bits(const lika_amm5_biss *varian
  * Number of revolutions that the encoder distinguishes [Preliminary information p.7]. Unit:
  * revolutions.
  */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_biss_revolutions(const lika_amm5_biss *variant)
 {
     return (uint32_t)((uint64_t)1U << variant->multiturn_bits);
@@ -148,35 +150,31 @@ static inline uint32_t lika_amm5_biss_revolutions(const lika_amm5_biss *variant)
 /* -- CRCs -------------------------------------------------------------------------------------- */
 
 #ifdef LIKA_CRC_TABLE
-/** Return the remainder of a byte from the table of CRC biss_6. */
-static inline uint8_t lika_amm5_biss_crc_biss_6_entry(uint8_t byte)
-{
-    static const uint8_t entries[256] = {
-        0x00U, 0x0CU, 0x18U, 0x14U, 0x30U, 0x3CU, 0x28U, 0x24U, 0x23U, 0x2FU, 0x3BU, 0x37U,
-        0x13U, 0x1FU, 0x0BU, 0x07U, 0x05U, 0x09U, 0x1DU, 0x11U, 0x35U, 0x39U, 0x2DU, 0x21U,
-        0x26U, 0x2AU, 0x3EU, 0x32U, 0x16U, 0x1AU, 0x0EU, 0x02U, 0x0AU, 0x06U, 0x12U, 0x1EU,
-        0x3AU, 0x36U, 0x22U, 0x2EU, 0x29U, 0x25U, 0x31U, 0x3DU, 0x19U, 0x15U, 0x01U, 0x0DU,
-        0x0FU, 0x03U, 0x17U, 0x1BU, 0x3FU, 0x33U, 0x27U, 0x2BU, 0x2CU, 0x20U, 0x34U, 0x38U,
-        0x1CU, 0x10U, 0x04U, 0x08U, 0x14U, 0x18U, 0x0CU, 0x00U, 0x24U, 0x28U, 0x3CU, 0x30U,
-        0x37U, 0x3BU, 0x2FU, 0x23U, 0x07U, 0x0BU, 0x1FU, 0x13U, 0x11U, 0x1DU, 0x09U, 0x05U,
-        0x21U, 0x2DU, 0x39U, 0x35U, 0x32U, 0x3EU, 0x2AU, 0x26U, 0x02U, 0x0EU, 0x1AU, 0x16U,
-        0x1EU, 0x12U, 0x06U, 0x0AU, 0x2EU, 0x22U, 0x36U, 0x3AU, 0x3DU, 0x31U, 0x25U, 0x29U,
-        0x0DU, 0x01U, 0x15U, 0x19U, 0x1BU, 0x17U, 0x03U, 0x0FU, 0x2BU, 0x27U, 0x33U, 0x3FU,
-        0x38U, 0x34U, 0x20U, 0x2CU, 0x08U, 0x04U, 0x10U, 0x1CU, 0x28U, 0x24U, 0x30U, 0x3CU,
-        0x18U, 0x14U, 0x00U, 0x0CU, 0x0BU, 0x07U, 0x13U, 0x1FU, 0x3BU, 0x37U, 0x23U, 0x2FU,
-        0x2DU, 0x21U, 0x35U, 0x39U, 0x1DU, 0x11U, 0x05U, 0x09U, 0x0EU, 0x02U, 0x16U, 0x1AU,
-        0x3EU, 0x32U, 0x26U, 0x2AU, 0x22U, 0x2EU, 0x3AU, 0x36U, 0x12U, 0x1EU, 0x0AU, 0x06U,
-        0x01U, 0x0DU, 0x19U, 0x15U, 0x31U, 0x3DU, 0x29U, 0x25U, 0x27U, 0x2BU, 0x3FU, 0x33U,
-        0x17U, 0x1BU, 0x0FU, 0x03U, 0x04U, 0x08U, 0x1CU, 0x10U, 0x34U, 0x38U, 0x2CU, 0x20U,
-        0x3CU, 0x30U, 0x24U, 0x28U, 0x0CU, 0x00U, 0x14U, 0x18U, 0x1FU, 0x13U, 0x07U, 0x0BU,
-        0x2FU, 0x23U, 0x37U, 0x3BU, 0x39U, 0x35U, 0x21U, 0x2DU, 0x09U, 0x05U, 0x11U, 0x1DU,
-        0x1AU, 0x16U, 0x02U, 0x0EU, 0x2AU, 0x26U, 0x32U, 0x3EU, 0x36U, 0x3AU, 0x2EU, 0x22U,
-        0x06U, 0x0AU, 0x1EU, 0x12U, 0x15U, 0x19U, 0x0DU, 0x01U, 0x25U, 0x29U, 0x3DU, 0x31U,
-        0x33U, 0x3FU, 0x2BU, 0x27U, 0x03U, 0x0FU, 0x1BU, 0x17U, 0x10U, 0x1CU, 0x08U, 0x04U,
-        0x20U, 0x2CU, 0x38U, 0x34U
-    };
-    return entries[byte];
-}
+/** Remainder of each byte for CRC biss_6. */
+static CW_CONST uint8_t lika_amm5_biss_crc_biss_6_entries[256] = {
+    0x00U, 0x0CU, 0x18U, 0x14U, 0x30U, 0x3CU, 0x28U, 0x24U, 0x23U, 0x2FU, 0x3BU, 0x37U,
+    0x13U, 0x1FU, 0x0BU, 0x07U, 0x05U, 0x09U, 0x1DU, 0x11U, 0x35U, 0x39U, 0x2DU, 0x21U,
+    0x26U, 0x2AU, 0x3EU, 0x32U, 0x16U, 0x1AU, 0x0EU, 0x02U, 0x0AU, 0x06U, 0x12U, 0x1EU,
+    0x3AU, 0x36U, 0x22U, 0x2EU, 0x29U, 0x25U, 0x31U, 0x3DU, 0x19U, 0x15U, 0x01U, 0x0DU,
+    0x0FU, 0x03U, 0x17U, 0x1BU, 0x3FU, 0x33U, 0x27U, 0x2BU, 0x2CU, 0x20U, 0x34U, 0x38U,
+    0x1CU, 0x10U, 0x04U, 0x08U, 0x14U, 0x18U, 0x0CU, 0x00U, 0x24U, 0x28U, 0x3CU, 0x30U,
+    0x37U, 0x3BU, 0x2FU, 0x23U, 0x07U, 0x0BU, 0x1FU, 0x13U, 0x11U, 0x1DU, 0x09U, 0x05U,
+    0x21U, 0x2DU, 0x39U, 0x35U, 0x32U, 0x3EU, 0x2AU, 0x26U, 0x02U, 0x0EU, 0x1AU, 0x16U,
+    0x1EU, 0x12U, 0x06U, 0x0AU, 0x2EU, 0x22U, 0x36U, 0x3AU, 0x3DU, 0x31U, 0x25U, 0x29U,
+    0x0DU, 0x01U, 0x15U, 0x19U, 0x1BU, 0x17U, 0x03U, 0x0FU, 0x2BU, 0x27U, 0x33U, 0x3FU,
+    0x38U, 0x34U, 0x20U, 0x2CU, 0x08U, 0x04U, 0x10U, 0x1CU, 0x28U, 0x24U, 0x30U, 0x3CU,
+    0x18U, 0x14U, 0x00U, 0x0CU, 0x0BU, 0x07U, 0x13U, 0x1FU, 0x3BU, 0x37U, 0x23U, 0x2FU,
+    0x2DU, 0x21U, 0x35U, 0x39U, 0x1DU, 0x11U, 0x05U, 0x09U, 0x0EU, 0x02U, 0x16U, 0x1AU,
+    0x3EU, 0x32U, 0x26U, 0x2AU, 0x22U, 0x2EU, 0x3AU, 0x36U, 0x12U, 0x1EU, 0x0AU, 0x06U,
+    0x01U, 0x0DU, 0x19U, 0x15U, 0x31U, 0x3DU, 0x29U, 0x25U, 0x27U, 0x2BU, 0x3FU, 0x33U,
+    0x17U, 0x1BU, 0x0FU, 0x03U, 0x04U, 0x08U, 0x1CU, 0x10U, 0x34U, 0x38U, 0x2CU, 0x20U,
+    0x3CU, 0x30U, 0x24U, 0x28U, 0x0CU, 0x00U, 0x14U, 0x18U, 0x1FU, 0x13U, 0x07U, 0x0BU,
+    0x2FU, 0x23U, 0x37U, 0x3BU, 0x39U, 0x35U, 0x21U, 0x2DU, 0x09U, 0x05U, 0x11U, 0x1DU,
+    0x1AU, 0x16U, 0x02U, 0x0EU, 0x2AU, 0x26U, 0x32U, 0x3EU, 0x36U, 0x3AU, 0x2EU, 0x22U,
+    0x06U, 0x0AU, 0x1EU, 0x12U, 0x15U, 0x19U, 0x0DU, 0x01U, 0x25U, 0x29U, 0x3DU, 0x31U,
+    0x33U, 0x3FU, 0x2BU, 0x27U, 0x03U, 0x0FU, 0x1BU, 0x17U, 0x10U, 0x1CU, 0x08U, 0x04U,
+    0x20U, 0x2CU, 0x38U, 0x34U
+};
 #endif
 
 /* -- reports ----------------------------------------------------------------------------------- */
@@ -261,14 +259,14 @@ typedef enum lika_amm5_biss_report {
 #define LIKA_AMM5_BISS_B23_65KSC1_RX_BYTES 12U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write A21_65KSC1 for example, as in LIKA_AMM5_BISS_A21_65KSC1_BITS. The array rx has its
- * _RX_BYTES: another size does not compile. For buffers of other sizes, call cw_biss_receive
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be A21_65KSC1, as in LIKA_AMM5_BISS_A21_65KSC1_BITS. The array rx must have the size
+ * _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call cw_biss_receive
  * yourself.
  */
 #define LIKA_AMM5_BISS_RECEIVE(code, rx, word) \
-    cw_biss_receive((rx), \
-        sizeof(rx) * sizeof(char[(sizeof(rx) == LIKA_AMM5_BISS_##code##_RX_BYTES) ? 1 : -1]), \
+    cw_biss_receive((rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_AMM5_BISS_##code##_RX_BYTES])&(rx))), \
         LIKA_AMM5_BISS_##code##_BITS, (word))
 
 /**
@@ -280,6 +278,7 @@ typedef enum lika_amm5_biss_report {
  */
 
 /** Return the time-out after a frame in nanoseconds, rounded up, or 0 if clock_hz is 0. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
 {
     const uint32_t product = 1500000000U;
@@ -316,7 +315,7 @@ typedef struct lika_amm5_biss_frame {
      * reports that the battery is depleted. The encoder cannot operate with a depleted battery.
      * Active when 0: error active in the system. Inactive when 1: no active error. While it is
      * active, the position is not usable. Remedy: If the disk is misaligned, switch off, align the
-     * disk and continue with the connection. If the battery of a multiturn model is depleted,
+     * disk and continue connecting the encoder. If the battery of a multiturn model is depleted,
      * replace the battery. Steps: Battery replacement with error.
      */
     bool error;
@@ -335,6 +334,7 @@ typedef struct lika_amm5_biss_frame {
 } lika_amm5_biss_frame;
 
 /** Return the number of bits in the word. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_biss_bits(const lika_amm5_biss *variant)
 {
     return 8U + variant->singleturn_bits + variant->multiturn_bits;
@@ -350,20 +350,21 @@ static inline uint32_t lika_amm5_biss_bits(const lika_amm5_biss *variant)
  * public BiSS documents.
  * Erratum biss_crc_start (open, omission).
  * How it folds: the remainder of x^6 is x + 1. By squaring, the remainder of x^12 is x^2 + 1, and
- * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done at
- * 12 with 2 and at 6 with 1, until 6 bits are left.
+ * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done
+ * with the shifts 12 and 2, then 6 and 1, until 6 bits are left.
  */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_biss_crc(uint64_t word)
 {
 #ifdef LIKA_CRC_TABLE
     const uint32_t low = (uint32_t)word;
     const uint32_t high = (uint32_t)(word >> 32U);
     uint8_t v = (uint8_t)(high >> 8U);
-    v = (uint8_t)(lika_amm5_biss_crc_biss_6_entry(v) ^ (uint8_t)high);
-    v = (uint8_t)(lika_amm5_biss_crc_biss_6_entry(v) ^ (uint8_t)(low >> 24U));
-    v = (uint8_t)(lika_amm5_biss_crc_biss_6_entry(v) ^ (uint8_t)(low >> 16U));
-    v = (uint8_t)(lika_amm5_biss_crc_biss_6_entry(v) ^ (uint8_t)(low >> 8U));
-    v = (uint8_t)(lika_amm5_biss_crc_biss_6_entry(v) ^ (uint8_t)low);
+    v = (uint8_t)(lika_amm5_biss_crc_biss_6_entries[v] ^ (uint8_t)high);
+    v = (uint8_t)(lika_amm5_biss_crc_biss_6_entries[v] ^ (uint8_t)(low >> 24U));
+    v = (uint8_t)(lika_amm5_biss_crc_biss_6_entries[v] ^ (uint8_t)(low >> 16U));
+    v = (uint8_t)(lika_amm5_biss_crc_biss_6_entries[v] ^ (uint8_t)(low >> 8U));
+    v = (uint8_t)(lika_amm5_biss_crc_biss_6_entries[v] ^ (uint8_t)low);
     v = (uint8_t)(((uint32_t)v & 0x3FU) ^ ((uint32_t)v >> 6U) ^ (((uint32_t)v >> 6U) << 1U));
     return v ^ 0x3FU;
 #else
@@ -381,11 +382,12 @@ static inline uint32_t lika_amm5_biss_crc(uint64_t word)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. Its last bit sent is bit 0, and the bits above it are 0.
+ * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_decode(
     const lika_amm5_biss *variant, uint64_t word, lika_amm5_biss_frame *out)
 {
@@ -407,6 +409,7 @@ static inline cw_result lika_amm5_biss_decode(
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_amm5_biss_verdict(
     const lika_amm5_biss *variant, const lika_amm5_biss_frame *frame)
 {
@@ -441,6 +444,7 @@ static inline cw_verdict lika_amm5_biss_position(
 }
 
 /** Return the active reports, as a mask of LIKA_AMM5_BISS_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_biss_reports(
     const lika_amm5_biss *variant, const lika_amm5_biss_frame *frame)
 {
@@ -454,6 +458,7 @@ static inline uint32_t lika_amm5_biss_reports(
 /* -- positions --------------------------------------------------------------------------------- */
 
 /** Return the number of counts in one revolution [Preliminary information p.7]. */
+CW_CONSTEXPR
 static inline uint64_t lika_amm5_biss_counts_per_turn(const lika_amm5_biss *variant)
 {
     return (uint64_t)1U << variant->singleturn_bits;
@@ -462,6 +467,7 @@ static inline uint64_t lika_amm5_biss_counts_per_turn(const lika_amm5_biss *vari
 /**
  * Return the number of counts after which the position wraps around to 0, which is all revolutions.
  */
+CW_CONSTEXPR
 static inline uint64_t lika_amm5_biss_modulus(const lika_amm5_biss *variant)
 {
     return lika_amm5_biss_counts_per_turn(variant) * ((uint64_t)1U << variant->multiturn_bits);
@@ -471,6 +477,7 @@ static inline uint64_t lika_amm5_biss_modulus(const lika_amm5_biss *variant)
  * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
+CW_CONSTEXPR
 static inline int64_t lika_amm5_biss_position_difference(
     const lika_amm5_biss *variant, uint64_t now, uint64_t before)
 {
@@ -478,6 +485,7 @@ static inline int64_t lika_amm5_biss_position_difference(
 }
 
 /** Convert a position to revolutions. */
+CW_CONSTEXPR
 static inline double lika_amm5_biss_turns(const lika_amm5_biss *variant, uint64_t position)
 {
     const uint64_t counts = lika_amm5_biss_counts_per_turn(variant);
@@ -485,6 +493,7 @@ static inline double lika_amm5_biss_turns(const lika_amm5_biss *variant, uint64_
 }
 
 /** Convert a position to degrees within its revolution, 0 to below 360. */
+CW_CONSTEXPR
 static inline double lika_amm5_biss_degrees(const lika_amm5_biss *variant, uint64_t position)
 {
     const uint64_t counts = lika_amm5_biss_counts_per_turn(variant);

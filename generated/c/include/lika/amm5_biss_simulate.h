@@ -16,6 +16,7 @@ extern "C" {
 
 /** Set position together with multiturn and singleturn. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_set_position(
     const lika_amm5_biss *variant, uint64_t position, lika_amm5_biss_frame *out)
 {
@@ -31,6 +32,7 @@ static inline cw_result lika_amm5_biss_set_position(
 
 /** Encode a word. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_encode(
     const lika_amm5_biss *variant, const lika_amm5_biss_frame *in, uint64_t *out)
 {

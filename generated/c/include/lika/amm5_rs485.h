@@ -19,17 +19,17 @@
  * The bytes are the reply to LIKA_AMM5_RS485_CONTROL_ALL_DATA. cw_rs485_ask and cw_rs485_take in
  * codewheel/receive.h collect them from a serial port.
  *
- * Further headers of this interface, only for those who need them:
- *   amm5_rs485_labels.h          order codes by the text on a label
- *   amm5_rs485_reports.h         texts of the reports, alarms and times
+ * More headers of this interface, to include if you need them:
+ *   amm5_rs485_labels.h          find the order code that a label shows
+ *   amm5_rs485_reports.h         texts that describe reports, alarms and times
  *   amm5_rs485_procedures.h      procedures, step by step
  *   amm5_rs485_simulate.h        the encoder's side, for simulators and tests
  *
  * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en, compared with: it 1.9)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. To generate files for one, use
- * codewheel generate --edition amm5=1.0.
+ * Differences from other editions of the manual are noted inline. For the files of another edition,
+ * use codewheel generate --edition amm5=1.0.
  * Before edition 1.4: may differ, see the page of the encoder.
  * Before edition 1.3: may differ, see the page of the encoder.
  *
@@ -112,23 +112,24 @@ typedef struct lika_amm5_rs485 {
     uint8_t multiturn_bits;
 } lika_amm5_rs485;
 
-static const lika_amm5_rs485 LIKA_AMM5_RS485_A17_1JP1 = { 17U, 0U }; /**< AMM5A17/1JP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_A17_65KJP1 = { 17U, 16U }; /**< AMM5A17/65KJP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_A21_1JP1 = { 21U, 0U }; /**< AMM5A21/1JP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_A21_65KJP1 = { 21U, 16U }; /**< AMM5A21/65KJP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_A23_1JP1 = { 23U, 0U }; /**< AMM5A23/1JP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_A23_65KJP1 = { 23U, 16U }; /**< AMM5A23/65KJP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_B17_1JP1 = { 17U, 0U }; /**< AMM5B17/1JP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_B17_65KJP1 = { 17U, 16U }; /**< AMM5B17/65KJP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_B21_1JP1 = { 21U, 0U }; /**< AMM5B21/1JP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_B21_65KJP1 = { 21U, 16U }; /**< AMM5B21/65KJP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_B23_1JP1 = { 23U, 0U }; /**< AMM5B23/1JP1 */
-static const lika_amm5_rs485 LIKA_AMM5_RS485_B23_65KJP1 = { 23U, 16U }; /**< AMM5B23/65KJP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_A17_1JP1 = { 17U, 0U }; /**< AMM5A17/1JP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_A17_65KJP1 = { 17U, 16U }; /**< AMM5A17/65KJP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_A21_1JP1 = { 21U, 0U }; /**< AMM5A21/1JP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_A21_65KJP1 = { 21U, 16U }; /**< AMM5A21/65KJP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_A23_1JP1 = { 23U, 0U }; /**< AMM5A23/1JP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_A23_65KJP1 = { 23U, 16U }; /**< AMM5A23/65KJP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_B17_1JP1 = { 17U, 0U }; /**< AMM5B17/1JP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_B17_65KJP1 = { 17U, 16U }; /**< AMM5B17/65KJP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_B21_1JP1 = { 21U, 0U }; /**< AMM5B21/1JP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_B21_65KJP1 = { 21U, 16U }; /**< AMM5B21/65KJP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_B23_1JP1 = { 23U, 0U }; /**< AMM5B23/1JP1 */
+static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_B23_65KJP1 = { 23U, 16U }; /**< AMM5B23/65KJP1 */
 
 /**
  * Width of the whole position, revolutions included, 17 to 39 bits. The manual calls it "encoder
  * resolution" and "nbitres" [6.2.1 p.32]. Unit: bits.
  */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_position_bits(const lika_amm5_rs485 *variant)
 {
     return (uint32_t)variant->singleturn_bits + variant->multiturn_bits;
@@ -138,6 +139,7 @@ static inline uint32_t lika_amm5_rs485_position_bits(const lika_amm5_rs485 *vari
  * Number of revolutions that the encoder distinguishes [Preliminary information p.7]. Unit:
  * revolutions.
  */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_revolutions(const lika_amm5_rs485 *variant)
 {
     return (uint32_t)((uint64_t)1U << variant->multiturn_bits);
@@ -155,11 +157,11 @@ static inline uint32_t lika_amm5_rs485_revolutions(const lika_amm5_rs485 *varian
  * Erratum crc_code_bit_order (settled, wrong data).
  * With this polynomial, the CRC of whole bytes is their XOR.
  */
+CW_CONSTEXPR
 static inline uint8_t lika_amm5_rs485_crc_rs485_8(const uint8_t *bytes, size_t length)
 {
-    size_t index;
     uint8_t crc = 0x00U;
-    for (index = 0U; index < length; index++) {
+    for (size_t index = 0U; index < length; index++) {
         crc = (uint8_t)(crc ^ bytes[index]);
     }
     return crc;
@@ -186,6 +188,7 @@ typedef enum lika_amm5_rs485_eeprom_address {
 } lika_amm5_rs485_eeprom_address;
 
 /** Lowest bit of the EEPROM address in ADF [7.5 p.46]. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_eeprom_address_bit(
     lika_amm5_rs485_eeprom_address eeprom_address)
 {
@@ -193,6 +196,7 @@ static inline uint32_t lika_amm5_rs485_eeprom_address_bit(
 }
 
 /** Bit of ADF that contains MEM BUSY [7.5 p.46]. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_mem_busy_bit(lika_amm5_rs485_eeprom_address eeprom_address)
 {
     return (eeprom_address == LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_PRINTED) ? 0U : 7U;
@@ -231,14 +235,15 @@ typedef enum lika_amm5_rs485_report {
  * received from the master. To check that a byte has been written to the EEPROM, read it back with
  * data ID D. The manual gives no EEPROM write time for this interface. MEM BUSY shows when a write
  * is in progress.
- * Memory read, busy 0: The byte was read. Address: that of the request. Data: the EEPROM's data
+ * Memory read, busy 0: The byte was read. Address: as in the request. Data: as read from the EEPROM
  * [7.5 p.46].
- * Memory read, busy 1: The memory is busy. It is being read (table) or written (sentence below it).
- * The request is invalid. Address: that of the request. Data: 00h [7.5 p.46].
- * Memory write, busy 0: The request was accepted. Address: that of the request. Data: that of the
+ * Memory read, busy 1: The memory is busy. A read (according to the table) or a write (according to
+ * the sentence below it) is in progress. The request is invalid. Address: as in the request. Data:
+ * 00h [7.5 p.46].
+ * Memory write, busy 0: The request was accepted. Address: as in the request. Data: as in the
  * request [7.5 p.46].
  * Memory write, busy 1: A write is in progress. The request is invalid and not executed. Address:
- * that of the request. Data: 00h [7.5 p.46].
+ * as in the request. Data: 00h [7.5 p.46].
  * Erratum error_bits_leds_alarms (open, omission).
  * Erratum unused_status_bits (open, omission).
  * Erratum position_under_error (open, omission).
@@ -246,8 +251,8 @@ typedef enum lika_amm5_rs485_report {
  * Erratum power_on_twice (open, omission).
  * Erratum singleturn_without_battery (open, omission).
  * Erratum battery_alarm_reset (open, omission).
- * Erratum data_id_8_scope (open, wrong data): Used: The outputs follow the table. Data ID 8 resets
- * singleturn and multiturn data.
+ * Erratum data_id_8_scope (open, wrong data): Used: The generated files follow the table. Data ID 8
+ * resets singleturn and multiturn data.
  * Erratum reset_interval (open, omission).
  * Erratum busy_clear (open, omission).
  * Erratum rs485_reply_time (open, omission).
@@ -284,17 +289,17 @@ typedef enum lika_amm5_rs485_data_id {
     /** Data ID D: Read one byte of the EEPROM [7.3.1 p.42]. */
     LIKA_AMM5_RS485_DATA_ID_EEPROM_READ = 0xD,
     /**
-     * Data ID 7: Reset all errors. The reply carries the singleturn position [7.3.1 p.42, 7.4.2
+     * Data ID 7: Reset all errors. The reply contains the singleturn position [7.3.1 p.42, 7.4.2
      * p.45].
      */
     LIKA_AMM5_RS485_DATA_ID_RESET_ERRORS = 0x7,
     /**
-     * Data ID 8: Reset singleturn and multiturn data to 0. The reply carries the singleturn
+     * Data ID 8: Reset singleturn and multiturn data to 0. The reply contains the singleturn
      * position [7.3.1 p.42, 7.4.2 p.45].
      */
     LIKA_AMM5_RS485_DATA_ID_RESET_SINGLETURN_AND_MULTITURN = 0x8,
     /**
-     * Data ID C: Reset multiturn data and all errors. The reply carries the singleturn position
+     * Data ID C: Reset multiturn data and all errors. The reply contains the singleturn position
      * [7.3.1 p.42, 7.4.2 p.45].
      */
     LIKA_AMM5_RS485_DATA_ID_RESET_MULTITURN_AND_ERRORS = 0xC
@@ -314,17 +319,17 @@ typedef enum lika_amm5_rs485_data_id {
 /** Data ID D: EAh, read: Read one byte of the EEPROM [7.3.1 p.42]. */
 #define LIKA_AMM5_RS485_CONTROL_EEPROM_READ 0xEAU
 /**
- * Data ID 7: BAh, reset: Reset all errors. The reply carries the singleturn position [7.3.1 p.42,
+ * Data ID 7: BAh, reset: Reset all errors. The reply contains the singleturn position [7.3.1 p.42,
  * 7.4.2 p.45].
  */
 #define LIKA_AMM5_RS485_CONTROL_RESET_ERRORS 0xBAU
 /**
- * Data ID 8: C2h, reset: Reset singleturn and multiturn data to 0. The reply carries the singleturn
- * position [7.3.1 p.42, 7.4.2 p.45].
+ * Data ID 8: C2h, reset: Reset singleturn and multiturn data to 0. The reply contains the
+ * singleturn position [7.3.1 p.42, 7.4.2 p.45].
  */
 #define LIKA_AMM5_RS485_CONTROL_RESET_SINGLETURN_AND_MULTITURN 0xC2U
 /**
- * Data ID C: 62h, reset: Reset multiturn data and all errors. The reply carries the singleturn
+ * Data ID C: 62h, reset: Reset multiturn data and all errors. The reply contains the singleturn
  * position [7.3.1 p.42, 7.4.2 p.45].
  */
 #define LIKA_AMM5_RS485_CONTROL_RESET_MULTITURN_AND_ERRORS 0x62U
@@ -347,6 +352,7 @@ typedef struct lika_amm5_rs485_data_request {
 
 /** Encode 1 byte. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_data_request_encode(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_data_request *in, uint8_t *bytes,
     size_t length)
@@ -398,6 +404,7 @@ typedef struct lika_amm5_rs485_eeprom_write_request {
 
 /** Encode 4 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_write_request_encode(
     const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const lika_amm5_rs485_eeprom_write_request *in, uint8_t *bytes, size_t length)
@@ -449,6 +456,7 @@ typedef struct lika_amm5_rs485_eeprom_read_request {
 
 /** Encode 3 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_read_request_encode(
     const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const lika_amm5_rs485_eeprom_read_request *in, uint8_t *bytes, size_t length)
@@ -530,6 +538,7 @@ typedef struct lika_amm5_rs485_singleturn_reply {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_singleturn_reply_decode(
     const lika_amm5_rs485 *variant, const uint8_t *bytes, size_t length,
     lika_amm5_rs485_singleturn_reply *out)
@@ -569,6 +578,7 @@ static inline cw_result lika_amm5_rs485_singleturn_reply_decode(
 }
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_amm5_rs485_singleturn_reply_is_expected(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_singleturn_reply *in)
 {
@@ -578,6 +588,7 @@ static inline bool lika_amm5_rs485_singleturn_reply_is_expected(
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_amm5_rs485_singleturn_reply_verdict(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_singleturn_reply *frame)
 {
@@ -592,6 +603,7 @@ static inline cw_verdict lika_amm5_rs485_singleturn_reply_verdict(
 }
 
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_singleturn_reply_reports(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_singleturn_reply *frame)
 {
@@ -655,6 +667,7 @@ typedef struct lika_amm5_rs485_multiturn_reply {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_multiturn_reply_decode(
     const lika_amm5_rs485 *variant, const uint8_t *bytes, size_t length,
     lika_amm5_rs485_multiturn_reply *out)
@@ -689,6 +702,7 @@ static inline cw_result lika_amm5_rs485_multiturn_reply_decode(
 }
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_amm5_rs485_multiturn_reply_is_expected(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_multiturn_reply *in)
 {
@@ -698,6 +712,7 @@ static inline bool lika_amm5_rs485_multiturn_reply_is_expected(
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_amm5_rs485_multiturn_reply_verdict(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_multiturn_reply *frame)
 {
@@ -712,6 +727,7 @@ static inline cw_verdict lika_amm5_rs485_multiturn_reply_verdict(
 }
 
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_multiturn_reply_reports(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_multiturn_reply *frame)
 {
@@ -776,6 +792,7 @@ typedef struct lika_amm5_rs485_encoder_id_reply {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_encoder_id_reply_decode(
     const lika_amm5_rs485 *variant, const uint8_t *bytes, size_t length,
     lika_amm5_rs485_encoder_id_reply *out)
@@ -808,6 +825,7 @@ static inline cw_result lika_amm5_rs485_encoder_id_reply_decode(
 #define LIKA_AMM5_RS485_ENCODER_ID_REPLY_ENCODER_ID_EXPECTED 0x23U
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_amm5_rs485_encoder_id_reply_is_expected(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_encoder_id_reply *in)
 {
@@ -817,6 +835,7 @@ static inline bool lika_amm5_rs485_encoder_id_reply_is_expected(
 }
 
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_encoder_id_reply_reports(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_encoder_id_reply *frame)
 {
@@ -934,6 +953,7 @@ typedef struct lika_amm5_rs485_complete_reply {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_complete_reply_decode(
     const lika_amm5_rs485 *variant, const uint8_t *bytes, size_t length,
     lika_amm5_rs485_complete_reply *out)
@@ -988,6 +1008,7 @@ static inline cw_result lika_amm5_rs485_complete_reply_decode(
 #define LIKA_AMM5_RS485_COMPLETE_REPLY_ENCODER_ID_EXPECTED 0x23U
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_amm5_rs485_complete_reply_is_expected(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_complete_reply *in)
 {
@@ -998,6 +1019,7 @@ static inline bool lika_amm5_rs485_complete_reply_is_expected(
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_amm5_rs485_complete_reply_verdict(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_complete_reply *frame)
 {
@@ -1014,6 +1036,7 @@ static inline cw_verdict lika_amm5_rs485_complete_reply_verdict(
 }
 
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_complete_reply_reports(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_complete_reply *frame)
 {
@@ -1072,6 +1095,7 @@ typedef struct lika_amm5_rs485_eeprom_write_reply {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_write_reply_decode(
     const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const uint8_t *bytes, size_t length, lika_amm5_rs485_eeprom_write_reply *out)
@@ -1107,6 +1131,7 @@ static inline cw_result lika_amm5_rs485_eeprom_write_reply_decode(
 }
 
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_eeprom_write_reply_reports(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_eeprom_write_reply *frame)
 {
@@ -1150,6 +1175,7 @@ typedef struct lika_amm5_rs485_eeprom_read_reply {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_read_reply_decode(
     const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const uint8_t *bytes, size_t length, lika_amm5_rs485_eeprom_read_reply *out)
@@ -1185,6 +1211,7 @@ static inline cw_result lika_amm5_rs485_eeprom_read_reply_decode(
 }
 
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_eeprom_read_reply_reports(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_eeprom_read_reply *frame)
 {
@@ -1206,6 +1233,7 @@ typedef enum lika_amm5_rs485_frame {
 } lika_amm5_rs485_frame;
 
 /** Return the number of bytes in a frame. */
+CW_CONSTEXPR
 static inline size_t lika_amm5_rs485_frame_length(lika_amm5_rs485_frame frame)
 {
     switch (frame) {
@@ -1234,6 +1262,7 @@ static inline size_t lika_amm5_rs485_frame_length(lika_amm5_rs485_frame frame)
 
 /** Find the frame that the encoder sends for this data ID. The result is RANGE if there is none. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_reply_for(
     uint32_t data_id, lika_amm5_rs485_frame *frame)
 {
@@ -1269,6 +1298,7 @@ static inline cw_result lika_amm5_rs485_reply_for(
  * RANGE if there is no such frame.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_reply_frame(
     const uint8_t *bytes, size_t length, lika_amm5_rs485_frame *frame)
 {
@@ -1281,6 +1311,7 @@ static inline cw_result lika_amm5_rs485_reply_frame(
 /* -- positions --------------------------------------------------------------------------------- */
 
 /** Return the number of counts in one revolution [Preliminary information p.7]. */
+CW_CONSTEXPR
 static inline uint64_t lika_amm5_rs485_counts_per_turn(const lika_amm5_rs485 *variant)
 {
     return (uint64_t)1U << variant->singleturn_bits;
@@ -1289,6 +1320,7 @@ static inline uint64_t lika_amm5_rs485_counts_per_turn(const lika_amm5_rs485 *va
 /**
  * Return the number of counts after which the position wraps around to 0, which is all revolutions.
  */
+CW_CONSTEXPR
 static inline uint64_t lika_amm5_rs485_modulus(const lika_amm5_rs485 *variant)
 {
     return lika_amm5_rs485_counts_per_turn(variant) * ((uint64_t)1U << variant->multiturn_bits);
@@ -1298,6 +1330,7 @@ static inline uint64_t lika_amm5_rs485_modulus(const lika_amm5_rs485 *variant)
  * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
+CW_CONSTEXPR
 static inline int64_t lika_amm5_rs485_position_difference(
     const lika_amm5_rs485 *variant, uint64_t now, uint64_t before)
 {
@@ -1305,6 +1338,7 @@ static inline int64_t lika_amm5_rs485_position_difference(
 }
 
 /** Convert a position to revolutions. */
+CW_CONSTEXPR
 static inline double lika_amm5_rs485_turns(const lika_amm5_rs485 *variant, uint64_t position)
 {
     const uint64_t counts = lika_amm5_rs485_counts_per_turn(variant);
@@ -1312,6 +1346,7 @@ static inline double lika_amm5_rs485_turns(const lika_amm5_rs485 *variant, uint6
 }
 
 /** Convert a position to degrees within its revolution, 0 to below 360. */
+CW_CONSTEXPR
 static inline double lika_amm5_rs485_degrees(const lika_amm5_rs485 *variant, uint64_t position)
 {
     const uint64_t counts = lika_amm5_rs485_counts_per_turn(variant);

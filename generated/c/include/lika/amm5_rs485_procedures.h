@@ -44,8 +44,8 @@ static inline const cw_step *lika_amm5_rs485_reset_singleturn_and_multiturn_step
  * Result: Singleturn and multiturn data are 0. The shaft position is kept without main power, with
  * or without an external battery.
  * The ten requests must follow one another directly. Stop polling the position during the reset.
- * Erratum data_id_8_scope (open, wrong data): Used: The outputs follow the table. Data ID 8 resets
- * singleturn and multiturn data.
+ * Erratum data_id_8_scope (open, wrong data): Used: The generated files follow the table. Data ID 8
+ * resets singleturn and multiturn data.
  * Erratum reset_interval (open, omission).
  * Erratum reset_standstill (open, wrong limit).
  * Reset singleturn and multiturn data, over RS-485. The transport needs wait_us and send_request.

@@ -20,6 +20,7 @@ extern "C" {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_data_request_decode(
     const lika_amm5_rs485 *variant, const uint8_t *bytes, size_t length,
     lika_amm5_rs485_data_request *out)
@@ -55,6 +56,7 @@ static inline cw_result lika_amm5_rs485_data_request_decode(
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_write_request_decode(
     const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const uint8_t *bytes, size_t length, lika_amm5_rs485_eeprom_write_request *out)
@@ -98,6 +100,7 @@ static inline cw_result lika_amm5_rs485_eeprom_write_request_decode(
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_read_request_decode(
     const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const uint8_t *bytes, size_t length, lika_amm5_rs485_eeprom_read_request *out)
@@ -134,6 +137,7 @@ static inline cw_result lika_amm5_rs485_eeprom_read_request_decode(
 
 /** Encode 6 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_singleturn_reply_encode(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_singleturn_reply *in, uint8_t *bytes,
     size_t length)
@@ -166,6 +170,7 @@ static inline cw_result lika_amm5_rs485_singleturn_reply_encode(
 
 /** Encode 6 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_multiturn_reply_encode(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_multiturn_reply *in, uint8_t *bytes,
     size_t length)
@@ -191,6 +196,7 @@ static inline cw_result lika_amm5_rs485_multiturn_reply_encode(
 
 /** Encode 4 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_encoder_id_reply_encode(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_encoder_id_reply *in, uint8_t *bytes,
     size_t length)
@@ -212,6 +218,7 @@ static inline cw_result lika_amm5_rs485_encoder_id_reply_encode(
 
 /** Set position together with multiturn and singleturn. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_complete_reply_set_position(
     const lika_amm5_rs485 *variant, uint64_t position, lika_amm5_rs485_complete_reply *out)
 {
@@ -227,6 +234,7 @@ static inline cw_result lika_amm5_rs485_complete_reply_set_position(
 
 /** Encode 11 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_complete_reply_encode(
     const lika_amm5_rs485 *variant, const lika_amm5_rs485_complete_reply *in, uint8_t *bytes,
     size_t length)
@@ -266,6 +274,7 @@ static inline cw_result lika_amm5_rs485_complete_reply_encode(
 
 /** Encode 4 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_write_reply_encode(
     const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const lika_amm5_rs485_eeprom_write_reply *in, uint8_t *bytes, size_t length)
@@ -294,6 +303,7 @@ static inline cw_result lika_amm5_rs485_eeprom_write_reply_encode(
 
 /** Encode 4 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_read_reply_encode(
     const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const lika_amm5_rs485_eeprom_read_reply *in, uint8_t *bytes, size_t length)
@@ -323,6 +333,7 @@ static inline cw_result lika_amm5_rs485_eeprom_read_reply_encode(
 
 /** Find the frame that the master sends for this data ID. The result is RANGE if there is none. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_request_for(
     uint32_t data_id, lika_amm5_rs485_frame *frame)
 {
@@ -352,6 +363,7 @@ static inline cw_result lika_amm5_rs485_request_for(
  * RANGE if there is no such frame.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_request_frame(
     const uint8_t *bytes, size_t length, lika_amm5_rs485_frame *frame)
 {

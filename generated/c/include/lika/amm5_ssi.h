@@ -22,18 +22,18 @@
  * CRC protects them. CW_UNKNOWN does not mean that a word is correct. AT_MOST is the maximum
  * number of counts that the axis can move in the meantime.
  *
- * Each word comes from a master for SSI, or from SPI and DMA by LIKA_AMM5_SSI_RECEIVE.
+ * Each word comes from a master for SSI, or from SPI and DMA with LIKA_AMM5_SSI_RECEIVE.
  *
- * Further headers of this interface, only for those who need them:
- *   amm5_ssi_labels.h            order codes by the text on a label
- *   amm5_ssi_reports.h           texts of the reports, alarms and times
+ * More headers of this interface, to include if you need them:
+ *   amm5_ssi_labels.h            find the order code that a label shows
+ *   amm5_ssi_reports.h           texts that describe reports, alarms and times
  *   amm5_ssi_simulate.h          the encoder's side, for simulators and tests
  *
  * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en, compared with: it 1.9)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. To generate files for one, use
- * codewheel generate --edition amm5=1.0.
+ * Differences from other editions of the manual are noted inline. For the files of another edition,
+ * use codewheel generate --edition amm5=1.0.
  * Before edition 1.4: may differ, see the page of the encoder.
  * Before edition 1.3: may differ, see the page of the encoder.
  *
@@ -112,23 +112,24 @@ typedef struct lika_amm5_ssi {
     uint8_t multiturn_bits;
 } lika_amm5_ssi;
 
-static const lika_amm5_ssi LIKA_AMM5_SSI_A17_1BG1 = { 17U, 0U }; /**< AMM5A17/1BG1 */
-static const lika_amm5_ssi LIKA_AMM5_SSI_A17_65KBG1 = { 17U, 16U }; /**< AMM5A17/65KBG1 */
-static const lika_amm5_ssi LIKA_AMM5_SSI_A21_1BG1 = { 21U, 0U }; /**< AMM5A21/1BG1 */
-static const lika_amm5_ssi LIKA_AMM5_SSI_A21_65KBG1 = { 21U, 16U }; /**< AMM5A21/65KBG1 */
-static const lika_amm5_ssi LIKA_AMM5_SSI_A23_1BG1 = { 23U, 0U }; /**< AMM5A23/1BG1 */
-static const lika_amm5_ssi LIKA_AMM5_SSI_A23_65KBG1 = { 23U, 16U }; /**< AMM5A23/65KBG1 */
-static const lika_amm5_ssi LIKA_AMM5_SSI_B17_1BG1 = { 17U, 0U }; /**< AMM5B17/1BG1 */
-static const lika_amm5_ssi LIKA_AMM5_SSI_B17_65KBG1 = { 17U, 16U }; /**< AMM5B17/65KBG1 */
-static const lika_amm5_ssi LIKA_AMM5_SSI_B21_1BG1 = { 21U, 0U }; /**< AMM5B21/1BG1 */
-static const lika_amm5_ssi LIKA_AMM5_SSI_B21_65KBG1 = { 21U, 16U }; /**< AMM5B21/65KBG1 */
-static const lika_amm5_ssi LIKA_AMM5_SSI_B23_1BG1 = { 23U, 0U }; /**< AMM5B23/1BG1 */
-static const lika_amm5_ssi LIKA_AMM5_SSI_B23_65KBG1 = { 23U, 16U }; /**< AMM5B23/65KBG1 */
+static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_A17_1BG1 = { 17U, 0U }; /**< AMM5A17/1BG1 */
+static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_A17_65KBG1 = { 17U, 16U }; /**< AMM5A17/65KBG1 */
+static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_A21_1BG1 = { 21U, 0U }; /**< AMM5A21/1BG1 */
+static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_A21_65KBG1 = { 21U, 16U }; /**< AMM5A21/65KBG1 */
+static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_A23_1BG1 = { 23U, 0U }; /**< AMM5A23/1BG1 */
+static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_A23_65KBG1 = { 23U, 16U }; /**< AMM5A23/65KBG1 */
+static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_B17_1BG1 = { 17U, 0U }; /**< AMM5B17/1BG1 */
+static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_B17_65KBG1 = { 17U, 16U }; /**< AMM5B17/65KBG1 */
+static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_B21_1BG1 = { 21U, 0U }; /**< AMM5B21/1BG1 */
+static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_B21_65KBG1 = { 21U, 16U }; /**< AMM5B21/65KBG1 */
+static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_B23_1BG1 = { 23U, 0U }; /**< AMM5B23/1BG1 */
+static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_B23_65KBG1 = { 23U, 16U }; /**< AMM5B23/65KBG1 */
 
 /**
  * Width of the whole position, revolutions included, 17 to 39 bits. The manual calls it "encoder
  * resolution" and "nbitres" [6.2.1 p.32]. Unit: bits.
  */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_ssi_position_bits(const lika_amm5_ssi *variant)
 {
     return (uint32_t)variant->singleturn_bits + variant->multiturn_bits;
@@ -138,6 +139,7 @@ static inline uint32_t lika_amm5_ssi_position_bits(const lika_amm5_ssi *variant)
  * Number of revolutions that the encoder distinguishes [Preliminary information p.7]. Unit:
  * revolutions.
  */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_ssi_revolutions(const lika_amm5_ssi *variant)
 {
     return (uint32_t)((uint64_t)1U << variant->multiturn_bits);
@@ -203,20 +205,21 @@ static inline uint32_t lika_amm5_ssi_revolutions(const lika_amm5_ssi *variant)
 #define LIKA_AMM5_SSI_B23_65KBG1_RX_BYTES 6U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write A23_65KBG1 for example, as in LIKA_AMM5_SSI_A23_65KBG1_BITS. The array rx has its
- * _RX_BYTES: another size does not compile. For buffers of other sizes, call cw_ssi_receive
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be A23_65KBG1, as in LIKA_AMM5_SSI_A23_65KBG1_BITS. The array rx must have the size
+ * _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call cw_ssi_receive
  * yourself.
  */
 #define LIKA_AMM5_SSI_RECEIVE(code, rx, word) \
-    cw_ssi_receive((rx), \
-        sizeof(rx) * sizeof(char[(sizeof(rx) == LIKA_AMM5_SSI_##code##_RX_BYTES) ? 1 : -1]), \
+    cw_ssi_receive((rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_AMM5_SSI_##code##_RX_BYTES])&(rx))), \
         LIKA_AMM5_SSI_##code##_BITS, (word))
 
 /**
  * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
  * 0 if the manual gives none for this length [5.3].
  */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_ssi_clock_limit_hz(uint32_t cable_m)
 {
     if (cable_m < 50U) {
@@ -255,6 +258,7 @@ typedef struct lika_amm5_ssi_frame {
 } lika_amm5_ssi_frame;
 
 /** Return the number of bits in the word. */
+CW_CONSTEXPR
 static inline uint32_t lika_amm5_ssi_bits(const lika_amm5_ssi *variant)
 {
     return (uint32_t)variant->singleturn_bits + variant->multiturn_bits;
@@ -264,11 +268,12 @@ static inline uint32_t lika_amm5_ssi_bits(const lika_amm5_ssi *variant)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. Its last bit sent is bit 0, and the bits above it are 0.
+ * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_amm5_ssi_decode(
     const lika_amm5_ssi *variant, uint64_t word, lika_amm5_ssi_frame *out)
 {
@@ -285,6 +290,7 @@ static inline cw_result lika_amm5_ssi_decode(
 
 /** Return the verdict on the position, always CW_UNKNOWN, since the frame has no status bit. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_amm5_ssi_verdict(
     const lika_amm5_ssi *variant, const lika_amm5_ssi_frame *frame)
 {
@@ -317,6 +323,7 @@ static inline cw_verdict lika_amm5_ssi_position(
 /* -- positions --------------------------------------------------------------------------------- */
 
 /** Return the number of counts in one revolution [Preliminary information p.7]. */
+CW_CONSTEXPR
 static inline uint64_t lika_amm5_ssi_counts_per_turn(const lika_amm5_ssi *variant)
 {
     return (uint64_t)1U << variant->singleturn_bits;
@@ -325,6 +332,7 @@ static inline uint64_t lika_amm5_ssi_counts_per_turn(const lika_amm5_ssi *varian
 /**
  * Return the number of counts after which the position wraps around to 0, which is all revolutions.
  */
+CW_CONSTEXPR
 static inline uint64_t lika_amm5_ssi_modulus(const lika_amm5_ssi *variant)
 {
     return lika_amm5_ssi_counts_per_turn(variant) * ((uint64_t)1U << variant->multiturn_bits);
@@ -334,6 +342,7 @@ static inline uint64_t lika_amm5_ssi_modulus(const lika_amm5_ssi *variant)
  * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
+CW_CONSTEXPR
 static inline int64_t lika_amm5_ssi_position_difference(
     const lika_amm5_ssi *variant, uint64_t now, uint64_t before)
 {
@@ -341,6 +350,7 @@ static inline int64_t lika_amm5_ssi_position_difference(
 }
 
 /** Convert a position to revolutions. */
+CW_CONSTEXPR
 static inline double lika_amm5_ssi_turns(const lika_amm5_ssi *variant, uint64_t position)
 {
     const uint64_t counts = lika_amm5_ssi_counts_per_turn(variant);
@@ -348,6 +358,7 @@ static inline double lika_amm5_ssi_turns(const lika_amm5_ssi *variant, uint64_t 
 }
 
 /** Convert a position to degrees within its revolution, 0 to below 360. */
+CW_CONSTEXPR
 static inline double lika_amm5_ssi_degrees(const lika_amm5_ssi *variant, uint64_t position)
 {
     const uint64_t counts = lika_amm5_ssi_counts_per_turn(variant);

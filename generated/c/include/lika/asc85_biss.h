@@ -17,12 +17,12 @@
  *         ... position ...
  *     }
  *
- * The word comes from a master for BiSS C-mode, or from SPI and DMA by LIKA_ASC85_BISS_RECEIVE.
+ * The word comes from a master for BiSS C-mode, or from SPI and DMA with LIKA_ASC85_BISS_RECEIVE.
  *
- * Further headers of this interface, only for those who need them:
- *   asc85_biss_labels.h          order codes by the text on a label
- *   asc85_biss_reports.h         texts of the reports, alarms and times
- *   asc85_biss_registers.h       registers, and identification by them
+ * More headers of this interface, to include if you need them:
+ *   asc85_biss_labels.h          find the order code that a label shows
+ *   asc85_biss_reports.h         texts that describe reports, alarms and times
+ *   asc85_biss_registers.h       registers, and identification of encoders
  *   asc85_biss_procedures.h      procedures, step by step
  *   asc85_biss_simulate.h        the encoder's side, for simulators and tests
  *
@@ -110,51 +110,47 @@ typedef struct lika_asc85_biss {
     uint8_t position_bits;
 } lika_asc85_biss;
 
-static const lika_asc85_biss LIKA_ASC85_BISS_20_SC1 = { 20U }; /**< ASC8520/SC1 */
-static const lika_asc85_biss LIKA_ASC85_BISS_20_SC2 = { 20U }; /**< ASC8520/SC2 */
-static const lika_asc85_biss LIKA_ASC85_BISS_21_SC1 = { 21U }; /**< ASC8521/SC1 */
-static const lika_asc85_biss LIKA_ASC85_BISS_21_SC2 = { 21U }; /**< ASC8521/SC2 */
-static const lika_asc85_biss LIKA_ASC85_BISS_22_SC1 = { 22U }; /**< ASC8522/SC1 */
-static const lika_asc85_biss LIKA_ASC85_BISS_22_SC2 = { 22U }; /**< ASC8522/SC2 */
-static const lika_asc85_biss LIKA_ASC85_BISS_23_SC1 = { 23U }; /**< ASC8523/SC1 */
-static const lika_asc85_biss LIKA_ASC85_BISS_23_SC2 = { 23U }; /**< ASC8523/SC2 */
-static const lika_asc85_biss LIKA_ASC85_BISS_24_SC1 = { 24U }; /**< ASC8524/SC1 */
-static const lika_asc85_biss LIKA_ASC85_BISS_24_SC2 = { 24U }; /**< ASC8524/SC2 */
-static const lika_asc85_biss LIKA_ASC85_BISS_25_SC1 = { 25U }; /**< ASC8525/SC1 */
-static const lika_asc85_biss LIKA_ASC85_BISS_25_SC2 = { 25U }; /**< ASC8525/SC2 */
+static CW_CONST lika_asc85_biss LIKA_ASC85_BISS_20_SC1 = { 20U }; /**< ASC8520/SC1 */
+static CW_CONST lika_asc85_biss LIKA_ASC85_BISS_20_SC2 = { 20U }; /**< ASC8520/SC2 */
+static CW_CONST lika_asc85_biss LIKA_ASC85_BISS_21_SC1 = { 21U }; /**< ASC8521/SC1 */
+static CW_CONST lika_asc85_biss LIKA_ASC85_BISS_21_SC2 = { 21U }; /**< ASC8521/SC2 */
+static CW_CONST lika_asc85_biss LIKA_ASC85_BISS_22_SC1 = { 22U }; /**< ASC8522/SC1 */
+static CW_CONST lika_asc85_biss LIKA_ASC85_BISS_22_SC2 = { 22U }; /**< ASC8522/SC2 */
+static CW_CONST lika_asc85_biss LIKA_ASC85_BISS_23_SC1 = { 23U }; /**< ASC8523/SC1 */
+static CW_CONST lika_asc85_biss LIKA_ASC85_BISS_23_SC2 = { 23U }; /**< ASC8523/SC2 */
+static CW_CONST lika_asc85_biss LIKA_ASC85_BISS_24_SC1 = { 24U }; /**< ASC8524/SC1 */
+static CW_CONST lika_asc85_biss LIKA_ASC85_BISS_24_SC2 = { 24U }; /**< ASC8524/SC2 */
+static CW_CONST lika_asc85_biss LIKA_ASC85_BISS_25_SC1 = { 25U }; /**< ASC8525/SC1 */
+static CW_CONST lika_asc85_biss LIKA_ASC85_BISS_25_SC2 = { 25U }; /**< ASC8525/SC2 */
 
 /* -- CRCs -------------------------------------------------------------------------------------- */
 
 #ifdef LIKA_CRC_TABLE
-/** Return the remainder of a byte from the table of CRC biss_6. */
-static inline uint8_t lika_asc85_biss_crc_biss_6_entry(uint8_t byte)
-{
-    static const uint8_t entries[256] = {
-        0x00U, 0x0CU, 0x18U, 0x14U, 0x30U, 0x3CU, 0x28U, 0x24U, 0x23U, 0x2FU, 0x3BU, 0x37U,
-        0x13U, 0x1FU, 0x0BU, 0x07U, 0x05U, 0x09U, 0x1DU, 0x11U, 0x35U, 0x39U, 0x2DU, 0x21U,
-        0x26U, 0x2AU, 0x3EU, 0x32U, 0x16U, 0x1AU, 0x0EU, 0x02U, 0x0AU, 0x06U, 0x12U, 0x1EU,
-        0x3AU, 0x36U, 0x22U, 0x2EU, 0x29U, 0x25U, 0x31U, 0x3DU, 0x19U, 0x15U, 0x01U, 0x0DU,
-        0x0FU, 0x03U, 0x17U, 0x1BU, 0x3FU, 0x33U, 0x27U, 0x2BU, 0x2CU, 0x20U, 0x34U, 0x38U,
-        0x1CU, 0x10U, 0x04U, 0x08U, 0x14U, 0x18U, 0x0CU, 0x00U, 0x24U, 0x28U, 0x3CU, 0x30U,
-        0x37U, 0x3BU, 0x2FU, 0x23U, 0x07U, 0x0BU, 0x1FU, 0x13U, 0x11U, 0x1DU, 0x09U, 0x05U,
-        0x21U, 0x2DU, 0x39U, 0x35U, 0x32U, 0x3EU, 0x2AU, 0x26U, 0x02U, 0x0EU, 0x1AU, 0x16U,
-        0x1EU, 0x12U, 0x06U, 0x0AU, 0x2EU, 0x22U, 0x36U, 0x3AU, 0x3DU, 0x31U, 0x25U, 0x29U,
-        0x0DU, 0x01U, 0x15U, 0x19U, 0x1BU, 0x17U, 0x03U, 0x0FU, 0x2BU, 0x27U, 0x33U, 0x3FU,
-        0x38U, 0x34U, 0x20U, 0x2CU, 0x08U, 0x04U, 0x10U, 0x1CU, 0x28U, 0x24U, 0x30U, 0x3CU,
-        0x18U, 0x14U, 0x00U, 0x0CU, 0x0BU, 0x07U, 0x13U, 0x1FU, 0x3BU, 0x37U, 0x23U, 0x2FU,
-        0x2DU, 0x21U, 0x35U, 0x39U, 0x1DU, 0x11U, 0x05U, 0x09U, 0x0EU, 0x02U, 0x16U, 0x1AU,
-        0x3EU, 0x32U, 0x26U, 0x2AU, 0x22U, 0x2EU, 0x3AU, 0x36U, 0x12U, 0x1EU, 0x0AU, 0x06U,
-        0x01U, 0x0DU, 0x19U, 0x15U, 0x31U, 0x3DU, 0x29U, 0x25U, 0x27U, 0x2BU, 0x3FU, 0x33U,
-        0x17U, 0x1BU, 0x0FU, 0x03U, 0x04U, 0x08U, 0x1CU, 0x10U, 0x34U, 0x38U, 0x2CU, 0x20U,
-        0x3CU, 0x30U, 0x24U, 0x28U, 0x0CU, 0x00U, 0x14U, 0x18U, 0x1FU, 0x13U, 0x07U, 0x0BU,
-        0x2FU, 0x23U, 0x37U, 0x3BU, 0x39U, 0x35U, 0x21U, 0x2DU, 0x09U, 0x05U, 0x11U, 0x1DU,
-        0x1AU, 0x16U, 0x02U, 0x0EU, 0x2AU, 0x26U, 0x32U, 0x3EU, 0x36U, 0x3AU, 0x2EU, 0x22U,
-        0x06U, 0x0AU, 0x1EU, 0x12U, 0x15U, 0x19U, 0x0DU, 0x01U, 0x25U, 0x29U, 0x3DU, 0x31U,
-        0x33U, 0x3FU, 0x2BU, 0x27U, 0x03U, 0x0FU, 0x1BU, 0x17U, 0x10U, 0x1CU, 0x08U, 0x04U,
-        0x20U, 0x2CU, 0x38U, 0x34U
-    };
-    return entries[byte];
-}
+/** Remainder of each byte for CRC biss_6. */
+static CW_CONST uint8_t lika_asc85_biss_crc_biss_6_entries[256] = {
+    0x00U, 0x0CU, 0x18U, 0x14U, 0x30U, 0x3CU, 0x28U, 0x24U, 0x23U, 0x2FU, 0x3BU, 0x37U,
+    0x13U, 0x1FU, 0x0BU, 0x07U, 0x05U, 0x09U, 0x1DU, 0x11U, 0x35U, 0x39U, 0x2DU, 0x21U,
+    0x26U, 0x2AU, 0x3EU, 0x32U, 0x16U, 0x1AU, 0x0EU, 0x02U, 0x0AU, 0x06U, 0x12U, 0x1EU,
+    0x3AU, 0x36U, 0x22U, 0x2EU, 0x29U, 0x25U, 0x31U, 0x3DU, 0x19U, 0x15U, 0x01U, 0x0DU,
+    0x0FU, 0x03U, 0x17U, 0x1BU, 0x3FU, 0x33U, 0x27U, 0x2BU, 0x2CU, 0x20U, 0x34U, 0x38U,
+    0x1CU, 0x10U, 0x04U, 0x08U, 0x14U, 0x18U, 0x0CU, 0x00U, 0x24U, 0x28U, 0x3CU, 0x30U,
+    0x37U, 0x3BU, 0x2FU, 0x23U, 0x07U, 0x0BU, 0x1FU, 0x13U, 0x11U, 0x1DU, 0x09U, 0x05U,
+    0x21U, 0x2DU, 0x39U, 0x35U, 0x32U, 0x3EU, 0x2AU, 0x26U, 0x02U, 0x0EU, 0x1AU, 0x16U,
+    0x1EU, 0x12U, 0x06U, 0x0AU, 0x2EU, 0x22U, 0x36U, 0x3AU, 0x3DU, 0x31U, 0x25U, 0x29U,
+    0x0DU, 0x01U, 0x15U, 0x19U, 0x1BU, 0x17U, 0x03U, 0x0FU, 0x2BU, 0x27U, 0x33U, 0x3FU,
+    0x38U, 0x34U, 0x20U, 0x2CU, 0x08U, 0x04U, 0x10U, 0x1CU, 0x28U, 0x24U, 0x30U, 0x3CU,
+    0x18U, 0x14U, 0x00U, 0x0CU, 0x0BU, 0x07U, 0x13U, 0x1FU, 0x3BU, 0x37U, 0x23U, 0x2FU,
+    0x2DU, 0x21U, 0x35U, 0x39U, 0x1DU, 0x11U, 0x05U, 0x09U, 0x0EU, 0x02U, 0x16U, 0x1AU,
+    0x3EU, 0x32U, 0x26U, 0x2AU, 0x22U, 0x2EU, 0x3AU, 0x36U, 0x12U, 0x1EU, 0x0AU, 0x06U,
+    0x01U, 0x0DU, 0x19U, 0x15U, 0x31U, 0x3DU, 0x29U, 0x25U, 0x27U, 0x2BU, 0x3FU, 0x33U,
+    0x17U, 0x1BU, 0x0FU, 0x03U, 0x04U, 0x08U, 0x1CU, 0x10U, 0x34U, 0x38U, 0x2CU, 0x20U,
+    0x3CU, 0x30U, 0x24U, 0x28U, 0x0CU, 0x00U, 0x14U, 0x18U, 0x1FU, 0x13U, 0x07U, 0x0BU,
+    0x2FU, 0x23U, 0x37U, 0x3BU, 0x39U, 0x35U, 0x21U, 0x2DU, 0x09U, 0x05U, 0x11U, 0x1DU,
+    0x1AU, 0x16U, 0x02U, 0x0EU, 0x2AU, 0x26U, 0x32U, 0x3EU, 0x36U, 0x3AU, 0x2EU, 0x22U,
+    0x06U, 0x0AU, 0x1EU, 0x12U, 0x15U, 0x19U, 0x0DU, 0x01U, 0x25U, 0x29U, 0x3DU, 0x31U,
+    0x33U, 0x3FU, 0x2BU, 0x27U, 0x03U, 0x0FU, 0x1BU, 0x17U, 0x10U, 0x1CU, 0x08U, 0x04U,
+    0x20U, 0x2CU, 0x38U, 0x34U
+};
 #endif
 
 /* -- choices that the manual leaves open ------------------------------------------------------- */
@@ -180,6 +176,7 @@ typedef enum lika_asc85_biss_zero_bit {
 } lika_asc85_biss_zero_bit;
 
 /** Number of constant 0 bits between position and error bit of a BiSS frame [6.2.1 p.20]. */
+CW_CONSTEXPR
 static inline uint32_t lika_asc85_biss_zero_bits(lika_asc85_biss_zero_bit zero_bit)
 {
     return (zero_bit == LIKA_ASC85_BISS_ZERO_BIT_AS_PRINTED) ? 1U : 0U;
@@ -285,14 +282,14 @@ typedef enum lika_asc85_biss_report {
 #define LIKA_ASC85_BISS_25_SC2_LEFT_OUT_RX_BYTES 10U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write 25_SC1_AS_PRINTED for example, as in LIKA_ASC85_BISS_25_SC1_AS_PRINTED_BITS. The array rx
- * has its _RX_BYTES: another size does not compile. For buffers of other sizes, call
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be 25_SC1_AS_PRINTED, as in LIKA_ASC85_BISS_25_SC1_AS_PRINTED_BITS. The array rx must
+ * have the size _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call
  * cw_biss_receive yourself.
  */
 #define LIKA_ASC85_BISS_RECEIVE(code, rx, word) \
-    cw_biss_receive((rx), \
-        sizeof(rx) * sizeof(char[(sizeof(rx) == LIKA_ASC85_BISS_##code##_RX_BYTES) ? 1 : -1]), \
+    cw_biss_receive((rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_ASC85_BISS_##code##_RX_BYTES])&(rx))), \
         LIKA_ASC85_BISS_##code##_BITS, (word))
 
 /**
@@ -343,6 +340,7 @@ typedef struct lika_asc85_biss_frame {
 } lika_asc85_biss_frame;
 
 /** Return the number of bits in the word. */
+CW_CONSTEXPR
 static inline uint32_t lika_asc85_biss_bits(
     const lika_asc85_biss *variant, lika_asc85_biss_zero_bit zero_bit)
 {
@@ -359,19 +357,20 @@ static inline uint32_t lika_asc85_biss_bits(
  * bit, with the constant 0 where it is sent) come from public BiSS documents.
  * Erratum biss_crc_start (open, omission).
  * How it folds: the remainder of x^6 is x + 1. By squaring, the remainder of x^12 is x^2 + 1, and
- * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done at
- * 12 with 2 and at 6 with 1, until 6 bits are left.
+ * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done
+ * with the shifts 12 and 2, then 6 and 1, until 6 bits are left.
  */
+CW_CONSTEXPR
 static inline uint32_t lika_asc85_biss_crc(uint64_t word)
 {
 #ifdef LIKA_CRC_TABLE
     const uint32_t low = (uint32_t)word;
     const uint32_t high = (uint32_t)(word >> 32U);
     uint8_t v = (uint8_t)high;
-    v = (uint8_t)(lika_asc85_biss_crc_biss_6_entry(v) ^ (uint8_t)(low >> 24U));
-    v = (uint8_t)(lika_asc85_biss_crc_biss_6_entry(v) ^ (uint8_t)(low >> 16U));
-    v = (uint8_t)(lika_asc85_biss_crc_biss_6_entry(v) ^ (uint8_t)(low >> 8U));
-    v = (uint8_t)(lika_asc85_biss_crc_biss_6_entry(v) ^ (uint8_t)low);
+    v = (uint8_t)(lika_asc85_biss_crc_biss_6_entries[v] ^ (uint8_t)(low >> 24U));
+    v = (uint8_t)(lika_asc85_biss_crc_biss_6_entries[v] ^ (uint8_t)(low >> 16U));
+    v = (uint8_t)(lika_asc85_biss_crc_biss_6_entries[v] ^ (uint8_t)(low >> 8U));
+    v = (uint8_t)(lika_asc85_biss_crc_biss_6_entries[v] ^ (uint8_t)low);
     v = (uint8_t)(((uint32_t)v & 0x3FU) ^ ((uint32_t)v >> 6U) ^ (((uint32_t)v >> 6U) << 1U));
     return v ^ 0x3FU;
 #else
@@ -388,12 +387,13 @@ static inline uint32_t lika_asc85_biss_crc(uint64_t word)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param zero_bit Your answer to what the manual leaves open.
- * @param word The frame as a number. Its last bit sent is bit 0, and the bits above it are 0.
+ * @param zero_bit Your answer to the question that the manual leaves open.
+ * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_decode(
     const lika_asc85_biss *variant, lika_asc85_biss_zero_bit zero_bit, uint64_t word,
     lika_asc85_biss_frame *out)
@@ -416,6 +416,7 @@ static inline cw_result lika_asc85_biss_decode(
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_asc85_biss_verdict(
     const lika_asc85_biss *variant, const lika_asc85_biss_frame *frame)
 {
@@ -452,6 +453,7 @@ static inline cw_verdict lika_asc85_biss_position(
 }
 
 /** Return the active reports, as a mask of LIKA_ASC85_BISS_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_asc85_biss_reports(
     const lika_asc85_biss *variant, const lika_asc85_biss_frame *frame)
 {
@@ -463,6 +465,7 @@ static inline uint32_t lika_asc85_biss_reports(
 /* -- positions --------------------------------------------------------------------------------- */
 
 /** Return the number of counts in one revolution [Preliminary information p.7]. */
+CW_CONSTEXPR
 static inline uint64_t lika_asc85_biss_counts_per_turn(const lika_asc85_biss *variant)
 {
     return (uint64_t)1U << variant->position_bits;
@@ -471,6 +474,7 @@ static inline uint64_t lika_asc85_biss_counts_per_turn(const lika_asc85_biss *va
 /**
  * Return the number of counts after which the position wraps around to 0, which is one revolution.
  */
+CW_CONSTEXPR
 static inline uint64_t lika_asc85_biss_modulus(const lika_asc85_biss *variant)
 {
     return lika_asc85_biss_counts_per_turn(variant);
@@ -480,6 +484,7 @@ static inline uint64_t lika_asc85_biss_modulus(const lika_asc85_biss *variant)
  * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
+CW_CONSTEXPR
 static inline int64_t lika_asc85_biss_position_difference(
     const lika_asc85_biss *variant, uint64_t now, uint64_t before)
 {
@@ -487,6 +492,7 @@ static inline int64_t lika_asc85_biss_position_difference(
 }
 
 /** Convert a position to revolutions. */
+CW_CONSTEXPR
 static inline double lika_asc85_biss_turns(const lika_asc85_biss *variant, uint64_t position)
 {
     const uint64_t counts = lika_asc85_biss_counts_per_turn(variant);
@@ -494,6 +500,7 @@ static inline double lika_asc85_biss_turns(const lika_asc85_biss *variant, uint6
 }
 
 /** Convert a position to degrees within its revolution, 0 to below 360. */
+CW_CONSTEXPR
 static inline double lika_asc85_biss_degrees(const lika_asc85_biss *variant, uint64_t position)
 {
     const uint64_t counts = lika_asc85_biss_counts_per_turn(variant);

@@ -16,6 +16,7 @@ extern "C" {
 
 /** Encode a word. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_encode(
     const lika_asc85_biss *variant, lika_asc85_biss_zero_bit zero_bit,
     const lika_asc85_biss_frame *in, uint64_t *out)

@@ -23,10 +23,10 @@
  * CRC protects them. CW_UNKNOWN does not mean that a word is correct. AT_MOST is the maximum
  * number of counts that the axis can move in the meantime.
  *
- * Each word comes from a master for SSI, or from SPI and DMA by LIKA_ASC85_SSI_RECEIVE.
+ * Each word comes from a master for SSI, or from SPI and DMA with LIKA_ASC85_SSI_RECEIVE.
  *
- * Further headers of this interface, only for those who need them:
- *   asc85_ssi_labels.h           order codes by the text on a label
+ * More headers of this interface, to include if you need them:
+ *   asc85_ssi_labels.h           find the order code that a label shows
  *   asc85_ssi_simulate.h         the encoder's side, for simulators and tests
  *
  * Manual: "ASC85", revision 1.0 of 2017-05-19 (en)
@@ -105,30 +105,30 @@ typedef struct lika_asc85_ssi {
     uint8_t ssi_gray; /**< Code of the SSI word: 1 for Gray, 0 for binary [5 p.15, 5.2 p.16]. */
 } lika_asc85_ssi;
 
-static const lika_asc85_ssi LIKA_ASC85_SSI_20_BG1 = { 20U, 0U }; /**< ASC8520/BG1 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_20_BG2 = { 20U, 0U }; /**< ASC8520/BG2 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_20_GG1 = { 20U, 1U }; /**< ASC8520/GG1 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_20_GG2 = { 20U, 1U }; /**< ASC8520/GG2 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_21_BG1 = { 21U, 0U }; /**< ASC8521/BG1 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_21_BG2 = { 21U, 0U }; /**< ASC8521/BG2 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_21_GG1 = { 21U, 1U }; /**< ASC8521/GG1 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_21_GG2 = { 21U, 1U }; /**< ASC8521/GG2 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_22_BG1 = { 22U, 0U }; /**< ASC8522/BG1 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_22_BG2 = { 22U, 0U }; /**< ASC8522/BG2 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_22_GG1 = { 22U, 1U }; /**< ASC8522/GG1 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_22_GG2 = { 22U, 1U }; /**< ASC8522/GG2 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_23_BG1 = { 23U, 0U }; /**< ASC8523/BG1 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_23_BG2 = { 23U, 0U }; /**< ASC8523/BG2 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_23_GG1 = { 23U, 1U }; /**< ASC8523/GG1 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_23_GG2 = { 23U, 1U }; /**< ASC8523/GG2 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_24_BG1 = { 24U, 0U }; /**< ASC8524/BG1 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_24_BG2 = { 24U, 0U }; /**< ASC8524/BG2 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_24_GG1 = { 24U, 1U }; /**< ASC8524/GG1 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_24_GG2 = { 24U, 1U }; /**< ASC8524/GG2 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_25_BG1 = { 25U, 0U }; /**< ASC8525/BG1 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_25_BG2 = { 25U, 0U }; /**< ASC8525/BG2 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_25_GG1 = { 25U, 1U }; /**< ASC8525/GG1 */
-static const lika_asc85_ssi LIKA_ASC85_SSI_25_GG2 = { 25U, 1U }; /**< ASC8525/GG2 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_20_BG1 = { 20U, 0U }; /**< ASC8520/BG1 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_20_BG2 = { 20U, 0U }; /**< ASC8520/BG2 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_20_GG1 = { 20U, 1U }; /**< ASC8520/GG1 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_20_GG2 = { 20U, 1U }; /**< ASC8520/GG2 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_21_BG1 = { 21U, 0U }; /**< ASC8521/BG1 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_21_BG2 = { 21U, 0U }; /**< ASC8521/BG2 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_21_GG1 = { 21U, 1U }; /**< ASC8521/GG1 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_21_GG2 = { 21U, 1U }; /**< ASC8521/GG2 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_22_BG1 = { 22U, 0U }; /**< ASC8522/BG1 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_22_BG2 = { 22U, 0U }; /**< ASC8522/BG2 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_22_GG1 = { 22U, 1U }; /**< ASC8522/GG1 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_22_GG2 = { 22U, 1U }; /**< ASC8522/GG2 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_23_BG1 = { 23U, 0U }; /**< ASC8523/BG1 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_23_BG2 = { 23U, 0U }; /**< ASC8523/BG2 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_23_GG1 = { 23U, 1U }; /**< ASC8523/GG1 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_23_GG2 = { 23U, 1U }; /**< ASC8523/GG2 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_24_BG1 = { 24U, 0U }; /**< ASC8524/BG1 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_24_BG2 = { 24U, 0U }; /**< ASC8524/BG2 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_24_GG1 = { 24U, 1U }; /**< ASC8524/GG1 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_24_GG2 = { 24U, 1U }; /**< ASC8524/GG2 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_25_BG1 = { 25U, 0U }; /**< ASC8525/BG1 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_25_BG2 = { 25U, 0U }; /**< ASC8525/BG2 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_25_GG1 = { 25U, 1U }; /**< ASC8525/GG1 */
+static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_25_GG2 = { 25U, 1U }; /**< ASC8525/GG2 */
 
 /* -- SSI --------------------------------------------------------------------------------------- */
 
@@ -213,19 +213,20 @@ static const lika_asc85_ssi LIKA_ASC85_SSI_25_GG2 = { 25U, 1U }; /**< ASC8525/GG
 #define LIKA_ASC85_SSI_25_GG2_RX_BYTES 4U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write 25_GG1 for example, as in LIKA_ASC85_SSI_25_GG1_BITS. The array rx has its _RX_BYTES:
- * another size does not compile. For buffers of other sizes, call cw_ssi_receive yourself.
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be 25_GG1, as in LIKA_ASC85_SSI_25_GG1_BITS. The array rx must have the size _RX_BYTES.
+ * Another size, or a pointer, does not compile. For other buffers, call cw_ssi_receive yourself.
  */
 #define LIKA_ASC85_SSI_RECEIVE(code, rx, word) \
-    cw_ssi_receive((rx), \
-        sizeof(rx) * sizeof(char[(sizeof(rx) == LIKA_ASC85_SSI_##code##_RX_BYTES) ? 1 : -1]), \
+    cw_ssi_receive((rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_ASC85_SSI_##code##_RX_BYTES])&(rx))), \
         LIKA_ASC85_SSI_##code##_BITS, (word))
 
 /**
  * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
  * 0 if the manual gives none for this length [5.3 p.17].
  */
+CW_CONSTEXPR
 static inline uint32_t lika_asc85_ssi_clock_limit_hz(uint32_t cable_m)
 {
     if (cable_m < 50U) {
@@ -260,6 +261,7 @@ typedef struct lika_asc85_ssi_frame {
 } lika_asc85_ssi_frame;
 
 /** Return the number of bits in the word. */
+CW_CONSTEXPR
 static inline uint32_t lika_asc85_ssi_bits(const lika_asc85_ssi *variant)
 {
     return variant->position_bits;
@@ -269,11 +271,12 @@ static inline uint32_t lika_asc85_ssi_bits(const lika_asc85_ssi *variant)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. Its last bit sent is bit 0, and the bits above it are 0.
+ * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_ssi_decode(
     const lika_asc85_ssi *variant, uint64_t word, lika_asc85_ssi_frame *out)
 {
@@ -289,6 +292,7 @@ static inline cw_result lika_asc85_ssi_decode(
 
 /** Return the verdict on the position, always CW_UNKNOWN, since the frame has no status bit. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_asc85_ssi_verdict(
     const lika_asc85_ssi *variant, const lika_asc85_ssi_frame *frame)
 {
@@ -321,6 +325,7 @@ static inline cw_verdict lika_asc85_ssi_position(
 /* -- positions --------------------------------------------------------------------------------- */
 
 /** Return the number of counts in one revolution [Preliminary information p.7]. */
+CW_CONSTEXPR
 static inline uint64_t lika_asc85_ssi_counts_per_turn(const lika_asc85_ssi *variant)
 {
     return (uint64_t)1U << variant->position_bits;
@@ -329,6 +334,7 @@ static inline uint64_t lika_asc85_ssi_counts_per_turn(const lika_asc85_ssi *vari
 /**
  * Return the number of counts after which the position wraps around to 0, which is one revolution.
  */
+CW_CONSTEXPR
 static inline uint64_t lika_asc85_ssi_modulus(const lika_asc85_ssi *variant)
 {
     return lika_asc85_ssi_counts_per_turn(variant);
@@ -338,6 +344,7 @@ static inline uint64_t lika_asc85_ssi_modulus(const lika_asc85_ssi *variant)
  * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
+CW_CONSTEXPR
 static inline int64_t lika_asc85_ssi_position_difference(
     const lika_asc85_ssi *variant, uint64_t now, uint64_t before)
 {
@@ -345,6 +352,7 @@ static inline int64_t lika_asc85_ssi_position_difference(
 }
 
 /** Convert a position to revolutions. */
+CW_CONSTEXPR
 static inline double lika_asc85_ssi_turns(const lika_asc85_ssi *variant, uint64_t position)
 {
     const uint64_t counts = lika_asc85_ssi_counts_per_turn(variant);
@@ -352,6 +360,7 @@ static inline double lika_asc85_ssi_turns(const lika_asc85_ssi *variant, uint64_
 }
 
 /** Convert a position to degrees within its revolution, 0 to below 360. */
+CW_CONSTEXPR
 static inline double lika_asc85_ssi_degrees(const lika_asc85_ssi *variant, uint64_t position)
 {
     const uint64_t counts = lika_asc85_ssi_counts_per_turn(variant);

@@ -16,6 +16,7 @@ extern "C" {
 
 /** Encode a word. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_asc85_ssi_encode(
     const lika_asc85_ssi *variant, const lika_asc85_ssi_frame *in, uint64_t *out)
 {

@@ -15,20 +15,20 @@
  *         ... position ...
  *     }
  *
- * The word comes from a master for BiSS C-mode, or from SPI and DMA by LIKA_SMA21_BISS_RECEIVE.
+ * The word comes from a master for BiSS C-mode, or from SPI and DMA with LIKA_SMA21_BISS_RECEIVE.
  *
- * Further headers of this interface, only for those who need them:
- *   sma21_biss_labels.h          order codes by the text on a label
- *   sma21_biss_reports.h         texts of the reports, alarms and times
- *   sma21_biss_registers.h       registers, and identification by them
+ * More headers of this interface, to include if you need them:
+ *   sma21_biss_labels.h          find the order code that a label shows
+ *   sma21_biss_reports.h         texts that describe reports, alarms and times
+ *   sma21_biss_registers.h       registers, and identification of encoders
  *   sma21_biss_procedures.h      procedures, step by step
  *   sma21_biss_simulate.h        the encoder's side, for simulators and tests
  *
  * Manual: "SMA21 + MTA-A154", revision 1.2 of 2024-05-10 (it)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. To generate files for one, use
- * codewheel generate --edition sma21=1.0.
+ * Differences from other editions of the manual are noted inline. For the files of another edition,
+ * use codewheel generate --edition sma21=1.0.
  * Before edition 1.1: may differ, see the page of the encoder.
  *
  * Other documents, cited by the word before the colon:
@@ -134,29 +134,30 @@ typedef struct lika_sma21_biss {
 } lika_sma21_biss;
 
 /** SMA21-SC1-0050 */
-static const lika_sma21_biss LIKA_SMA21_BISS_SC1_0050 = { 50U, 20U, 4U, 0U, 0x2814U, 1U };
+static CW_CONST lika_sma21_biss LIKA_SMA21_BISS_SC1_0050 = { 50U, 20U, 4U, 0U, 0x2814U, 1U };
 /** SMA21-SC1-0010 */
-static const lika_sma21_biss LIKA_SMA21_BISS_SC1_0010 = { 10U, 22U, 2U, 0U, 0x2816U, 1U };
+static CW_CONST lika_sma21_biss LIKA_SMA21_BISS_SC1_0010 = { 10U, 22U, 2U, 0U, 0x2816U, 1U };
 /** SMA21-SC1-0005 */
-static const lika_sma21_biss LIKA_SMA21_BISS_SC1_0005 = { 5U, 23U, 1U, 0U, 0x2817U, 1U };
+static CW_CONST lika_sma21_biss LIKA_SMA21_BISS_SC1_0005 = { 5U, 23U, 1U, 0U, 0x2817U, 1U };
 /** SMA21-SC1-0002 */
-static const lika_sma21_biss LIKA_SMA21_BISS_SC1_0002 = { 2U, 24U, 0U, 0U, 0x2818U, 1U };
+static CW_CONST lika_sma21_biss LIKA_SMA21_BISS_SC1_0002 = { 2U, 24U, 0U, 0U, 0x2818U, 1U };
 /** SMA21-SC1-0001 */
-static const lika_sma21_biss LIKA_SMA21_BISS_SC1_0001 = { 1U, 25U, 0U, 0U, 0x2819U, 1U };
+static CW_CONST lika_sma21_biss LIKA_SMA21_BISS_SC1_0001 = { 1U, 25U, 0U, 0U, 0x2819U, 1U };
 /** SMA21-SC4-0050 */
-static const lika_sma21_biss LIKA_SMA21_BISS_SC4_0050 = { 50U, 20U, 4U, 0U, 0x2814U, 1U };
+static CW_CONST lika_sma21_biss LIKA_SMA21_BISS_SC4_0050 = { 50U, 20U, 4U, 0U, 0x2814U, 1U };
 /** SMA21-SC4-0010 */
-static const lika_sma21_biss LIKA_SMA21_BISS_SC4_0010 = { 10U, 22U, 2U, 0U, 0x2816U, 1U };
+static CW_CONST lika_sma21_biss LIKA_SMA21_BISS_SC4_0010 = { 10U, 22U, 2U, 0U, 0x2816U, 1U };
 /** SMA21-SC4-0005 */
-static const lika_sma21_biss LIKA_SMA21_BISS_SC4_0005 = { 5U, 23U, 1U, 0U, 0x2817U, 1U };
+static CW_CONST lika_sma21_biss LIKA_SMA21_BISS_SC4_0005 = { 5U, 23U, 1U, 0U, 0x2817U, 1U };
 /** SMA21-SC4-0002 */
-static const lika_sma21_biss LIKA_SMA21_BISS_SC4_0002 = { 2U, 24U, 0U, 0U, 0x2818U, 1U };
+static CW_CONST lika_sma21_biss LIKA_SMA21_BISS_SC4_0002 = { 2U, 24U, 0U, 0U, 0x2818U, 1U };
 /** SMA21-SC4-0001 */
-static const lika_sma21_biss LIKA_SMA21_BISS_SC4_0001 = { 1U, 25U, 0U, 0U, 0x2819U, 1U };
+static CW_CONST lika_sma21_biss LIKA_SMA21_BISS_SC4_0001 = { 1U, 25U, 0U, 0U, 0x2819U, 1U };
 
 /**
  * Width of the position field of the BiSS single cycle data, 24 or 25 bits [6.2 p.25]. Unit: bits.
  */
+CW_CONSTEXPR
 static inline uint32_t lika_sma21_biss_scd_position_bits(const lika_sma21_biss *variant)
 {
     return (uint32_t)variant->position_bits + variant->scd_padding_bits;
@@ -166,6 +167,7 @@ static inline uint32_t lika_sma21_biss_scd_position_bits(const lika_sma21_biss *
  * Width of the position in the BiSS single cycle data. It is the whole field while an offset is
  * selected [6.2 p.25, 6.4 p.32]. Unit: bits.
  */
+CW_CONSTEXPR
 static inline uint32_t lika_sma21_biss_scd_value_bits(const lika_sma21_biss *variant)
 {
     return (uint32_t)variant->position_bits +
@@ -175,6 +177,7 @@ static inline uint32_t lika_sma21_biss_scd_value_bits(const lika_sma21_biss *var
 /**
  * Position encoding in the BiSS single cycle data: 1 for Gray code, 0 for binary code [6.4 p.31].
  */
+CW_CONSTEXPR
 static inline uint32_t lika_sma21_biss_biss_gray(const lika_sma21_biss *variant)
 {
     return 1U - variant->output_code;
@@ -183,35 +186,31 @@ static inline uint32_t lika_sma21_biss_biss_gray(const lika_sma21_biss *variant)
 /* -- CRCs -------------------------------------------------------------------------------------- */
 
 #ifdef LIKA_CRC_TABLE
-/** Return the remainder of a byte from the table of CRC biss_6. */
-static inline uint8_t lika_sma21_biss_crc_biss_6_entry(uint8_t byte)
-{
-    static const uint8_t entries[256] = {
-        0x00U, 0x0CU, 0x18U, 0x14U, 0x30U, 0x3CU, 0x28U, 0x24U, 0x23U, 0x2FU, 0x3BU, 0x37U,
-        0x13U, 0x1FU, 0x0BU, 0x07U, 0x05U, 0x09U, 0x1DU, 0x11U, 0x35U, 0x39U, 0x2DU, 0x21U,
-        0x26U, 0x2AU, 0x3EU, 0x32U, 0x16U, 0x1AU, 0x0EU, 0x02U, 0x0AU, 0x06U, 0x12U, 0x1EU,
-        0x3AU, 0x36U, 0x22U, 0x2EU, 0x29U, 0x25U, 0x31U, 0x3DU, 0x19U, 0x15U, 0x01U, 0x0DU,
-        0x0FU, 0x03U, 0x17U, 0x1BU, 0x3FU, 0x33U, 0x27U, 0x2BU, 0x2CU, 0x20U, 0x34U, 0x38U,
-        0x1CU, 0x10U, 0x04U, 0x08U, 0x14U, 0x18U, 0x0CU, 0x00U, 0x24U, 0x28U, 0x3CU, 0x30U,
-        0x37U, 0x3BU, 0x2FU, 0x23U, 0x07U, 0x0BU, 0x1FU, 0x13U, 0x11U, 0x1DU, 0x09U, 0x05U,
-        0x21U, 0x2DU, 0x39U, 0x35U, 0x32U, 0x3EU, 0x2AU, 0x26U, 0x02U, 0x0EU, 0x1AU, 0x16U,
-        0x1EU, 0x12U, 0x06U, 0x0AU, 0x2EU, 0x22U, 0x36U, 0x3AU, 0x3DU, 0x31U, 0x25U, 0x29U,
-        0x0DU, 0x01U, 0x15U, 0x19U, 0x1BU, 0x17U, 0x03U, 0x0FU, 0x2BU, 0x27U, 0x33U, 0x3FU,
-        0x38U, 0x34U, 0x20U, 0x2CU, 0x08U, 0x04U, 0x10U, 0x1CU, 0x28U, 0x24U, 0x30U, 0x3CU,
-        0x18U, 0x14U, 0x00U, 0x0CU, 0x0BU, 0x07U, 0x13U, 0x1FU, 0x3BU, 0x37U, 0x23U, 0x2FU,
-        0x2DU, 0x21U, 0x35U, 0x39U, 0x1DU, 0x11U, 0x05U, 0x09U, 0x0EU, 0x02U, 0x16U, 0x1AU,
-        0x3EU, 0x32U, 0x26U, 0x2AU, 0x22U, 0x2EU, 0x3AU, 0x36U, 0x12U, 0x1EU, 0x0AU, 0x06U,
-        0x01U, 0x0DU, 0x19U, 0x15U, 0x31U, 0x3DU, 0x29U, 0x25U, 0x27U, 0x2BU, 0x3FU, 0x33U,
-        0x17U, 0x1BU, 0x0FU, 0x03U, 0x04U, 0x08U, 0x1CU, 0x10U, 0x34U, 0x38U, 0x2CU, 0x20U,
-        0x3CU, 0x30U, 0x24U, 0x28U, 0x0CU, 0x00U, 0x14U, 0x18U, 0x1FU, 0x13U, 0x07U, 0x0BU,
-        0x2FU, 0x23U, 0x37U, 0x3BU, 0x39U, 0x35U, 0x21U, 0x2DU, 0x09U, 0x05U, 0x11U, 0x1DU,
-        0x1AU, 0x16U, 0x02U, 0x0EU, 0x2AU, 0x26U, 0x32U, 0x3EU, 0x36U, 0x3AU, 0x2EU, 0x22U,
-        0x06U, 0x0AU, 0x1EU, 0x12U, 0x15U, 0x19U, 0x0DU, 0x01U, 0x25U, 0x29U, 0x3DU, 0x31U,
-        0x33U, 0x3FU, 0x2BU, 0x27U, 0x03U, 0x0FU, 0x1BU, 0x17U, 0x10U, 0x1CU, 0x08U, 0x04U,
-        0x20U, 0x2CU, 0x38U, 0x34U
-    };
-    return entries[byte];
-}
+/** Remainder of each byte for CRC biss_6. */
+static CW_CONST uint8_t lika_sma21_biss_crc_biss_6_entries[256] = {
+    0x00U, 0x0CU, 0x18U, 0x14U, 0x30U, 0x3CU, 0x28U, 0x24U, 0x23U, 0x2FU, 0x3BU, 0x37U,
+    0x13U, 0x1FU, 0x0BU, 0x07U, 0x05U, 0x09U, 0x1DU, 0x11U, 0x35U, 0x39U, 0x2DU, 0x21U,
+    0x26U, 0x2AU, 0x3EU, 0x32U, 0x16U, 0x1AU, 0x0EU, 0x02U, 0x0AU, 0x06U, 0x12U, 0x1EU,
+    0x3AU, 0x36U, 0x22U, 0x2EU, 0x29U, 0x25U, 0x31U, 0x3DU, 0x19U, 0x15U, 0x01U, 0x0DU,
+    0x0FU, 0x03U, 0x17U, 0x1BU, 0x3FU, 0x33U, 0x27U, 0x2BU, 0x2CU, 0x20U, 0x34U, 0x38U,
+    0x1CU, 0x10U, 0x04U, 0x08U, 0x14U, 0x18U, 0x0CU, 0x00U, 0x24U, 0x28U, 0x3CU, 0x30U,
+    0x37U, 0x3BU, 0x2FU, 0x23U, 0x07U, 0x0BU, 0x1FU, 0x13U, 0x11U, 0x1DU, 0x09U, 0x05U,
+    0x21U, 0x2DU, 0x39U, 0x35U, 0x32U, 0x3EU, 0x2AU, 0x26U, 0x02U, 0x0EU, 0x1AU, 0x16U,
+    0x1EU, 0x12U, 0x06U, 0x0AU, 0x2EU, 0x22U, 0x36U, 0x3AU, 0x3DU, 0x31U, 0x25U, 0x29U,
+    0x0DU, 0x01U, 0x15U, 0x19U, 0x1BU, 0x17U, 0x03U, 0x0FU, 0x2BU, 0x27U, 0x33U, 0x3FU,
+    0x38U, 0x34U, 0x20U, 0x2CU, 0x08U, 0x04U, 0x10U, 0x1CU, 0x28U, 0x24U, 0x30U, 0x3CU,
+    0x18U, 0x14U, 0x00U, 0x0CU, 0x0BU, 0x07U, 0x13U, 0x1FU, 0x3BU, 0x37U, 0x23U, 0x2FU,
+    0x2DU, 0x21U, 0x35U, 0x39U, 0x1DU, 0x11U, 0x05U, 0x09U, 0x0EU, 0x02U, 0x16U, 0x1AU,
+    0x3EU, 0x32U, 0x26U, 0x2AU, 0x22U, 0x2EU, 0x3AU, 0x36U, 0x12U, 0x1EU, 0x0AU, 0x06U,
+    0x01U, 0x0DU, 0x19U, 0x15U, 0x31U, 0x3DU, 0x29U, 0x25U, 0x27U, 0x2BU, 0x3FU, 0x33U,
+    0x17U, 0x1BU, 0x0FU, 0x03U, 0x04U, 0x08U, 0x1CU, 0x10U, 0x34U, 0x38U, 0x2CU, 0x20U,
+    0x3CU, 0x30U, 0x24U, 0x28U, 0x0CU, 0x00U, 0x14U, 0x18U, 0x1FU, 0x13U, 0x07U, 0x0BU,
+    0x2FU, 0x23U, 0x37U, 0x3BU, 0x39U, 0x35U, 0x21U, 0x2DU, 0x09U, 0x05U, 0x11U, 0x1DU,
+    0x1AU, 0x16U, 0x02U, 0x0EU, 0x2AU, 0x26U, 0x32U, 0x3EU, 0x36U, 0x3AU, 0x2EU, 0x22U,
+    0x06U, 0x0AU, 0x1EU, 0x12U, 0x15U, 0x19U, 0x0DU, 0x01U, 0x25U, 0x29U, 0x3DU, 0x31U,
+    0x33U, 0x3FU, 0x2BU, 0x27U, 0x03U, 0x0FU, 0x1BU, 0x17U, 0x10U, 0x1CU, 0x08U, 0x04U,
+    0x20U, 0x2CU, 0x38U, 0x34U
+};
 #endif
 
 /* -- reports ----------------------------------------------------------------------------------- */
@@ -292,13 +291,14 @@ typedef enum lika_sma21_biss_report {
 #define LIKA_SMA21_BISS_SC4_0001_RX_BYTES 10U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write SC1_0050 for example, as in LIKA_SMA21_BISS_SC1_0050_BITS. The array rx has its _RX_BYTES:
- * another size does not compile. For buffers of other sizes, call cw_biss_receive yourself.
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be SC1_0050, as in LIKA_SMA21_BISS_SC1_0050_BITS. The array rx must have the size
+ * _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call cw_biss_receive
+ * yourself.
  */
 #define LIKA_SMA21_BISS_RECEIVE(code, rx, word) \
-    cw_biss_receive((rx), \
-        sizeof(rx) * sizeof(char[(sizeof(rx) == LIKA_SMA21_BISS_##code##_RX_BYTES) ? 1 : -1]), \
+    cw_biss_receive((rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_SMA21_BISS_##code##_RX_BYTES])&(rx))), \
         LIKA_SMA21_BISS_##code##_BITS, (word))
 
 /**
@@ -361,6 +361,7 @@ typedef struct lika_sma21_biss_frame {
 } lika_sma21_biss_frame;
 
 /** Return the number of bits in the word. */
+CW_CONSTEXPR
 static inline uint32_t lika_sma21_biss_bits(const lika_sma21_biss *variant)
 {
     return 8U + variant->position_bits + variant->scd_padding_bits;
@@ -376,19 +377,20 @@ static inline uint32_t lika_sma21_biss_bits(const lika_sma21_biss *variant)
  * public BiSS documents.
  * Erratum biss_crc_start (open, omission).
  * How it folds: the remainder of x^6 is x + 1. By squaring, the remainder of x^12 is x^2 + 1, and
- * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done at
- * 12 with 2 and at 6 with 1, until 6 bits are left.
+ * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done
+ * with the shifts 12 and 2, then 6 and 1, until 6 bits are left.
  */
+CW_CONSTEXPR
 static inline uint32_t lika_sma21_biss_crc(uint64_t word)
 {
 #ifdef LIKA_CRC_TABLE
     const uint32_t low = (uint32_t)word;
     const uint32_t high = (uint32_t)(word >> 32U);
     uint8_t v = (uint8_t)high;
-    v = (uint8_t)(lika_sma21_biss_crc_biss_6_entry(v) ^ (uint8_t)(low >> 24U));
-    v = (uint8_t)(lika_sma21_biss_crc_biss_6_entry(v) ^ (uint8_t)(low >> 16U));
-    v = (uint8_t)(lika_sma21_biss_crc_biss_6_entry(v) ^ (uint8_t)(low >> 8U));
-    v = (uint8_t)(lika_sma21_biss_crc_biss_6_entry(v) ^ (uint8_t)low);
+    v = (uint8_t)(lika_sma21_biss_crc_biss_6_entries[v] ^ (uint8_t)(low >> 24U));
+    v = (uint8_t)(lika_sma21_biss_crc_biss_6_entries[v] ^ (uint8_t)(low >> 16U));
+    v = (uint8_t)(lika_sma21_biss_crc_biss_6_entries[v] ^ (uint8_t)(low >> 8U));
+    v = (uint8_t)(lika_sma21_biss_crc_biss_6_entries[v] ^ (uint8_t)low);
     v = (uint8_t)(((uint32_t)v & 0x3FU) ^ ((uint32_t)v >> 6U) ^ (((uint32_t)v >> 6U) << 1U));
     return v ^ 0x3FU;
 #else
@@ -405,11 +407,12 @@ static inline uint32_t lika_sma21_biss_crc(uint64_t word)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. Its last bit sent is bit 0, and the bits above it are 0.
+ * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_decode(
     const lika_sma21_biss *variant, uint64_t word, lika_sma21_biss_frame *out)
 {
@@ -434,6 +437,7 @@ static inline cw_result lika_sma21_biss_decode(
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_sma21_biss_verdict(
     const lika_sma21_biss *variant, const lika_sma21_biss_frame *frame)
 {
@@ -469,6 +473,7 @@ static inline cw_verdict lika_sma21_biss_position(
 }
 
 /** Return the active reports, as a mask of LIKA_SMA21_BISS_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_sma21_biss_reports(
     const lika_sma21_biss *variant, const lika_sma21_biss_frame *frame)
 {
@@ -485,6 +490,7 @@ static inline uint32_t lika_sma21_biss_reports(
  * Return the number of counts after which the position wraps around to 0 [5.2 p.20, 6.2 p.25, 6.4
  * p.32]. An offset raises all positions, up to 2^scd_value_bits - 1.
  */
+CW_CONSTEXPR
 static inline uint64_t lika_sma21_biss_modulus(const lika_sma21_biss *variant)
 {
     return (uint64_t)1U << variant->position_bits;
@@ -494,6 +500,7 @@ static inline uint64_t lika_sma21_biss_modulus(const lika_sma21_biss *variant)
  * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
+CW_CONSTEXPR
 static inline int64_t lika_sma21_biss_position_difference(
     const lika_sma21_biss *variant, uint64_t now, uint64_t before)
 {
@@ -504,6 +511,7 @@ static inline int64_t lika_sma21_biss_position_difference(
  * Convert a position to micrometres [5.2 p.20, 6.2 p.25, 6.4 p.32]. The product must fit in 64
  * bits.
  */
+CW_CONSTEXPR
 static inline int64_t lika_sma21_biss_micrometres(const lika_sma21_biss *variant, int64_t position)
 {
     const int64_t step = (int64_t)variant->resolution_um;
@@ -511,6 +519,7 @@ static inline int64_t lika_sma21_biss_micrometres(const lika_sma21_biss *variant
 }
 
 /** Convert a position to millimetres. */
+CW_CONSTEXPR
 static inline double lika_sma21_biss_millimetres(const lika_sma21_biss *variant, int64_t position)
 {
     const int64_t micrometres = lika_sma21_biss_micrometres(variant, position);

@@ -16,6 +16,7 @@ extern "C" {
 
 /** Encode a word. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_encode(
     const lika_sma21_biss *variant, const lika_sma21_biss_frame *in, uint64_t *out)
 {

@@ -19,17 +19,17 @@
  * The bytes are the reply to LIKA_SMA21_RS485_CONTROL_POSITION. cw_rs485_ask and cw_rs485_take in
  * codewheel/receive.h collect them from a serial port.
  *
- * Further headers of this interface, only for those who need them:
- *   sma21_rs485_labels.h         order codes by the text on a label
- *   sma21_rs485_reports.h        texts of the reports, alarms and times
+ * More headers of this interface, to include if you need them:
+ *   sma21_rs485_labels.h         find the order code that a label shows
+ *   sma21_rs485_reports.h        texts that describe reports, alarms and times
  *   sma21_rs485_procedures.h     procedures, step by step
  *   sma21_rs485_simulate.h       the encoder's side, for simulators and tests
  *
  * Manual: "SMA21 + MTA-A154", revision 1.2 of 2024-05-10 (it)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. To generate files for one, use
- * codewheel generate --edition sma21=1.0.
+ * Differences from other editions of the manual are noted inline. For the files of another edition,
+ * use codewheel generate --edition sma21=1.0.
  * Before edition 1.1: may differ, see the page of the encoder.
  *
  * Other documents, cited by the word before the colon:
@@ -108,11 +108,11 @@ typedef struct lika_sma21_rs485 {
     uint8_t rs485_position_bits;
 } lika_sma21_rs485;
 
-static const lika_sma21_rs485 LIKA_SMA21_RS485_JP1_0050 = { 50U, 20U }; /**< SMA21-JP1-0050 */
-static const lika_sma21_rs485 LIKA_SMA21_RS485_JP1_0010 = { 10U, 22U }; /**< SMA21-JP1-0010 */
-static const lika_sma21_rs485 LIKA_SMA21_RS485_JP1_0005 = { 5U, 23U }; /**< SMA21-JP1-0005 */
-static const lika_sma21_rs485 LIKA_SMA21_RS485_JP1_0002 = { 2U, 24U }; /**< SMA21-JP1-0002 */
-static const lika_sma21_rs485 LIKA_SMA21_RS485_JP1_0001 = { 1U, 24U }; /**< SMA21-JP1-0001 */
+static CW_CONST lika_sma21_rs485 LIKA_SMA21_RS485_JP1_0050 = { 50U, 20U }; /**< SMA21-JP1-0050 */
+static CW_CONST lika_sma21_rs485 LIKA_SMA21_RS485_JP1_0010 = { 10U, 22U }; /**< SMA21-JP1-0010 */
+static CW_CONST lika_sma21_rs485 LIKA_SMA21_RS485_JP1_0005 = { 5U, 23U }; /**< SMA21-JP1-0005 */
+static CW_CONST lika_sma21_rs485 LIKA_SMA21_RS485_JP1_0002 = { 2U, 24U }; /**< SMA21-JP1-0002 */
+static CW_CONST lika_sma21_rs485 LIKA_SMA21_RS485_JP1_0001 = { 1U, 24U }; /**< SMA21-JP1-0001 */
 
 /* -- CRCs -------------------------------------------------------------------------------------- */
 
@@ -125,11 +125,11 @@ static const lika_sma21_rs485 LIKA_SMA21_RS485_JP1_0001 = { 1U, 24U }; /**< SMA2
  * are consistent with a start value of 0.
  * With this polynomial, the CRC of whole bytes is their XOR.
  */
+CW_CONSTEXPR
 static inline uint8_t lika_sma21_rs485_crc_rs485_8(const uint8_t *bytes, size_t length)
 {
-    size_t index;
     uint8_t crc = 0x00U;
-    for (index = 0U; index < length; index++) {
+    for (size_t index = 0U; index < length; index++) {
         crc = (uint8_t)(crc ^ bytes[index]);
     }
     return crc;
@@ -244,6 +244,7 @@ typedef struct lika_sma21_rs485_data_request {
 
 /** Encode 1 byte. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_data_request_encode(
     const lika_sma21_rs485 *variant, const lika_sma21_rs485_data_request *in, uint8_t *bytes,
     size_t length)
@@ -362,6 +363,7 @@ typedef struct lika_sma21_rs485_position_reply {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_position_reply_decode(
     const lika_sma21_rs485 *variant, const uint8_t *bytes, size_t length,
     lika_sma21_rs485_position_reply *out)
@@ -409,6 +411,7 @@ static inline cw_result lika_sma21_rs485_position_reply_decode(
 }
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_sma21_rs485_position_reply_is_expected(
     const lika_sma21_rs485 *variant, const lika_sma21_rs485_position_reply *in)
 {
@@ -418,6 +421,7 @@ static inline bool lika_sma21_rs485_position_reply_is_expected(
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_sma21_rs485_position_reply_verdict(
     const lika_sma21_rs485 *variant, const lika_sma21_rs485_position_reply *frame)
 {
@@ -435,6 +439,7 @@ static inline cw_verdict lika_sma21_rs485_position_reply_verdict(
 }
 
 /** Return the active reports, as a mask of LIKA_SMA21_RS485_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_sma21_rs485_position_reply_reports(
     const lika_sma21_rs485 *variant, const lika_sma21_rs485_position_reply *frame)
 {
@@ -518,6 +523,7 @@ typedef struct lika_sma21_rs485_wide_position_reply {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_wide_position_reply_decode(
     const lika_sma21_rs485 *variant, const uint8_t *bytes, size_t length,
     lika_sma21_rs485_wide_position_reply *out)
@@ -549,6 +555,7 @@ static inline cw_result lika_sma21_rs485_wide_position_reply_decode(
 }
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_sma21_rs485_wide_position_reply_is_expected(
     const lika_sma21_rs485 *variant, const lika_sma21_rs485_wide_position_reply *in)
 {
@@ -558,6 +565,7 @@ static inline bool lika_sma21_rs485_wide_position_reply_is_expected(
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_sma21_rs485_wide_position_reply_verdict(
     const lika_sma21_rs485 *variant, const lika_sma21_rs485_wide_position_reply *frame)
 {
@@ -572,6 +580,7 @@ static inline cw_verdict lika_sma21_rs485_wide_position_reply_verdict(
 }
 
 /** Return the active reports, as a mask of LIKA_SMA21_RS485_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_sma21_rs485_wide_position_reply_reports(
     const lika_sma21_rs485 *variant, const lika_sma21_rs485_wide_position_reply *frame)
 {
@@ -682,6 +691,7 @@ typedef struct lika_sma21_rs485_identification_reply {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_identification_reply_decode(
     const lika_sma21_rs485 *variant, const uint8_t *bytes, size_t length,
     lika_sma21_rs485_identification_reply *out)
@@ -729,6 +739,7 @@ static inline cw_result lika_sma21_rs485_identification_reply_decode(
 }
 
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
+CW_CONSTEXPR
 static inline bool lika_sma21_rs485_identification_reply_is_expected(
     const lika_sma21_rs485 *variant, const lika_sma21_rs485_identification_reply *in)
 {
@@ -738,6 +749,7 @@ static inline bool lika_sma21_rs485_identification_reply_is_expected(
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_sma21_rs485_identification_reply_verdict(
     const lika_sma21_rs485 *variant, const lika_sma21_rs485_identification_reply *frame)
 {
@@ -755,6 +767,7 @@ static inline cw_verdict lika_sma21_rs485_identification_reply_verdict(
 }
 
 /** Return the active reports, as a mask of LIKA_SMA21_RS485_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_sma21_rs485_identification_reply_reports(
     const lika_sma21_rs485 *variant, const lika_sma21_rs485_identification_reply *frame)
 {
@@ -785,6 +798,7 @@ typedef enum lika_sma21_rs485_frame {
 } lika_sma21_rs485_frame;
 
 /** Return the number of bytes in a frame. */
+CW_CONSTEXPR
 static inline size_t lika_sma21_rs485_frame_length(lika_sma21_rs485_frame frame)
 {
     switch (frame) {
@@ -803,6 +817,7 @@ static inline size_t lika_sma21_rs485_frame_length(lika_sma21_rs485_frame frame)
 
 /** Find the frame that the encoder sends for this data ID. The result is RANGE if there is none. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_reply_for(
     uint32_t data_id, lika_sma21_rs485_frame *frame)
 {
@@ -828,6 +843,7 @@ static inline cw_result lika_sma21_rs485_reply_for(
  * RANGE if there is no such frame.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_reply_frame(
     const uint8_t *bytes, size_t length, lika_sma21_rs485_frame *frame)
 {
@@ -842,6 +858,7 @@ static inline cw_result lika_sma21_rs485_reply_frame(
 /** Erratum position_below_zero (open, omission). */
 
 /** Return the number of counts after which the position wraps around to 0 [4.10 p.18]. */
+CW_CONSTEXPR
 static inline uint64_t lika_sma21_rs485_modulus(const lika_sma21_rs485 *variant)
 {
     return (uint64_t)1U << variant->rs485_position_bits;
@@ -851,6 +868,7 @@ static inline uint64_t lika_sma21_rs485_modulus(const lika_sma21_rs485 *variant)
  * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
+CW_CONSTEXPR
 static inline int64_t lika_sma21_rs485_position_difference(
     const lika_sma21_rs485 *variant, uint64_t now, uint64_t before)
 {
@@ -858,6 +876,7 @@ static inline int64_t lika_sma21_rs485_position_difference(
 }
 
 /** Convert a position to micrometres [4.10 p.18]. The product must fit in 64 bits. */
+CW_CONSTEXPR
 static inline int64_t lika_sma21_rs485_micrometres(
     const lika_sma21_rs485 *variant, int64_t position)
 {
@@ -866,6 +885,7 @@ static inline int64_t lika_sma21_rs485_micrometres(
 }
 
 /** Convert a position to millimetres. */
+CW_CONSTEXPR
 static inline double lika_sma21_rs485_millimetres(const lika_sma21_rs485 *variant, int64_t position)
 {
     const int64_t micrometres = lika_sma21_rs485_micrometres(variant, position);

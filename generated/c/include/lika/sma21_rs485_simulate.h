@@ -20,6 +20,7 @@ extern "C" {
  * @return CW_OK, or the first error. out is then unchanged.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_data_request_decode(
     const lika_sma21_rs485 *variant, const uint8_t *bytes, size_t length,
     lika_sma21_rs485_data_request *out)
@@ -49,6 +50,7 @@ static inline cw_result lika_sma21_rs485_data_request_decode(
 
 /** Encode 7 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_position_reply_encode(
     const lika_sma21_rs485 *variant, const lika_sma21_rs485_position_reply *in, uint8_t *bytes,
     size_t length)
@@ -85,6 +87,7 @@ static inline cw_result lika_sma21_rs485_position_reply_encode(
 
 /** Encode 9 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_wide_position_reply_encode(
     const lika_sma21_rs485 *variant, const lika_sma21_rs485_wide_position_reply *in, uint8_t *bytes,
     size_t length)
@@ -115,6 +118,7 @@ static inline cw_result lika_sma21_rs485_wide_position_reply_encode(
 
 /** Encode 9 bytes. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_identification_reply_encode(
     const lika_sma21_rs485 *variant, const lika_sma21_rs485_identification_reply *in,
     uint8_t *bytes, size_t length)
@@ -148,6 +152,7 @@ static inline cw_result lika_sma21_rs485_identification_reply_encode(
 
 /** Find the frame that the master sends for this data ID. The result is RANGE if there is none. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_request_for(
     uint32_t data_id, lika_sma21_rs485_frame *frame)
 {
@@ -169,6 +174,7 @@ static inline cw_result lika_sma21_rs485_request_for(
  * RANGE if there is no such frame.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_request_frame(
     const uint8_t *bytes, size_t length, lika_sma21_rs485_frame *frame)
 {

@@ -22,18 +22,18 @@
  * CRC protects them. CW_UNKNOWN does not mean that a word is correct. AT_MOST is the maximum
  * number of counts that the axis can move in the meantime.
  *
- * Each word comes from a master for SSI, or from SPI and DMA by LIKA_SMA21_SSI_RECEIVE.
+ * Each word comes from a master for SSI, or from SPI and DMA with LIKA_SMA21_SSI_RECEIVE.
  *
- * Further headers of this interface, only for those who need them:
- *   sma21_ssi_labels.h           order codes by the text on a label
- *   sma21_ssi_reports.h          texts of the reports, alarms and times
+ * More headers of this interface, to include if you need them:
+ *   sma21_ssi_labels.h           find the order code that a label shows
+ *   sma21_ssi_reports.h          texts that describe reports, alarms and times
  *   sma21_ssi_simulate.h         the encoder's side, for simulators and tests
  *
  * Manual: "SMA21 + MTA-A154", revision 1.2 of 2024-05-10 (it)
  * Its sections and pages are cited in brackets.
  *
- * Differences from other editions of the manual are noted inline. To generate files for one, use
- * codewheel generate --edition sma21=1.0.
+ * Differences from other editions of the manual are noted inline. For the files of another edition,
+ * use codewheel generate --edition sma21=1.0.
  * Before edition 1.1: may differ, see the page of the encoder.
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
@@ -112,36 +112,36 @@ typedef struct lika_sma21_ssi {
     uint8_t ssi_gray;
 } lika_sma21_ssi;
 
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG1_0050 = { 50U, 20U, 0U }; /**< SMA21-BG1-0050 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG1_0010 = { 10U, 22U, 0U }; /**< SMA21-BG1-0010 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG1_0005 = { 5U, 23U, 0U }; /**< SMA21-BG1-0005 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG1_0002 = { 2U, 24U, 0U }; /**< SMA21-BG1-0002 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG1_0001 = { 1U, 25U, 0U }; /**< SMA21-BG1-0001 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG4_0050 = { 50U, 20U, 0U }; /**< SMA21-BG4-0050 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG4_0010 = { 10U, 22U, 0U }; /**< SMA21-BG4-0010 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG4_0005 = { 5U, 23U, 0U }; /**< SMA21-BG4-0005 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG4_0002 = { 2U, 24U, 0U }; /**< SMA21-BG4-0002 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_BG4_0001 = { 1U, 25U, 0U }; /**< SMA21-BG4-0001 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG1_0050 = { 50U, 20U, 1U }; /**< SMA21-GG1-0050 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG1_0010 = { 10U, 22U, 1U }; /**< SMA21-GG1-0010 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG1_0005 = { 5U, 23U, 1U }; /**< SMA21-GG1-0005 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG1_0002 = { 2U, 24U, 1U }; /**< SMA21-GG1-0002 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG1_0001 = { 1U, 25U, 1U }; /**< SMA21-GG1-0001 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG4_0050 = { 50U, 20U, 1U }; /**< SMA21-GG4-0050 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG4_0010 = { 10U, 22U, 1U }; /**< SMA21-GG4-0010 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG4_0005 = { 5U, 23U, 1U }; /**< SMA21-GG4-0005 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG4_0002 = { 2U, 24U, 1U }; /**< SMA21-GG4-0002 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_GG4_0001 = { 1U, 25U, 1U }; /**< SMA21-GG4-0001 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G11_0050 = { 50U, 20U, 1U }; /**< SMA21-G11-0050 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G11_0010 = { 10U, 22U, 1U }; /**< SMA21-G11-0010 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G11_0005 = { 5U, 23U, 1U }; /**< SMA21-G11-0005 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G11_0002 = { 2U, 24U, 1U }; /**< SMA21-G11-0002 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G11_0001 = { 1U, 25U, 1U }; /**< SMA21-G11-0001 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G14_0050 = { 50U, 20U, 1U }; /**< SMA21-G14-0050 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G14_0010 = { 10U, 22U, 1U }; /**< SMA21-G14-0010 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G14_0005 = { 5U, 23U, 1U }; /**< SMA21-G14-0005 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G14_0002 = { 2U, 24U, 1U }; /**< SMA21-G14-0002 */
-static const lika_sma21_ssi LIKA_SMA21_SSI_G14_0001 = { 1U, 25U, 1U }; /**< SMA21-G14-0001 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG1_0050 = { 50U, 20U, 0U }; /**< SMA21-BG1-0050 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG1_0010 = { 10U, 22U, 0U }; /**< SMA21-BG1-0010 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG1_0005 = { 5U, 23U, 0U }; /**< SMA21-BG1-0005 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG1_0002 = { 2U, 24U, 0U }; /**< SMA21-BG1-0002 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG1_0001 = { 1U, 25U, 0U }; /**< SMA21-BG1-0001 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG4_0050 = { 50U, 20U, 0U }; /**< SMA21-BG4-0050 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG4_0010 = { 10U, 22U, 0U }; /**< SMA21-BG4-0010 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG4_0005 = { 5U, 23U, 0U }; /**< SMA21-BG4-0005 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG4_0002 = { 2U, 24U, 0U }; /**< SMA21-BG4-0002 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_BG4_0001 = { 1U, 25U, 0U }; /**< SMA21-BG4-0001 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG1_0050 = { 50U, 20U, 1U }; /**< SMA21-GG1-0050 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG1_0010 = { 10U, 22U, 1U }; /**< SMA21-GG1-0010 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG1_0005 = { 5U, 23U, 1U }; /**< SMA21-GG1-0005 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG1_0002 = { 2U, 24U, 1U }; /**< SMA21-GG1-0002 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG1_0001 = { 1U, 25U, 1U }; /**< SMA21-GG1-0001 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG4_0050 = { 50U, 20U, 1U }; /**< SMA21-GG4-0050 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG4_0010 = { 10U, 22U, 1U }; /**< SMA21-GG4-0010 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG4_0005 = { 5U, 23U, 1U }; /**< SMA21-GG4-0005 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG4_0002 = { 2U, 24U, 1U }; /**< SMA21-GG4-0002 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_GG4_0001 = { 1U, 25U, 1U }; /**< SMA21-GG4-0001 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G11_0050 = { 50U, 20U, 1U }; /**< SMA21-G11-0050 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G11_0010 = { 10U, 22U, 1U }; /**< SMA21-G11-0010 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G11_0005 = { 5U, 23U, 1U }; /**< SMA21-G11-0005 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G11_0002 = { 2U, 24U, 1U }; /**< SMA21-G11-0002 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G11_0001 = { 1U, 25U, 1U }; /**< SMA21-G11-0001 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G14_0050 = { 50U, 20U, 1U }; /**< SMA21-G14-0050 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G14_0010 = { 10U, 22U, 1U }; /**< SMA21-G14-0010 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G14_0005 = { 5U, 23U, 1U }; /**< SMA21-G14-0005 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G14_0002 = { 2U, 24U, 1U }; /**< SMA21-G14-0002 */
+static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G14_0001 = { 1U, 25U, 1U }; /**< SMA21-G14-0001 */
 
 /* -- reports ----------------------------------------------------------------------------------- */
 
@@ -246,19 +246,21 @@ typedef enum lika_sma21_ssi_report {
 #define LIKA_SMA21_SSI_G14_0001_RX_BYTES 4U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For code,
- * write BG1_0001 for example, as in LIKA_SMA21_SSI_BG1_0001_BITS. The array rx has its _RX_BYTES:
- * another size does not compile. For buffers of other sizes, call cw_ssi_receive yourself.
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be BG1_0001, as in LIKA_SMA21_SSI_BG1_0001_BITS. The array rx must have the size
+ * _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call cw_ssi_receive
+ * yourself.
  */
 #define LIKA_SMA21_SSI_RECEIVE(code, rx, word) \
-    cw_ssi_receive((rx), \
-        sizeof(rx) * sizeof(char[(sizeof(rx) == LIKA_SMA21_SSI_##code##_RX_BYTES) ? 1 : -1]), \
+    cw_ssi_receive((rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_SMA21_SSI_##code##_RX_BYTES])&(rx))), \
         LIKA_SMA21_SSI_##code##_BITS, (word))
 
 /**
  * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
  * 0 if the manual gives none for this length [5.3 p.22].
  */
+CW_CONSTEXPR
 static inline uint32_t lika_sma21_ssi_clock_limit_hz(uint32_t cable_m)
 {
     if (cable_m < 50U) {
@@ -304,6 +306,7 @@ typedef struct lika_sma21_ssi_frame {
 } lika_sma21_ssi_frame;
 
 /** Return the number of bits in the word. */
+CW_CONSTEXPR
 static inline uint32_t lika_sma21_ssi_bits(const lika_sma21_ssi *variant)
 {
     return 1U + variant->position_bits;
@@ -313,11 +316,12 @@ static inline uint32_t lika_sma21_ssi_bits(const lika_sma21_ssi *variant)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. Its last bit sent is bit 0, and the bits above it are 0.
+ * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_ssi_decode(
     const lika_sma21_ssi *variant, uint64_t word, lika_sma21_ssi_frame *out)
 {
@@ -334,6 +338,7 @@ static inline cw_result lika_sma21_ssi_decode(
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_verdict lika_sma21_ssi_verdict(
     const lika_sma21_ssi *variant, const lika_sma21_ssi_frame *frame)
 {
@@ -366,6 +371,7 @@ static inline cw_verdict lika_sma21_ssi_position(
 }
 
 /** Return the active reports, as a mask of LIKA_SMA21_SSI_REPORT_ bits. */
+CW_CONSTEXPR
 static inline uint32_t lika_sma21_ssi_reports(
     const lika_sma21_ssi *variant, const lika_sma21_ssi_frame *frame)
 {
@@ -378,6 +384,7 @@ static inline uint32_t lika_sma21_ssi_reports(
 /** Erratum position_below_zero (open, omission). */
 
 /** Return the number of counts after which the position wraps around to 0 [5.2 p.20, 6.2 p.25]. */
+CW_CONSTEXPR
 static inline uint64_t lika_sma21_ssi_modulus(const lika_sma21_ssi *variant)
 {
     return (uint64_t)1U << variant->position_bits;
@@ -387,6 +394,7 @@ static inline uint64_t lika_sma21_ssi_modulus(const lika_sma21_ssi *variant)
  * Return the distance from before to now, taking the shorter way around. The sum of the differences
  * continues across the wrap.
  */
+CW_CONSTEXPR
 static inline int64_t lika_sma21_ssi_position_difference(
     const lika_sma21_ssi *variant, uint64_t now, uint64_t before)
 {
@@ -394,6 +402,7 @@ static inline int64_t lika_sma21_ssi_position_difference(
 }
 
 /** Convert a position to micrometres [5.2 p.20, 6.2 p.25]. The product must fit in 64 bits. */
+CW_CONSTEXPR
 static inline int64_t lika_sma21_ssi_micrometres(const lika_sma21_ssi *variant, int64_t position)
 {
     const int64_t step = (int64_t)variant->resolution_um;
@@ -401,6 +410,7 @@ static inline int64_t lika_sma21_ssi_micrometres(const lika_sma21_ssi *variant, 
 }
 
 /** Convert a position to millimetres. */
+CW_CONSTEXPR
 static inline double lika_sma21_ssi_millimetres(const lika_sma21_ssi *variant, int64_t position)
 {
     const int64_t micrometres = lika_sma21_ssi_micrometres(variant, position);

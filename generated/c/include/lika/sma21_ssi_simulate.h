@@ -16,6 +16,7 @@ extern "C" {
 
 /** Encode a word. */
 CW_NODISCARD
+CW_CONSTEXPR
 static inline cw_result lika_sma21_ssi_encode(
     const lika_sma21_ssi *variant, const lika_sma21_ssi_frame *in, uint64_t *out)
 {

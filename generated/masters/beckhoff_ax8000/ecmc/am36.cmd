@@ -1,4 +1,4 @@
-#- AX8000 with the order codes of AM36 and AMC36 absolute multiturn encoders. For ecmc, commands for the slave
+#- AX8000 with the order codes of AM36 and AMC36 absolute multiturn encoders. For ecmc, as commands for the slave
 #-   ECMC_EC_SLAVE_NUM.
 #- From the spec of AM36 and AMC36 absolute multiturn encoders, manual AM36 AMC36, revision 1.0.
 #- From the documents of the master: rotary: AX8xxx object 32EF BiSS-C rotary encoder parameter; rotary_layout: AX8xxx

@@ -1,5 +1,5 @@
-#- AX8000 with the order codes of ASC85 absolute encoders with a large thru-bore shaft. For ecmc, commands for the slave
-#-   ECMC_EC_SLAVE_NUM.
+#- AX8000 with the order codes of ASC85 absolute encoders with a large thru-bore shaft. For ecmc, as commands for the
+#-   slave ECMC_EC_SLAVE_NUM.
 #- From the spec of ASC85 absolute encoders with a large thru-bore shaft, manual ASC85, revision 1.0.
 #- From the documents of the master: rotary: AX8xxx object 32EF BiSS-C rotary encoder parameter; rotary_layout: AX8xxx
 #-   object 32EF:05 data layout, rotary; power: AX8xxx object 32EF:02 power supply; fill: AX8xxx object 32EF fill bit

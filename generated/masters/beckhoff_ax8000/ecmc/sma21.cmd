@@ -1,4 +1,4 @@
-#- AX8000 with the order codes of SMA21 absolute linear encoder. For ecmc, commands for the slave ECMC_EC_SLAVE_NUM.
+#- AX8000 with the order codes of SMA21 absolute linear encoder. For ecmc, as commands for the slave ECMC_EC_SLAVE_NUM.
 #- From the spec of SMA21 absolute linear encoder, manual SMA21 + MTA-A154, revision 1.2.
 #- From the documents of the master: linear: AX8xxx object 32EF BiSS-C encoder parameter (linear); linear_bits: AX8xxx
 #-   object 32EF:05 position bit count, linear; linear_layout: AX8xxx object 32EF:06 data layout, linear; power: AX8xxx

@@ -1,4 +1,4 @@
-#- EJ5042 with the order codes of AMM5A and AMM5B absolute kit encoders. For ecmc, commands for the slave
+#- EJ5042 with the order codes of AMM5A and AMM5B absolute kit encoders. For ecmc, as commands for the slave
 #-   ECMC_EC_SLAVE_NUM.
 #- From the spec of AMM5A and AMM5B absolute kit encoders, manual AMM5A AMM5B, revision 1.9.
 #- From the documents of the master: ej5042: EJ5042 configuration data.

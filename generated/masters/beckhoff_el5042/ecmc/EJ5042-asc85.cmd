@@ -1,5 +1,5 @@
-#- EJ5042 with the order codes of ASC85 absolute encoders with a large thru-bore shaft. For ecmc, commands for the slave
-#-   ECMC_EC_SLAVE_NUM.
+#- EJ5042 with the order codes of ASC85 absolute encoders with a large thru-bore shaft. For ecmc, as commands for the
+#-   slave ECMC_EC_SLAVE_NUM.
 #- From the spec of ASC85 absolute encoders with a large thru-bore shaft, manual ASC85, revision 1.0.
 #- From the documents of the master: ej5042: EJ5042 configuration data.
 #- Not yet tested on hardware. Read by the scripts of ecmccomp, see docs/master-files.md. Form of the file: ecmc.

@@ -1,4 +1,4 @@
-#- EJ5042 with the order codes of SMA21 absolute linear encoder. For ecmc, commands for the slave ECMC_EC_SLAVE_NUM.
+#- EJ5042 with the order codes of SMA21 absolute linear encoder. For ecmc, as commands for the slave ECMC_EC_SLAVE_NUM.
 #- From the spec of SMA21 absolute linear encoder, manual SMA21 + MTA-A154, revision 1.2.
 #- From the documents of the master: ej5042: EJ5042 configuration data.
 #- Not yet tested on hardware. Read by the scripts of ecmccomp, see docs/master-files.md. Form of the file: ecmc.

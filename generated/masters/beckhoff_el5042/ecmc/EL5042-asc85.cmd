@@ -1,5 +1,5 @@
-#- EL5042 with the order codes of ASC85 absolute encoders with a large thru-bore shaft. For ecmc, commands for the slave
-#-   ECMC_EC_SLAVE_NUM.
+#- EL5042 with the order codes of ASC85 absolute encoders with a large thru-bore shaft. For ecmc, as commands for the
+#-   slave ECMC_EC_SLAVE_NUM.
 #- From the spec of ASC85 absolute encoders with a large thru-bore shaft, manual ASC85, revision 1.0.
 #- From the documents of the master: objects: EL5042 configuration data; ej5042: EJ5042 configuration data; psi:
 #-   paulscherrerinstitute/ecmccfg, hardware/Encoders/ecmcEL5042-Encoder-RLS-LA11-24bit.cmd.

@@ -1,4 +1,4 @@
-#- EL5042 with the order codes of SMA21 absolute linear encoder. For ecmc, commands for the slave ECMC_EC_SLAVE_NUM.
+#- EL5042 with the order codes of SMA21 absolute linear encoder. For ecmc, as commands for the slave ECMC_EC_SLAVE_NUM.
 #- From the spec of SMA21 absolute linear encoder, manual SMA21 + MTA-A154, revision 1.2.
 #- From the documents of the master: objects: EL5042 configuration data; ej5042: EJ5042 configuration data; supply:
 #-   EL5042 setting the encoder supply voltage; psi: paulscherrerinstitute/ecmccfg,

@@ -1,4 +1,4 @@
-#- EP7041-4032 with the order codes of AM36 and AMC36 absolute multiturn encoders. For ecmc, commands for the slave
+#- EP7041-4032 with the order codes of AM36 and AMC36 absolute multiturn encoders. For ecmc, as commands for the slave
 #-   ECMC_EC_SLAVE_NUM.
 #- From the spec of AM36 and AMC36 absolute multiturn encoders, manual AM36 AMC36, revision 1.0.
 #- From the documents of the master: ep7041_objects: EP7041-4032 configuration objects.

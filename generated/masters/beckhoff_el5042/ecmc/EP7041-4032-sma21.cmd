@@ -1,4 +1,4 @@
-#- EP7041-4032 with the order codes of SMA21 absolute linear encoder. For ecmc, commands for the slave
+#- EP7041-4032 with the order codes of SMA21 absolute linear encoder. For ecmc, as commands for the slave
 #-   ECMC_EC_SLAVE_NUM.
 #- From the spec of SMA21 absolute linear encoder, manual SMA21 + MTA-A154, revision 1.2.
 #- From the documents of the master: ep7041_objects: EP7041-4032 configuration objects.

@@ -1,4 +1,4 @@
-// iC-MB3 with the order codes of AM36 and AMC36 absolute multiturn encoders. For C, register values and masks.
+// iC-MB3 with the order codes of AM36 and AMC36 absolute multiturn encoders. For C, as register values and masks.
 // From the spec of AM36 and AMC36 absolute multiturn encoders, manual AM36 AMC36, revision 1.0.
 // From the documents of the master: mb3: iC-MB3 data sheet, Rev D1, p. 15.
 // Not yet tested on hardware. Not yet read by its tool. Form of the file: mb3: p. 15.

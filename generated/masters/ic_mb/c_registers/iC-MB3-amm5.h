@@ -1,4 +1,4 @@
-// iC-MB3 with the order codes of AMM5A and AMM5B absolute kit encoders. For C, register values and masks.
+// iC-MB3 with the order codes of AMM5A and AMM5B absolute kit encoders. For C, as register values and masks.
 // From the spec of AMM5A and AMM5B absolute kit encoders, manual AMM5A AMM5B, revision 1.9.
 // From the documents of the master: mb3: iC-MB3 data sheet, Rev D1, p. 15.
 // Not yet tested on hardware. Not yet read by its tool. Form of the file: mb3: p. 15.

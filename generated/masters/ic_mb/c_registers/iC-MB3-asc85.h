@@ -1,4 +1,4 @@
-// iC-MB3 with the order codes of ASC85 absolute encoders with a large thru-bore shaft. For C, register values and
+// iC-MB3 with the order codes of ASC85 absolute encoders with a large thru-bore shaft. For C, as register values and
 //   masks.
 // From the spec of ASC85 absolute encoders with a large thru-bore shaft, manual ASC85, revision 1.0.
 // From the documents of the master: mb3: iC-MB3 data sheet, Rev D1, p. 15.

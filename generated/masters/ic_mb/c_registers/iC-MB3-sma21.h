@@ -1,4 +1,4 @@
-// iC-MB3 with the order codes of SMA21 absolute linear encoder. For C, register values and masks.
+// iC-MB3 with the order codes of SMA21 absolute linear encoder. For C, as register values and masks.
 // From the spec of SMA21 absolute linear encoder, manual SMA21 + MTA-A154, revision 1.2.
 // From the documents of the master: mb3: iC-MB3 data sheet, Rev D1, p. 15.
 // Not yet tested on hardware. Not yet read by its tool. Form of the file: mb3: p. 15.

@@ -1,4 +1,4 @@
-// dsPIC33A with the order codes of AM36 and AMC36 absolute multiturn encoders. For C, register values and masks.
+// dsPIC33A with the order codes of AM36 and AMC36 absolute multiturn encoders. For C, as register values and masks.
 // From the spec of AM36 and AMC36 absolute multiturn encoders, manual AM36 AMC36, revision 1.0.
 // From the documents of the master: client: BiSS client configuration register B1CLTCONx; control: BiSS control
 //   communication configuration register B1CTRLCON.

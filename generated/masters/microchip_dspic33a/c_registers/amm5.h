@@ -1,4 +1,4 @@
-// dsPIC33A with the order codes of AMM5A and AMM5B absolute kit encoders. For C, register values and masks.
+// dsPIC33A with the order codes of AMM5A and AMM5B absolute kit encoders. For C, as register values and masks.
 // From the spec of AMM5A and AMM5B absolute kit encoders, manual AMM5A AMM5B, revision 1.9.
 // From the documents of the master: client: BiSS client configuration register B1CLTCONx; control: BiSS control
 //   communication configuration register B1CTRLCON.

@@ -1,4 +1,4 @@
-// dsPIC33A with the order codes of ASC85 absolute encoders with a large thru-bore shaft. For C, register values and
+// dsPIC33A with the order codes of ASC85 absolute encoders with a large thru-bore shaft. For C, as register values and
 //   masks.
 // From the spec of ASC85 absolute encoders with a large thru-bore shaft, manual ASC85, revision 1.0.
 // From the documents of the master: client: BiSS client configuration register B1CLTCONx; control: BiSS control

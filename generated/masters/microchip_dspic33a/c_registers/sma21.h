@@ -1,4 +1,4 @@
-// dsPIC33A with the order codes of SMA21 absolute linear encoder. For C, register values and masks.
+// dsPIC33A with the order codes of SMA21 absolute linear encoder. For C, as register values and masks.
 // From the spec of SMA21 absolute linear encoder, manual SMA21 + MTA-A154, revision 1.2.
 // From the documents of the master: client: BiSS client configuration register B1CLTCONx; control: BiSS control
 //   communication configuration register B1CTRLCON.

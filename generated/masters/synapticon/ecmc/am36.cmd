@@ -1,5 +1,5 @@
-#- SOMANET Circulo with the order codes of AM36 and AMC36 absolute multiturn encoders. For ecmc, commands for the slave
-#-   ECMC_EC_SLAVE_NUM.
+#- SOMANET Circulo with the order codes of AM36 and AMC36 absolute multiturn encoders. For ecmc, as commands for the
+#-   slave ECMC_EC_SLAVE_NUM.
 #- From the spec of AM36 and AMC36 absolute multiturn encoders, manual AM36 AMC36, revision 1.0.
 #- From the documents of the master: p834: SOMANET Circulo 7, documentation v4.19.0, p. 834; p835: SOMANET Circulo 7,
 #-   documentation v4.19.0, p. 835; p846: SOMANET Circulo 7, documentation v4.19.0, p. 846; p833: SOMANET Circulo 7,

@@ -1,4 +1,4 @@
-#- SOMANET Circulo with the order codes of AMM5A and AMM5B absolute kit encoders. For ecmc, commands for the slave
+#- SOMANET Circulo with the order codes of AMM5A and AMM5B absolute kit encoders. For ecmc, as commands for the slave
 #-   ECMC_EC_SLAVE_NUM.
 #- From the spec of AMM5A and AMM5B absolute kit encoders, manual AMM5A AMM5B, revision 1.9.
 #- From the documents of the master: p834: SOMANET Circulo 7, documentation v4.19.0, p. 834; p835: SOMANET Circulo 7,

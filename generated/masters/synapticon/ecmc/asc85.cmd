@@ -1,5 +1,5 @@
-#- SOMANET Circulo with the order codes of ASC85 absolute encoders with a large thru-bore shaft. For ecmc, commands for
-#-   the slave ECMC_EC_SLAVE_NUM.
+#- SOMANET Circulo with the order codes of ASC85 absolute encoders with a large thru-bore shaft. For ecmc, as commands
+#-   for the slave ECMC_EC_SLAVE_NUM.
 #- From the spec of ASC85 absolute encoders with a large thru-bore shaft, manual ASC85, revision 1.0.
 #- From the documents of the master: p834: SOMANET Circulo 7, documentation v4.19.0, p. 834; p835: SOMANET Circulo 7,
 #-   documentation v4.19.0, p. 835; p846: SOMANET Circulo 7, documentation v4.19.0, p. 846; p833: SOMANET Circulo 7,

@@ -1,4 +1,4 @@
-#- SOMANET Circulo with the order codes of SMA21 absolute linear encoder. For ecmc, commands for the slave
+#- SOMANET Circulo with the order codes of SMA21 absolute linear encoder. For ecmc, as commands for the slave
 #-   ECMC_EC_SLAVE_NUM.
 #- From the spec of SMA21 absolute linear encoder, manual SMA21 + MTA-A154, revision 1.2.
 #- From the documents of the master: p834: SOMANET Circulo 7, documentation v4.19.0, p. 834; p835: SOMANET Circulo 7,

@@ -36,6 +36,7 @@ from codewheel_runtime.facts import (
     Manual,
     NamedValue,
     Network,
+    Quantity,
     Register,
     Revision,
     Severity,
@@ -843,7 +844,12 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         source="Electrical safety p.8, 4",
     ),
-    Characteristic(name="supply", value="+10 V DC to +30 V DC", source="4"),
+    Characteristic(
+        name="supply",
+        value="+10 V DC to +30 V DC",
+        source="4",
+        values=(Quantity(quantity="supply", unit="V", min=10, max=30),),
+    ),
     Characteristic(
         name="supply_class",
         value=(
@@ -851,13 +857,40 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "with no more than 30 V DC. For the supply voltage, the manual refers to the order code."
         ),
         source="Back cover",
+        values=(Quantity(quantity="voltage", unit="V", max=30, where="source"),),
     ),
     Characteristic(name="cable_model", value="LIKA HI-FLEX SENSOR CABLE (M8 type cable)", source="4.2"),
-    Characteristic(name="cable_cross_section", value="6 × 0.14 mm² + 2 × 0.22 mm² (26/24 AWG)", source="4.2"),
+    Characteristic(
+        name="cable_cross_section",
+        value="6 × 0.14 mm² + 2 × 0.22 mm² (26/24 AWG)",
+        source="4.2",
+        values=(
+            Quantity(quantity="area", unit="mm²", typical=0.14, where="six wires"),
+            Quantity(quantity="area", unit="mm²", typical=0.22, where="two wires"),
+        ),
+    ),
     Characteristic(name="cable_shield", value="Tinned copper braid", source="4.2"),
-    Characteristic(name="cable_diameter", value="5.3 mm to 5.6 mm", source="4.2"),
-    Characteristic(name="cable_resistance", value="148 Ω/km (0.14 mm²), 90 Ω/km (0.22 mm²)", source="4.2"),
-    Characteristic(name="cable_bending_radius", value="At least 7.5 × the outer diameter", source="4.2"),
+    Characteristic(
+        name="cable_diameter",
+        value="5.3 mm to 5.6 mm",
+        source="4.2",
+        values=(Quantity(quantity="length", unit="mm", min=5.3, max=5.6),),
+    ),
+    Characteristic(
+        name="cable_resistance",
+        value="148 Ω/km (0.14 mm²), 90 Ω/km (0.22 mm²)",
+        source="4.2",
+        values=(
+            Quantity(quantity="resistance_per_length", unit="Ω/km", typical=148, where="wires of 0.14 mm²"),
+            Quantity(quantity="resistance_per_length", unit="Ω/km", typical=90, where="wires of 0.22 mm²"),
+        ),
+    ),
+    Characteristic(
+        name="cable_bending_radius",
+        value="At least 7.5 × the outer diameter",
+        source="4.2",
+        values=(Quantity(quantity="bending_radius", unit="diameters", min=7.5),),
+    ),
     Characteristic(
         name="revolutions_while_off",
         value=(
@@ -907,7 +940,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="emc_directive_superseded",
         printed="In compliance with the 2004/108/EC norm on electromagnetic compatibility",
-        used="The outputs give the directive as printed.",
+        used="The generated files give the directive as printed.",
         why=(
             "Directive 2014/30/EU replaced 2004/108/EC on 20 April 2016. The manual is from 2014. Only the "
             "manufacturer can say which directive it declares for encoders made later."
@@ -920,7 +953,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="do_not_tool",
         printed="Do not tool the encoder or its shaft.",
-        used="The outputs say that neither the encoder nor its shaft may be machined.",
+        used="The generated files say that neither the encoder nor its shaft may be machined.",
         why="\"To tool\" means to work a part with a tool.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -1088,7 +1121,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="ssi_clock_count",
         printed="5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks as data bits",
-        used="The outputs do not enforce either rule. n + 1 clocks satisfy both.",
+        used="The generated files do not enforce either rule. n + 1 clocks satisfy both.",
         why=(
             "The word is left-aligned, so one extra clock reads a zero after it. With one clock too few, the LSB may "
             "be lost."
@@ -1204,7 +1237,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="control_data_bit",
         printed="Control Data is the transmission of a single bit that follows the SCD data.",
-        used="The outputs do not derive a layout of the control frame from this sentence.",
+        used="The generated files do not derive a layout of the control frame from this sentence.",
         why=(
             "In the BiSS protocol description, to which 6.4 refers, the encoder's bit comes before the data. After "
             "the data, only the master's bit is sent, during the time-out."
@@ -1253,7 +1286,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="profile_id_variant",
         printed="Profile ID 00 00. See Standard encoder profile, Variant 0-24",
-        used="The value is 00 00. The outputs do not derive a data length from it.",
+        used="The value is 00 00. The generated files do not derive a data length from it.",
         why=(
             "In the BiSS protocol description, 0000 means no profile. The SMA21 and ASC85 manuals have 28xx, with the "
             "data length in the low byte, for variants 0-24 and similar ones. Nor does a position of up to 36 bits "
@@ -1333,7 +1366,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="italian_words",
         printed="\"non usato\" in the configuration example, \"e seg.\" in the index",
-        used="The outputs use \"Not used\" and \"and the following page\".",
+        used="The generated files use \"Not used\" and \"and the following page\".",
         why=(
             "These words were left over from the Italian edition. The table of the register prints Not used for the "
             "same bits."
@@ -1383,7 +1416,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="revolutions_above_max",
         printed="A value greater than the maximum allowed value is forced to the default value.",
-        used="The outputs do not apply this rule. Every value of the register is allowed.",
+        used="The generated files do not apply this rule. Every value of the register is allowed.",
         why="The two bytes cover 1 to 65,535 and, as 00 00h, the maximum 65,536. A greater value cannot be entered.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -1458,7 +1491,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="insulating",
         printed="Possibility of insulting the circuits galvanically",
-        used="The outputs do not use the sentence.",
+        used="The generated files do not use the sentence.",
         why="The sentence is about optocouplers, which insulate circuits.",
         status=Status.SETTLED,
         severity=Severity.WORDING,

@@ -41,6 +41,7 @@ from codewheel_runtime.facts import (
     Port,
     PrintedTimeout,
     Purpose,
+    Quantity,
     Register,
     Revision,
     Rs485Facts,
@@ -269,7 +270,7 @@ SSI: Final = SsiFacts(
 #
 # Erratum profile_id_missing (open, omission) [6 p.31, 6.4 p.35, prot: p.14-15]:
 # Printed: The encoder complies with the "Standard encoder profile". No register 42h to 43h is listed.
-# Used: The outputs have no profile ID.
+# Used: The generated files have no profile ID.
 #
 # Erratum biss_min_clock (open, wrong limit) [6.5 p.40, prot: p.18]:
 # Printed: The clock frequency is at least 50 kHz. The time-out is also calculated for 50 kHz.
@@ -363,7 +364,7 @@ BISS: Final = BissFacts(
 # Erratum data_id_8_scope (open, wrong data) [7.4.2 p.45, ti_sdk:
 # docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]:
 # Printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8.
-# Used: The outputs follow the table. Data ID 8 resets singleturn and multiturn data.
+# Used: The generated files follow the table. Data ID 8 resets singleturn and multiturn data.
 # Why: The table says it twice, the note only in passing. However, public T-format documents list three resets: of the
 # data in one revolution, of the multiturn data, and of errors. C and 7 are two of them, so the first would be this
 # request.
@@ -374,7 +375,7 @@ BISS: Final = BissFacts(
 #
 # Erratum rs485_reply_time (open, omission) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2 p.41]:
 # Printed: The manual describes requests and replies, but not the time between them.
-# Used: The outputs have no reply time and no time-out. The master chooses its time-out.
+# Used: The generated files have no reply time and no time-out. The master chooses its time-out.
 #
 # Before edition 1.6 [Document release]:
 # Not present: SSI and RS-485.
@@ -436,7 +437,7 @@ RS485: Final = Rs485Facts(
             id=0x07,
             control=0xBA,
             purpose=Purpose.RESET,
-            meaning="Reset all errors. The reply carries the singleturn position",
+            meaning="Reset all errors. The reply contains the singleturn position",
             source="7.3.1 p.42, 7.4.2 p.45",
         ),
         DataIdFacts(
@@ -444,7 +445,7 @@ RS485: Final = Rs485Facts(
             id=0x08,
             control=0xC2,
             purpose=Purpose.RESET,
-            meaning="Reset singleturn and multiturn data to 0. The reply carries the singleturn position",
+            meaning="Reset singleturn and multiturn data to 0. The reply contains the singleturn position",
             source="7.3.1 p.42, 7.4.2 p.45",
         ),
         DataIdFacts(
@@ -452,7 +453,7 @@ RS485: Final = Rs485Facts(
             id=0x0C,
             control=0x62,
             purpose=Purpose.RESET,
-            meaning="Reset multiturn data and all errors. The reply carries the singleturn position",
+            meaning="Reset multiturn data and all errors. The reply contains the singleturn position",
             source="7.3.1 p.42, 7.4.2 p.45",
         ),
     ),
@@ -460,33 +461,34 @@ RS485: Final = Rs485Facts(
         MemoryAccess(
             access="read",
             busy=False,
-            address="that of the request",
-            data="the EEPROM's data",
+            address="as in the request",
+            data="as read from the EEPROM",
             meaning="The byte was read",
             source="7.5 p.46",
         ),
         MemoryAccess(
             access="read",
             busy=True,
-            address="that of the request",
+            address="as in the request",
             data="00h",
             meaning=(
-                "The memory is busy. It is being read (table) or written (sentence below it). The request is invalid"
+                "The memory is busy. A read (according to the table) or a write (according to the sentence below it) "
+                "is in progress. The request is invalid"
             ),
             source="7.5 p.46",
         ),
         MemoryAccess(
             access="write",
             busy=False,
-            address="that of the request",
-            data="that of the request",
+            address="as in the request",
+            data="as in the request",
             meaning="The request was accepted",
             source="7.5 p.46",
         ),
         MemoryAccess(
             access="write",
             busy=True,
-            address="that of the request",
+            address="as in the request",
             data="00h",
             meaning="A write is in progress. The request is invalid and not executed",
             source="7.5 p.46",
@@ -534,7 +536,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
                 "that the battery is depleted. The encoder cannot operate with a depleted battery."
             ),
             remedy=(
-                "If the disk is misaligned, switch off, align the disk and continue with the connection. If the "
+                "If the disk is misaligned, switch off, align the disk and continue connecting the encoder. If the "
                 "battery of a multiturn model is depleted, replace the battery. Steps on the hardware page: Battery "
                 "replacement with error"
             ),
@@ -1539,6 +1541,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "and dissipative gloves, which also keep the code disk clean."
         ),
         source="1.4 p.9",
+        values=(Quantity(quantity="resistance", unit="MΩ", typical=1),),
     ),
     Characteristic(
         name="handling",
@@ -1579,6 +1582,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "sleeves"
         ),
         source="3.1",
+        values=(Quantity(quantity="length", unit="mm", max=24),),
     ),
     Characteristic(
         name="spacer",
@@ -1596,7 +1600,12 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         source="3.3, it: 3.3",
     ),
-    Characteristic(name="disk_grub_screw_torque", value="At most 1.3 Nm", source="it: 3.3"),
+    Characteristic(
+        name="disk_grub_screw_torque",
+        value="At most 1.3 Nm",
+        source="it: 3.3",
+        values=(Quantity(quantity="torque", unit="Nm", max=1.3),),
+    ),
     Characteristic(
         name="encoder_placement",
         value=(
@@ -1610,17 +1619,23 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         value="Two cylinder-head bolts, M2.5 × 6 UNI5931. Hold the unit down while tightening",
         source="3.4",
     ),
-    Characteristic(name="encoder_screw_torque", value="At most 0.8 Nm", source="3.4"),
+    Characteristic(
+        name="encoder_screw_torque",
+        value="At most 0.8 Nm",
+        source="3.4",
+        values=(Quantity(quantity="torque", unit="Nm", max=0.8),),
+    ),
     Characteristic(
         name="disk_alignment",
         value="The mark punched in the disk is centred in the encoder unit to within ±10° mechanical",
         source="3.4",
+        values=(Quantity(quantity="angle", unit="°", min=-10, max=10),),
     ),
     Characteristic(
         name="disk_misaligned",
         value=(
             "If the disk is misaligned, the encoder reports an error at power-on. Switch off, align the disk and "
-            "continue with the connection."
+            "continue connecting the encoder."
         ),
         source="3.4",
     ),
@@ -1651,7 +1666,12 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         source="4 p.20",
     ),
-    Characteristic(name="supply", value="+5 V DC ±5 %", source="4.1.1 p.20, 4.1.3 p.21"),
+    Characteristic(
+        name="supply",
+        value="+5 V DC ±5 %",
+        source="4.1.1 p.20, 4.1.3 p.21",
+        values=(Quantity(quantity="supply", unit="V", min=4.75, typical=5, max=5.25),),
+    ),
     Characteristic(name="cable", value="EC-DF19-LK-TF12-..., ordered separately", source="4.1.2 p.20, 4.1.4 p.22"),
     Characteristic(name="cable_model", value="Lika TF12 encoder cable", source="4.1.5 p.22"),
     Characteristic(
@@ -1664,14 +1684,40 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="cable_shield",
         value="Tinned copper braid, coverage above 80 %, with tinned copper drain wire",
         source="4.1.5 p.22",
+        values=(Quantity(quantity="coverage", unit="%", min=80),),
     ),
-    Characteristic(name="cable_diameter", value="5.4 mm ±0.1 mm (0.213 in ±0.004 in)", source="4.1.5 p.22"),
-    Characteristic(name="cable_bending_radius", value="At least 10 × the outer diameter", source="4.1.5 p.22"),
-    Characteristic(name="cable_temperature", value="−15 °C to +80 °C (+5 °F to +176 °F)", source="4.1.5 p.22"),
+    Characteristic(
+        name="cable_diameter",
+        value="5.4 mm ±0.1 mm (0.213 in ±0.004 in)",
+        source="4.1.5 p.22",
+        values=(
+            Quantity(quantity="length", unit="mm", min=5.3, typical=5.4, max=5.5),
+            Quantity(quantity="length", unit="in", min=0.209, typical=0.213, max=0.217),
+        ),
+    ),
+    Characteristic(
+        name="cable_bending_radius",
+        value="At least 10 × the outer diameter",
+        source="4.1.5 p.22",
+        values=(Quantity(quantity="bending_radius", unit="diameters", min=10),),
+    ),
+    Characteristic(
+        name="cable_temperature",
+        value="−15 °C to +80 °C (+5 °F to +176 °F)",
+        source="4.1.5 p.22",
+        values=(
+            Quantity(quantity="temperature", unit="°C", min=-15, max=80),
+            Quantity(quantity="temperature", unit="°F", min=5, max=176),
+        ),
+    ),
     Characteristic(
         name="cable_resistance",
         value="Below 242.02 Ω/km per conductor at +20 °C (UL 758, table 5.2.1)",
         source="4.1.5 p.22",
+        values=(
+            Quantity(quantity="resistance_per_length", unit="Ω/km", max=242.02),
+            Quantity(quantity="temperature", unit="°C", typical=20, where="reference"),
+        ),
     ),
     Characteristic(name="ground", value="Connect the encoder to a noise-free ground through pin 1", source="4.2 p.22"),
     Characteristic(
@@ -1679,6 +1725,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         value="3 V to 5.5 V between +Vb and 0Vb, typically 3.6 V",
         only=".../65K...",
         source="4.3 p.23",
+        values=(Quantity(quantity="battery", unit="V", min=3, typical=3.6, max=5.5),),
     ),
     Characteristic(
         name="battery_replacement_without_error",
@@ -1691,6 +1738,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         only=".../65K...",
         source="4.3.1 p.23",
+        values=(Quantity(quantity="time", unit="min", max=1, where="without a battery"),),
     ),
     Characteristic(
         name="battery_replacement_with_error",
@@ -1747,12 +1795,17 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         only="...BG1-..., ...SC1-...",
         source="8 p.49, 8.1 p.49",
+        values=(Quantity(quantity="voltage", unit="Vpp", typical=1),),
     ),
     Characteristic(
         name="sine_cosine_receiver",
         value="Recommended input circuit with Vref = 2.5 V ±0.5 V, VA = 1 Vpp × Av, Av = R2 / R1",
         only="...BG1-..., ...SC1-...",
         source="8.1",
+        values=(
+            Quantity(quantity="voltage", unit="V", min=2, typical=2.5, max=3, where="Vref"),
+            Quantity(quantity="voltage", unit="Vpp", typical=1, where="VA / Av"),
+        ),
     ),
     Characteristic(name="disposal", value="Dispose of separately", source="Back cover"),
 )
@@ -1814,7 +1867,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="do_not_tool",
         printed="Do not tool the encoder or the disk/ring.",
-        used="The outputs say that neither the encoder nor the disk or ring may be machined.",
+        used="The generated files say that neither the encoder nor the disk or ring may be machined.",
         why="The Italian edition says \"non eseguire lavorazioni meccaniche\", which means \"do not machine\".",
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -1891,7 +1944,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "5.1: up to n + 1 rising edges for n bits (Italian: n + 1 are necessary), 14 for 13 bits. 5.2: at least "
             "as many clocks as data bits"
         ),
-        used="The outputs do not enforce either rule. n + 1 clocks satisfy both.",
+        used="The generated files do not enforce either rule. n + 1 clocks satisfy both.",
         why=(
             "The word is left-aligned, so one extra clock reads a zero after it. With one clock too few, the LSB may "
             "be lost."
@@ -1970,7 +2023,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="profile_id_missing",
         printed="The encoder complies with the \"Standard encoder profile\". No register 42h to 43h is listed.",
-        used="The outputs have no profile ID.",
+        used="The generated files have no profile ID.",
         why=(
             "The BiSS register map has the profile ID at 42h to 43h. The manual does not say what an unlisted "
             "register returns."
@@ -1983,7 +2036,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="control_data_bit",
         printed="Control Data is the transmission of a single bit that follows the SCD data.",
-        used="The outputs do not derive a layout of the control frame from this sentence.",
+        used="The generated files do not derive a layout of the control frame from this sentence.",
         why=(
             "In the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data. After "
             "the data, only the master's bit is sent, during the time-out."
@@ -2416,7 +2469,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed=(
             "Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8"
         ),
-        used="The outputs follow the table. Data ID 8 resets singleturn and multiturn data.",
+        used="The generated files follow the table. Data ID 8 resets singleturn and multiturn data.",
         why=(
             "The table says it twice, the note only in passing. However, public T-format documents list three resets: "
             "of the data in one revolution, of the multiturn data, and of errors. C and 7 are two of them, so the "
@@ -2500,7 +2553,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="crc_code_undeclared",
         printed="CRC8 = 0; as the first line of the function",
-        used="The outputs do not use the printed code.",
+        used="The generated files do not use the printed code.",
         why="CRC8 is not declared anywhere, so the printed function does not compile.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -2513,7 +2566,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "Clockwise rotation seen from the shaft side (English) or from the flange side (Italian, vista dal lato "
             "flangia)"
         ),
-        used="The outputs quote both.",
+        used="The generated files quote both.",
         why=(
             "According to 4.6 of both editions, the position counts up clockwise as seen from the flange side. If the "
             "shaft side is the opposite side, the order of A and B would be reversed. The waveforms are lost."
@@ -2670,7 +2723,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="rs485_reply_time",
         printed="The manual describes requests and replies, but not the time between them",
-        used="The outputs have no reply time and no time-out. The master chooses its time-out.",
+        used="The generated files have no reply time and no time-out. The master chooses its time-out.",
         why=(
             "The manual gives neither the shortest nor the longest time from the end of a request to the reply. "
             "Without a shortest time, the master must release the line immediately after the stop bit of its request. "

@@ -35,6 +35,7 @@ from codewheel_runtime.facts import (
     NamedValue,
     Network,
     PrintedTimeout,
+    Quantity,
     Register,
     Revision,
     Severity,
@@ -200,7 +201,7 @@ SSI: Final = SsiFacts(
 #
 # Erratum biss_timeout (open, omission) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
 # Printed: BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz).
-# Used: Only this value is used. The outputs have no rule for other clock frequencies.
+# Used: Only this value is used. The generated files have no rule for other clock frequencies.
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=100_000, max_hz=10_000_000, source="6.5 p.32"),
@@ -866,8 +867,21 @@ TABLES: Final[tuple[Table, ...]] = (
 #: Further facts of the manual, as text.
 CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
     Characteristic(name="scanning", value="Singleturn rotary encoder with optical scanning", source="Cover"),
-    Characteristic(name="shaft", value="Thru-bore shaft of 50 mm (1.9685 in)", source="Cover"),
-    Characteristic(name="accuracy", value="±0.005°", source="Cover, Preliminary information p.7"),
+    Characteristic(
+        name="shaft",
+        value="Thru-bore shaft of 50 mm (1.9685 in)",
+        source="Cover",
+        values=(
+            Quantity(quantity="length", unit="mm", typical=50, where="bore"),
+            Quantity(quantity="length", unit="in", typical=1.9685, where="bore"),
+        ),
+    ),
+    Characteristic(
+        name="accuracy",
+        value="±0.005°",
+        source="Cover, Preliminary information p.7",
+        values=(Quantity(quantity="angle", unit="°", min=-0.005, max=0.005),),
+    ),
     Characteristic(name="applications", value="Direct integration into robots, radars and motors", source="Cover"),
     Characteristic(
         name="personnel",
@@ -921,9 +935,24 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         source="3.3 p.12",
     ),
     Characteristic(name="fixing_plate_screws", value="Four, M4, with washers", source="3.3 p.12"),
-    Characteristic(name="fixing_plate_screw_torque", value="2 Nm ±0.2 Nm, given as a maximum", source="3.3 p.12"),
-    Characteristic(name="eccentric_screws", value="Three, M4, for a hex key of 3.0 mm", source="3.3 p.12"),
-    Characteristic(name="eccentric_screw_torque", value="2.5 Nm ±0.5 Nm, given as a maximum", source="3.3 p.12"),
+    Characteristic(
+        name="fixing_plate_screw_torque",
+        value="2 Nm ±0.2 Nm, given as a maximum",
+        source="3.3 p.12",
+        values=(Quantity(quantity="torque", unit="Nm", min=1.8, typical=2, max=2.2),),
+    ),
+    Characteristic(
+        name="eccentric_screws",
+        value="Three, M4, for a hex key of 3.0 mm",
+        source="3.3 p.12",
+        values=(Quantity(quantity="length", unit="mm", typical=3, where="hex key"),),
+    ),
+    Characteristic(
+        name="eccentric_screw_torque",
+        value="2.5 Nm ±0.5 Nm, given as a maximum",
+        source="3.3 p.12",
+        values=(Quantity(quantity="torque", unit="Nm", min=2, typical=2.5, max=3),),
+    ),
     Characteristic(
         name="wiring",
         value=(
@@ -932,8 +961,20 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         source="4 p.13",
     ),
-    Characteristic(name="supply_1", value="+5 V DC ±5 %", only=".../SC1-...", source="4 p.13"),
-    Characteristic(name="supply_2", value="+10 V DC to +30 V DC", only=".../SC2-...", source="4 p.13"),
+    Characteristic(
+        name="supply_1",
+        value="+5 V DC ±5 %",
+        only=".../SC1-...",
+        source="4 p.13",
+        values=(Quantity(quantity="supply", unit="V", min=4.75, typical=5, max=5.25),),
+    ),
+    Characteristic(
+        name="supply_2",
+        value="+10 V DC to +30 V DC",
+        only=".../SC2-...",
+        source="4 p.13",
+        values=(Quantity(quantity="supply", unit="V", min=10, max=30),),
+    ),
     Characteristic(
         name="supply_source",
         value=(
@@ -941,35 +982,70 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "with no more than 30 V DC. The order code gives the supply voltage."
         ),
         source="Back cover",
+        values=(Quantity(quantity="voltage", unit="V", max=30, where="source"),),
     ),
     Characteristic(name="cable_model", value="LIKA HI-FLEX sensor cable, type M8", source="4.3 p.14"),
     Characteristic(
         name="cable_cross_section",
         value="2 × 0.22 mm² and 6 × 0.14 mm² (24 and 26 AWG)",
         source="4.3 p.14",
+        values=(
+            Quantity(quantity="area", unit="mm²", typical=0.22, where="two wires"),
+            Quantity(quantity="area", unit="mm²", typical=0.14, where="six wires"),
+        ),
     ),
     Characteristic(
         name="cable_jacket",
         value="Matt polyurethane (TPU), halogen free, resistant to oil, hydrolysis and abrasion",
         source="4.3 p.14",
     ),
-    Characteristic(name="cable_shield", value="Tinned copper braid, coverage 85 % or more", source="4.3 p.14"),
-    Characteristic(name="cable_diameter", value="5.3 mm to 5.6 mm (0.209 in to 0.220 in)", source="4.3 p.14"),
-    Characteristic(name="cable_bending_radius", value="At least 7.5 × the outer diameter", source="4.3 p.14"),
+    Characteristic(
+        name="cable_shield",
+        value="Tinned copper braid, coverage 85 % or more",
+        source="4.3 p.14",
+        values=(Quantity(quantity="coverage", unit="%", min=85),),
+    ),
+    Characteristic(
+        name="cable_diameter",
+        value="5.3 mm to 5.6 mm (0.209 in to 0.220 in)",
+        source="4.3 p.14",
+        values=(
+            Quantity(quantity="length", unit="mm", min=5.3, max=5.6),
+            Quantity(quantity="length", unit="in", min=0.209, max=0.22),
+        ),
+    ),
+    Characteristic(
+        name="cable_bending_radius",
+        value="At least 7.5 × the outer diameter",
+        source="4.3 p.14",
+        values=(Quantity(quantity="bending_radius", unit="diameters", min=7.5),),
+    ),
     Characteristic(
         name="cable_temperature_dynamic",
         value="−40 °C to +90 °C (−40 °F to +194 °F) in dynamic installation",
         source="4.3 p.14",
+        values=(
+            Quantity(quantity="temperature", unit="°C", min=-40, max=90),
+            Quantity(quantity="temperature", unit="°F", min=-40, max=194),
+        ),
     ),
     Characteristic(
         name="cable_temperature_fixed",
         value="−50 °C to +90 °C (−58 °F to +194 °F) in fixed installation",
         source="4.3 p.14",
+        values=(
+            Quantity(quantity="temperature", unit="°C", min=-50, max=90),
+            Quantity(quantity="temperature", unit="°F", min=-58, max=194),
+        ),
     ),
     Characteristic(
         name="cable_resistance",
         value="Per conductor at most 90 Ω/km (0.22 mm²) and 148 Ω/km (0.14 mm²)",
         source="4.3 p.14",
+        values=(
+            Quantity(quantity="resistance_per_length", unit="Ω/km", max=90, where="wires of 0.22 mm²"),
+            Quantity(quantity="resistance_per_length", unit="Ω/km", max=148, where="wires of 0.14 mm²"),
+        ),
     ),
     Characteristic(
         name="counting_direction",
@@ -1032,7 +1108,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="do_not_touch",
         printed="Do not touch the encoder or its shaft.",
-        used="The outputs say that neither the encoder nor its shaft may be machined.",
+        used="The generated files say that neither the encoder nor its shaft may be machined.",
         why=(
             "Mounting the encoder as in 3.3 requires touching both. The same list has \"do not tool\" in the AM36 and "
             "AMM5 manuals, so touch is probably a misprint of tool. This manual does not prove it."
@@ -1120,7 +1196,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="ssi_clock_count",
         printed="5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks as data bits",
-        used="The outputs do not enforce either rule. n + 1 clocks satisfy both.",
+        used="The generated files do not enforce either rule. n + 1 clocks satisfy both.",
         why=(
             "The word is left-aligned, so one extra clock reads a zero after it. With one clock too few, the LSB may "
             "be lost."
@@ -1247,7 +1323,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="control_data_bit",
         printed="Control Data is the transmission of a single bit that follows the SCD data.",
-        used="The outputs do not derive a layout of the control frame from this sentence.",
+        used="The generated files do not derive a layout of the control frame from this sentence.",
         why=(
             "In the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data. After "
             "the data, only the master's bit is sent, during the time-out."
@@ -1445,7 +1521,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="biss_timeout",
         printed="BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz)",
-        used="Only this value is used. The outputs have no rule for other clock frequencies.",
+        used="Only this value is used. The generated files have no rule for other clock frequencies.",
         why=(
             "An adaptive time-out depends on the clock, but the manual gives no rule. At 10 MHz, the one and a half "
             "clock periods of the BiSS description and of the AMM5 manual are 0.15 µs. 0.35 µs are three and a half "
@@ -1459,7 +1535,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="insulating",
         printed="Possibility of insulting the circuits galvanically",
-        used="The outputs do not use the sentence.",
+        used="The generated files do not use the sentence.",
         why="The sentence is about optocouplers, which insulate circuits.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -1468,7 +1544,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="eds_bank_missing",
         printed="Status bit 3: write access permitted to the EDS memory area. No registers 40h and 41h are listed.",
-        used="The outputs have no EDS.",
+        used="The generated files have no EDS.",
         why=(
             "In the BiSS register map, 40h selects the bank and 41h contains the EDS bank. The manual does not say "
             "whether there is an EDS, or where."

@@ -38,6 +38,7 @@ from codewheel_runtime.facts import (
     Network,
     Port,
     Purpose,
+    Quantity,
     Register,
     RegisterMeaning,
     Revision,
@@ -331,7 +332,7 @@ BISS: Final = BissFacts(
 #
 # Erratum rs485_reply_time (open, omission) [7.1 p.37, 7.2 p.37]:
 # Printed: The manual describes requests and replies, but not the time between them.
-# Used: The outputs have no reply time and no time-out. The master chooses its time-out.
+# Used: The generated files have no reply time and no time-out. The master chooses its time-out.
 
 RS485: Final = Rs485Facts(
     port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.37"),
@@ -1032,7 +1033,10 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 FieldFacts(name="unused_7", meaning="Not used", constant=0, names=ReadOnly({"it": "Non utilizzato"})),
                 FieldFacts(
                     name="counting_direction",
-                    meaning="Counting direction of the absolute position. The incremental signals keep their own",
+                    meaning=(
+                        "Counting direction of the absolute position. The incremental signals keep their own "
+                        "direction"
+                    ),
                     default=0,
                     names=ReadOnly({"it": "Direzione di conteggio"}),
                     source="6.4 p.31",
@@ -1118,8 +1122,9 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     min="0",
                     max="2^scd_position_bits - 2^position_bits",
                     meaning=(
-                        "Value by which the transmitted positions are shifted. Their number stays the same, and they "
-                        "start at the offset. The offset is applied to the position of the sensor at the activation."
+                        "Value by which the transmitted positions are shifted. The number of positions stays the "
+                        "same, and they start at the offset. The offset is applied to the position of the sensor at "
+                        "the time of activation."
                     ),
                     source="6.4 p.32",
                 ),
@@ -1480,6 +1485,7 @@ TABLES: Final[tuple[Table, ...]] = (
             ("SMA21-xxx-0001-...", "1", "2.4", "below 1.4"),
         ),
         source="4.10 p.18",
+        units=("", "µm", "m/s", "m/s"),
     ),
     Table(
         name="lengths",
@@ -1491,6 +1497,7 @@ TABLES: Final[tuple[Table, ...]] = (
             "bits, 33,554,432, over SSI and BiSS, and 24 bits, 16,777,216, over RS-485."
         ),
         source="4.10 p.18, Informazioni preliminari p.8, Cover",
+        units=("", "mm", "mm"),
     ),
     Table(
         name="ab_signals",
@@ -1516,6 +1523,7 @@ TABLES: Final[tuple[Table, ...]] = (
             "manual, the frequencies are calculated at the maximum speed with the minimum time between edges."
         ),
         source="8 p.44",
+        units=("", "µm", "µs", "kHz", "kHz", "m/s", "m/s"),
     ),
     Table(
         name="troubleshooting",
@@ -1590,7 +1598,12 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         source="Informazioni preliminari p.8, 3.2 p.11",
     ),
     Characteristic(name="tape_resistance", value="Immune to dust and liquids", source="Cover"),
-    Characteristic(name="pole_pitch", value="2 mm", source="Cover, 4.10 p.18, 8"),
+    Characteristic(
+        name="pole_pitch",
+        value="2 mm",
+        source="Cover, 4.10 p.18, 8",
+        values=(Quantity(quantity="length", unit="mm", typical=2),),
+    ),
     Characteristic(
         name="tape_orientation",
         value=(
@@ -1673,18 +1686,31 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="mounting_screws",
         value="Two M3 cylinder-head screws, at least 20 mm long, through the two holes",
         source="3.3 p.12",
+        values=(Quantity(quantity="length", unit="mm", min=20),),
     ),
-    Characteristic(name="mounting_torque", value="1.1 Nm recommended", source="3.3 p.12"),
-    Characteristic(name="cable_bending_radius_mounted", value="At least 45 mm recommended", source="3.3 p.12"),
+    Characteristic(
+        name="mounting_torque",
+        value="1.1 Nm recommended",
+        source="3.3 p.12",
+        values=(Quantity(quantity="torque", unit="Nm", typical=1.1),),
+    ),
+    Characteristic(
+        name="cable_bending_radius_mounted",
+        value="At least 45 mm recommended",
+        source="3.3 p.12",
+        values=(Quantity(quantity="bending_radius", unit="mm", min=45),),
+    ),
     Characteristic(
         name="gap_without_cover",
         value="0.1 mm to 0.6 mm between sensor and tape (D) without cover strip",
         source="3.3",
+        values=(Quantity(quantity="clearance", unit="mm", min=0.1, max=0.6),),
     ),
     Characteristic(
         name="gap_with_cover",
         value="0.1 mm to 0.4 mm between sensor and tape (D) with cover strip",
         source="3.3",
+        values=(Quantity(quantity="clearance", unit="mm", min=0.1, max=0.4),),
     ),
     Characteristic(
         name="zero_setting",
@@ -1703,6 +1729,13 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
             "least 5,071 mm."
         ),
         source="3.4 p.14",
+        values=(
+            Quantity(quantity="length", unit="mm", typical=63, where="base of the sensor head"),
+            Quantity(quantity="length", unit="mm", typical=4, where="two pole pitches"),
+            Quantity(quantity="length", unit="mm", typical=10, where="end cap"),
+            Quantity(quantity="length", unit="mm", typical=5000, where="travel in the example"),
+            Quantity(quantity="length", unit="mm", min=5071, where="tape in the example"),
+        ),
     ),
     Characteristic(
         name="wiring",
@@ -1712,31 +1745,70 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         source="1.2 p.9, 4 p.15",
     ),
-    Characteristic(name="supply_1", value="+5 V DC ±5 %", only="SMA21-xx1-...", source="4.1 p.15, 4.2 p.16"),
-    Characteristic(name="supply_4", value="+5 V DC to +30 V DC", only="SMA21-xx4-...", source="4.1 p.15"),
+    Characteristic(
+        name="supply_1",
+        value="+5 V DC ±5 %",
+        only="SMA21-xx1-...",
+        source="4.1 p.15, 4.2 p.16",
+        values=(Quantity(quantity="supply", unit="V", min=4.75, typical=5, max=5.25),),
+    ),
+    Characteristic(
+        name="supply_4",
+        value="+5 V DC to +30 V DC",
+        only="SMA21-xx4-...",
+        source="4.1 p.15",
+        values=(Quantity(quantity="supply", unit="V", min=5, max=30),),
+    ),
     Characteristic(name="cable_model", value="Lika High-Flex twisted encoder cable type T12", source="4.5 p.16"),
     Characteristic(
         name="cable_cross_section",
         value="Twisted pairs, 4 × 2 × 0.14 mm² + 4 × 0.25 mm² (26/24 AWG)",
         source="4.5 p.16",
+        values=(
+            Quantity(quantity="area", unit="mm²", typical=0.14, where="pairs"),
+            Quantity(quantity="area", unit="mm²", typical=0.25, where="other wires"),
+        ),
     ),
     Characteristic(
         name="cable_jacket",
         value="TPU, halogen free, resistant to oil, abrasion and hydrolysis",
         source="4.5 p.16",
     ),
-    Characteristic(name="cable_shield", value="Tinned copper braid, coverage above 85 %", source="4.5 p.16"),
-    Characteristic(name="cable_diameter", value="6.1 mm ±0.1 mm", source="4.5 p.16"),
-    Characteristic(name="cable_bending_radius", value="7.5 × outer diameter", source="4.5 p.16"),
+    Characteristic(
+        name="cable_shield",
+        value="Tinned copper braid, coverage above 85 %",
+        source="4.5 p.16",
+        values=(Quantity(quantity="coverage", unit="%", min=85),),
+    ),
+    Characteristic(
+        name="cable_diameter",
+        value="6.1 mm ±0.1 mm",
+        source="4.5 p.16",
+        values=(Quantity(quantity="length", unit="mm", min=6, typical=6.1, max=6.2),),
+    ),
+    Characteristic(
+        name="cable_bending_radius",
+        value="7.5 × outer diameter",
+        source="4.5 p.16",
+        values=(Quantity(quantity="bending_radius", unit="diameters", typical=7.5),),
+    ),
     Characteristic(
         name="cable_temperature",
         value="−50 °C to +90 °C with fixed, −40 °C to +90 °C with moving installation",
         source="4.5 p.16",
+        values=(
+            Quantity(quantity="temperature", unit="°C", min=-50, max=90, where="fixed"),
+            Quantity(quantity="temperature", unit="°C", min=-40, max=90, where="moving"),
+        ),
     ),
     Characteristic(
         name="cable_resistance",
         value="At most 148 Ω/km (0.14 mm²) and 90 Ω/km (0.25 mm²)",
         source="4.5 p.16",
+        values=(
+            Quantity(quantity="resistance_per_length", unit="Ω/km", max=148, where="wires of 0.14 mm²"),
+            Quantity(quantity="resistance_per_length", unit="Ω/km", max=90, where="wires of 0.25 mm²"),
+        ),
     ),
     Characteristic(
         name="cable_length",
@@ -1772,6 +1844,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         value="The internal position is updated at 30 kHz",
         only="SMA21-SCx-...",
         source="6.5 p.34",
+        values=(Quantity(quantity="frequency", unit="kHz", typical=30),),
     ),
     Characteristic(
         name="incremental_signals",
@@ -1781,6 +1854,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         only="SMA21-G1x-..., SMA21-SCx-...",
         source="Informazioni preliminari p.8, 4.1 p.15, 4.8 p.17, 8 p.44",
+        values=(Quantity(quantity="current", unit="mA", max=20),),
     ),
     Characteristic(
         name="incremental_resolution",
@@ -1790,18 +1864,27 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         only="SMA21-G1x-..., SMA21-SCx-...",
         source="8 p.44",
+        values=(
+            Quantity(quantity="length", unit="µm", typical=2000, where="pole pitch"),
+            Quantity(quantity="length", unit="µm", typical=50, where="resolution in the example"),
+        ),
     ),
     Characteristic(
         name="incremental_load",
         value="The load supply is typically +5 V DC. It may be higher if the current stays within 20 mA",
         only="SMA21-G1x-..., SMA21-SCx-...",
         source="8.1 p.46",
+        values=(
+            Quantity(quantity="voltage", unit="V", typical=5, where="load supply"),
+            Quantity(quantity="current", unit="mA", max=20),
+        ),
     ),
     Characteristic(
         name="incremental_cable_length",
         value="At most 150 m. The highest frequency depends on cable length and load",
         only="SMA21-G1x-..., SMA21-SCx-...",
         source="8.1 p.46",
+        values=(Quantity(quantity="length", unit="m", max=150),),
     ),
     Characteristic(
         name="error_position",
@@ -2018,8 +2101,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "data bits"
         ),
         used=(
-            "The outputs do not enforce either rule. Sending one more clock than there are bits in the word satisfies "
-            "both."
+            "The generated files do not enforce either rule. Sending one more clock than there are bits in the word "
+            "satisfies both."
         ),
         why=(
             "Because of the error bit, the word is one bit longer than the resolution. n + 1 edges with the "
@@ -2074,7 +2157,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="control_data_bit",
         printed="Control Data is the transmission of a single bit that follows the SCD data.",
-        used="The outputs do not derive a layout of the control frame from this sentence.",
+        used="The generated files do not derive a layout of the control frame from this sentence.",
         why=(
             "In the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data. After "
             "the data, only the master's bit is sent, during the time-out."
@@ -2458,7 +2541,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "Send no request until the initialization is over. No request is accepted while the position is being "
             "reset. No time is given."
         ),
-        used="The outputs give no waiting time.",
+        used="The generated files give no waiting time.",
         why=(
             "The AMM5 manual has 2 ms and 18 ms for its resets. This manual does not say that they apply to this "
             "encoder."
@@ -2614,7 +2697,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="rs485_reply_time",
         printed="The manual describes requests and replies, but not the time between them",
-        used="The outputs have no reply time and no time-out. The master chooses its time-out.",
+        used="The generated files have no reply time and no time-out. The master chooses its time-out.",
         why=(
             "The manual gives neither the shortest nor the longest time from the end of a request to the reply. "
             "Without a shortest time, the master must release the line immediately after the stop bit of its request. "

@@ -45,7 +45,7 @@ class Access(NamedTuple):
 
 
 class Accesses:
-    """Finder of accesses. It follows the bits of successive cycles from both sides, master and slave."""
+    """Finder of accesses. It follows the bits of successive cycles on both sides, master and slave."""
 
     def __init__(self) -> None:
         self._zeros = self._at = self._sent = self._answers = 0

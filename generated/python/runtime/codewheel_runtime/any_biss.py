@@ -74,11 +74,11 @@ def biss_layout(text: str) -> BissLayout:
     """Return a layout of BiSS frames.
 
     Fields are separated by commas, in the order of transmission, after CDS. ``position=32`` or ``multiturn=12`` and
-    ``singleturn=24`` are numbers with their widths in bits. A singleturn encoder whose turn has all counts is
-    ``singleturn=32``: then degrees and speeds are known. ``error`` and ``warning`` are active-low bits. ``zero=2`` are
-    bits that are always 0, and ``unused=2`` bits without meaning. ``crc=6:0x43`` is an inverted CRC of 6 bits with this
-    polynomial, whose highest bit may be left out. ``crc=16:0x190d9:0x0`` also has a start value. Any other name with a
-    number of bits is a number.
+    ``singleturn=24`` are numbers with their widths in bits. If one turn has all counts, write ``singleturn=32``, so
+    that degrees and speeds are known. ``error`` and ``warning`` are active-low bits. ``zero=2`` stands for two bits
+    that are always 0, and ``unused=2`` for two bits without meaning. ``crc=6:0x43`` is an inverted CRC of 6 bits with
+    this polynomial, whose highest bit may be left out. ``crc=16:0x190d9:0x0`` also has a start value. Any other name
+    with a width in bits is a number.
 
     Args:
         text: The layout.

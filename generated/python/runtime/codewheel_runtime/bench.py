@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Commands for the bench: decodes captures, draws plots, and shows an encoder live."""
+"""Commands for the bench: decode captures, draw plots, and show an encoder live."""
 
 from __future__ import annotations
 
@@ -167,7 +167,7 @@ def _report(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
 
 
 def _described(chosen: argparse.Namespace) -> str:
-    """Return what describes the frames, for a message."""
+    """Return a description of the frames for a message."""
     return "the order code" if chosen.biss is None else "the layout (--biss)"
 
 

@@ -173,8 +173,8 @@ class Request:
         """Encode the access as a word, in the layout of TI's masters.
 
         Returns:
-            The 32 bits that a master sends after the first S, the first one highest: CTS, ID2..0, ADR6..0, CRC3..0,
-            R, W, S, then DATA7..0, CRC3..0 or 12 zeros, P, and one more zero.
+            The 32 bits that a master sends after the first S, with the first one most significant: CTS, ID2..0,
+            ADR6..0, CRC3..0, R, W, S, then DATA7..0, CRC3..0 or 12 zeros, P, and one more zero.
 
         Raises:
             RangeError: The ID, the address or the value is out of range.
@@ -189,7 +189,7 @@ class Request:
         """Decode a word of the layout of ``encode``.
 
         Args:
-            word: The 32 bits, the first one highest.
+            word: The 32 bits, with the first one most significant.
 
         Returns:
             The access.
@@ -221,7 +221,7 @@ class Request:
         return (0,) * ZEROS + (1,) + tuple(word >> left & 1 for left in range(31, -1, -1))
 
     def _echo(self, answers: int) -> Outcome:
-        """Return the outcome of the first 18 answers, IDL0 highest and W lowest. RUNNING if the slave participates."""
+        """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave participates."""
         if answers == 0x3FFFF or not answers >> 17 - self.slave_id & 1:
             return Outcome.NO_ANSWER
         expected = 0b10 if self.value is None else 0b01
@@ -263,7 +263,7 @@ class Answer:
 
         Args:
             request: The request.
-            cds: The CDS bits, the first one highest: IDL0..15, R, W, S, DATA7..0, CRC3..0, P.
+            cds: The CDS bits, with the first one most significant: IDL0..15, R, W, S, DATA7..0, CRC3..0, P.
 
         Returns:
             The result.

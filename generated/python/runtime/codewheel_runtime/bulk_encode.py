@@ -174,7 +174,7 @@ def _fitting(bits: Any, width: int, values: Any, refused: Refused, name: str) ->
 
 
 def _text(values: Any, item: Column, refused: Refused) -> Iterator[tuple[int, int, Any]]:
-    """Yield the characters of a text, the first one most significant. Trailing NUL characters may be omitted."""
+    """Yield the characters of a string, the first one most significant. Trailing NUL characters may be omitted."""
     length = item.width // 8
     kind = np.dtype(np.uint8 if values.dtype.kind == "S" else np.uint32)
     count = values.dtype.itemsize // kind.itemsize

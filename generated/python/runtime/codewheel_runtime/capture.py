@@ -41,7 +41,7 @@ class Probes(NamedTuple):
     """Connection and timing of a capture.
 
     Attributes:
-        clock: Channel of the clock (MA), by name or by number from 1. The default is found by common channel names.
+        clock: Channel of the clock (MA), by name or by number from 1. By default, a channel with a common name.
         data: Channel of the data line (SLO), or of the serial line.
         rate: Sample rate in Hz, needed if the file does not specify it.
         rest: Shortest pause of the clock between two cycles, in seconds. The default is 1.4 periods. Use a longer one
@@ -245,13 +245,14 @@ class Captures(NamedTuple):
     ) -> Capture:
         """Decode a capture of a logic analyser. Needs NumPy.
 
-        Formats are sigrok sessions, CSV of sigrok and Saleae, binary files of Saleae, VCD, NumPy files and tables of 0
+        Formats are sigrok sessions, CSV from sigrok and Saleae, Saleae binary files, VCD, NumPy files and tables of 0
         and 1. They are recognized by their contents.
 
         Args:
             encoder: The encoder, its label, or a layout of BiSS frames (``biss_layout``).
-            source: The file. Or an array of samples: a row per sample with a column of 0 and 1 per channel, or numbers
-                whose bits are the channels. Or the two binary files of Saleae: that of the clock and of the data line.
+            source: The file, or two Saleae binary files, first the clock and then the data line. Or an
+                array of samples: one row per sample with one column of 0 and 1 per channel, or one number per sample
+                whose bits are the channels.
             clock: Channel of the clock (MA), by name or by number from 1.
             data: Channel of the data line (SLO), or of the serial line.
             rate: Sample rate in Hz, needed if the source does not specify it.
@@ -353,7 +354,7 @@ class Captures(NamedTuple):
 
 
 def _paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
-    """Return the paths of one or several files."""
+    """Return the paths of one or more files."""
     if isinstance(source, (str, os.PathLike)):
         return [os.fspath(source)]
     if not source:

@@ -101,7 +101,7 @@ def clocked(
 
 
 class _Cycles:
-    """Finder of cycles. It keeps the edges of the last cycle until the next stretch of the capture is known."""
+    """Finder of cycles. It keeps the edges of the last cycle until the next stretch of the capture arrives."""
 
     def __init__(self, kind: Literal["biss", "ssi"], bits: int, rest: float | None, early: float, unit: float) -> None:
         self._is_biss, self._bits, self._given, self._early = kind == "biss", bits, rest, early

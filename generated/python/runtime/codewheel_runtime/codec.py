@@ -17,7 +17,7 @@ from .reports import Interface
 #: A frame or register made of bytes: any buffer of single bytes, such as one row of an array.
 Data = bytes | bytearray | memoryview
 
-#: A frame that is a string of bits: a number, the first bit sent most significant, a text of 0 and 1, or bytes that
+#: A frame that is a string of bits: a number, the first bit sent most significant, text of 0 and 1, or bytes that
 #: contain the number, most significant first.
 Word = SupportsIndex | str | bytes | bytearray | memoryview
 

@@ -7,8 +7,8 @@ arrived. ``link`` carries them out with any transport, such as a serial port, an
 A reply carries no sequence number to match it to its request, and its 8-bit CRC misses 1 in 256 corrupted frames. So
 the session accepts a reply only if it begins with the first byte of its request, is a valid frame, and is the last that
 arrived. After any failure it resynchronises: it sends a request of another kind, and discards everything before the
-reply to that. A late reply can therefore not be mistaken for the reply to the next request. If there is no reply to any
-other kind either, it waits four time-outs, so only an even later reply could be mistaken.
+reply to that. A late reply can therefore not be mistaken for the reply to the next request. If requests of other kinds
+get no reply either, it waits four time-outs, so only an even later reply could be mistaken.
 
 The reply to a write can be identical to the request, and therefore to its echo. Read back what you write.
 
@@ -209,7 +209,7 @@ class Session:
                 raise DisturbedError(f"the reply of {self.encoder.code} has {name} {found}, but {sent} was sent")
 
     def run(self, steps: Sequence[Step]) -> Work[None]:
-        """Carry out the steps of a procedure. Requests in succession start again after a failure."""
+        """Carry out the steps of a procedure. If a request in a series fails, the series starts again."""
         for at, step in enumerate(steps):
             try:
                 if isinstance(step, Wait):

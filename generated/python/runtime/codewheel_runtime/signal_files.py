@@ -310,7 +310,7 @@ _TIME: Final = re.compile(r"(?:time\s*)?[\[(]?(?P<unit>[a-zµ]*)[\])]?", re.IGNO
 
 
 def _text(file: BinaryIO, path: str, head: bytes, names: Names, rate: float | None) -> Signals:
-    """Return the signals of a table: columns of 0 and 1 with a row per sample, or with a time in the first column."""
+    """Return the signals of a table: columns of 0 and 1, with one row per sample or a time in the first column."""
     if len(head) == _HEADER and b"\n" not in head:
         raise InputError(path, "", "a line is too long: this is not a capture")
     lines = head.decode("utf-8-sig", "replace").splitlines()

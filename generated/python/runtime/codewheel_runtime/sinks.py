@@ -44,7 +44,7 @@ def _texts(column: Any) -> list[str]:
 
 
 def arrow_columns(table: Table, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
-    """Return columns as Arrow arrays, with ``fault`` and ``verdict`` as words. Positions can be null unless ``raw``."""
+    """Return columns as Arrow arrays, ``fault`` and ``verdict`` as strings. Positions can be null unless ``raw``."""
     pa: Any = import_module("pyarrow")
     found: dict[str, Any] = {}
     for name in names:
@@ -129,7 +129,7 @@ class Texts:
         self.lost = 0
 
     def array(self, cells: Any) -> Any:
-        """Return the cells as an array. Empty cells become null, and so do cells that should be numbers but are not."""
+        """Return the cells as an array. Empty cells become null, as do cells that should be numbers but are not."""
         if isinstance(cells, self._pa.Array):
             if self.kind is not None and self.kind != self._pa.string():
                 try:

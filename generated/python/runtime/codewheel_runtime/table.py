@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 else:
 
     class _Columns:
-        """Methods of a mapping. A real one would lead polars to the raw columns instead of the stream of Arrow."""
+        """Methods of a mapping. With a real mapping, polars would read the raw columns, not the Arrow stream."""
 
         __contains__, get, items = Mapping.__contains__, Mapping.get, Mapping.items
         keys, values = Mapping.keys, Mapping.values
@@ -57,7 +57,7 @@ class Table(_Columns):
     """Columns of many frames: a NumPy array for each field, and ``fault`` with the error of each frame.
 
     The arrays hold the raw bits of every frame, including invalid ones. Use ``usable_position`` for positions: it is
-    masked if there is none. ``to_arrow`` and ``to_pandas`` return nulls there.
+    masked if there is none. ``to_arrow`` and ``to_pandas`` return null for these.
 
     Frames with a verdict also have a column ``verdict``: the index of the verdict in ``Verdict``. It is 0 if the
     position is not usable or the frame has an error.
@@ -391,7 +391,7 @@ class Table(_Columns):
     def to_arrow(self, *, raw: bool = False) -> Any:
         """Return an Arrow table with the same columns. Needs pyarrow.
 
-        ``fault`` and ``verdict`` are words. A value that is NaN is null.
+        ``fault`` and ``verdict`` are strings. A value that is NaN is null.
 
         Args:
             raw: Keep positions that are not usable. Otherwise they are null.
@@ -404,16 +404,16 @@ class Table(_Columns):
         return import_module("pyarrow").table(arrow_columns(self, self, raw))
 
     def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
-        """Return the columns as a stream of Arrow, for polars, DuckDB and others. Needs pyarrow."""
+        """Return the columns as an Arrow stream, for polars, DuckDB and others. Needs pyarrow."""
         return self.to_arrow().__arrow_c_stream__(requested_schema)
 
     def to_pandas(self, *, raw: bool = False) -> Any:
         """Return a pandas DataFrame with the same columns. Needs pandas.
 
-        ``fault`` and ``verdict`` are categories of words.
+        ``fault`` and ``verdict`` are categorical strings.
 
         Args:
-            raw: Keep positions that are not usable. Otherwise they are ``<NA>``, in a column of ``Int64``.
+            raw: Keep positions that are not usable. Otherwise they are ``<NA>``, in an ``Int64`` column.
 
         Returns:
             A ``pandas.DataFrame``.

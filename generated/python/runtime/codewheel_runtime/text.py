@@ -39,7 +39,7 @@ _MISSING: Final = frozenset(("", "nan", "na", "n/a", "<na>", "null", "none"))
 
 
 def of_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
-    """Return the frame that a text contains as hex bytes or as a number. Raises ValueError if there is none."""
+    """Return the frame that a string contains as hex bytes or as a number. Raises ValueError if there is none."""
     packed = text.replace(" ", "").replace("_", "")
     if shape.length:
         packed = packed[2:] if packed[:2] in ("0x", "0X") else packed
@@ -154,7 +154,7 @@ class _Table:
         self._rows: Iterator[list[str]] = iter(())
 
     def open(self, blocks: Iterable[bytes], lines: int, done: int) -> None:
-        """Read these blocks. ``lines`` and ``done`` count the lines and bytes before them."""
+        """Read these blocks. ``lines`` and ``done`` are the numbers of lines and bytes before these blocks."""
         self.lines = _Lines(_text_of(blocks), self.lines.name, lines, done)
         self._rows = _rows(self.lines, self.between)[1]
         if self._skips_header:
@@ -181,7 +181,7 @@ class _Table:
         return cells, numbers, others
 
     def skip(self, last: str) -> None:
-        """Remember the last cell of a block that was read otherwise."""
+        """Remember the last cell of a block that was read in another way."""
         self._before = last
 
 
@@ -196,7 +196,7 @@ def _parts(
     done: int,
     where: _Where,
 ) -> Generator[Part, None, None]:
-    """Yield the frames of blocks. ``lines`` and ``done`` count the lines and bytes before the first one."""
+    """Yield the frames of blocks. ``lines`` and ``done`` are the numbers of lines and bytes before the first block."""
     name, stored, shape, share = where
     cells, is_first = Cells(shape, stored.digits), True
     for block in blocks:

@@ -19,7 +19,7 @@ np: Any = import_module("numpy")
 
 #: A byte has a start bit, eight data bits, and a stop bit.
 _BITS: Final = 10
-#: Number of bytes that are kept until the next stretch of the capture is known.
+#: Number of bytes that are kept until the next stretch of the capture arrives.
 _KEPT: Final = 64
 #: Longest pause within a message, in byte times.
 _PAUSE: Final = 20
@@ -117,7 +117,7 @@ def replies(signals: Signals, name: str, baud: float, kinds: Kinds) -> Generator
 
 
 class _Replies:
-    """Finder of replies in bytes. It keeps the last bytes until more are known."""
+    """Finder of replies in bytes. It keeps the last bytes until more arrive."""
 
     def __init__(self, kinds: Kinds, duration: float) -> None:
         self._kinds, self._pause = kinds, _PAUSE * duration

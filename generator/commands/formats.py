@@ -1,0 +1,74 @@
+"""Findings of ``check`` and ``diff`` for review tools: workflow commands of GitHub, and SARIF 2.1.0."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import quote
+
+from .. import __version__
+
+_SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+#: Levels of SARIF by those of GitHub.
+_LEVELS = {"error": "error", "warning": "warning", "notice": "note"}
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A finding at a place of a file. ``level`` is ``error``, ``warning`` or ``notice``."""
+
+    file: str
+    line: int
+    column: int
+    rule: str
+    message: str
+    level: str = "error"
+
+
+def as_review(findings: Sequence[Finding], form: str) -> str:
+    """Return findings as ``github`` or ``sarif``, without a final line break."""
+    if form == "github":
+        return "\n".join(map(_command, findings))
+    return json.dumps(_sarif(findings), indent=2, ensure_ascii=False)
+
+
+def _command(item: Finding) -> str:
+    """Return a workflow command, in which line ends and percent signs are escaped."""
+    place = f"file={_escaped(item.file, ',:')},line={item.line},col={item.column},title={_escaped(item.rule, ',:')}"
+    return f"::{item.level} {place}::{_escaped(item.message)}"
+
+
+def _escaped(text: str, more: str = "") -> str:
+    for character in f"%\r\n{more}":
+        text = text.replace(character, f"%{ord(character):02X}")
+    return text
+
+
+def _sarif(findings: Sequence[Finding]) -> dict[str, object]:
+    rules = [{"id": rule} for rule in sorted({item.rule for item in findings})]
+    driver = {"name": "codewheel", "version": __version__, "rules": rules}
+    results = [
+        {
+            "ruleId": item.rule,
+            "level": _LEVELS[item.level],
+            "message": {"text": item.message},
+            "locations": [
+                {
+                    "physicalLocation": {
+                        "artifactLocation": {"uri": _uri(item.file)},
+                        "region": {"startLine": item.line, "startColumn": item.column},
+                    }
+                }
+            ],
+        }
+        for item in findings
+    ]
+    run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
+    return {"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}
+
+
+def _uri(file: str) -> str:
+    path = Path(file)
+    return path.as_uri() if path.is_absolute() else quote(path.as_posix())

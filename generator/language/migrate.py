@@ -1,0 +1,47 @@
+"""Migration of specs to the current language: keys with a new name. Comments and layout stay as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from .document import Document
+from .schema import renamed_keys, value_at
+from .yaml import LINE_BREAK
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """A key with a new name, at a line and a column that count from 1."""
+
+    line: int
+    column: int
+    old: str
+    new: str
+
+
+def migrate(document: Document) -> tuple[Edit, ...]:
+    """Give the keys of a document their current names, and return the same edits for its text."""
+    edits = []
+    for path, new in renamed_keys(document):
+        *above, old = path
+        holder = value_at(document.data, tuple(above))
+        line, column = document.position(path, at_key=True)
+        if old not in holder:
+            continue  # An alias repeats a map that has been migrated.
+        edits.append(Edit(line, column, str(old), new))
+        marks = document.mark(tuple(above)).children
+        for found in (holder, marks):
+            items = [(new if key == old else key, value) for key, value in found.items()]
+            found.clear()
+            found.update(items)
+    return tuple(edits)
+
+
+def edited(text: str, edits: Iterable[Edit]) -> str:
+    """Return the text of a file after these edits. A key may be in quotes."""
+    starts = [0, *(found.end() for found in LINE_BREAK.finditer(text))]
+    for edit in sorted(edits, key=lambda item: (item.line, item.column), reverse=True):
+        start = text.index(edit.old, starts[edit.line - 1] + edit.column - 1)
+        text = text[:start] + edit.new + text[start + len(edit.old) :]
+    return text

@@ -1,0 +1,138 @@
+"""Rules for quantities with units: characteristics, columns of tables, and voltages in the text of an alarm."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from decimal import Decimal
+
+from ...say.words import counted
+from ..problems import DocumentReport, Path, listed, quoted
+from .walk import Spec, items, mapping
+
+_UNITS = {
+    "angle": "°",
+    "area": "mm²",
+    "battery": "V",
+    "bending_radius": "mm diameters",
+    "clearance": "mm µm",
+    "coverage": "%",
+    "current": "A mA",
+    "frequency": "Hz kHz MHz",
+    "length": "in m mm µm",
+    "mass": "g kg",
+    "resistance": "MΩ Ω",
+    "resistance_per_length": "Ω/km",
+    "speed": "m/s",
+    "supply": "V",
+    "temperature": "°C °F",
+    "time": "min ms s µs",
+    "torque": "Nm",
+    "voltage": "V Vpp",
+}
+#: Units as texts write them.
+_WRITTEN = {"diameters": "×", "min": "min(?:ute)?s?"}
+_BOUNDS = ("min", "typical", "max")
+_NUMBER = r"(?<![\w.,])(?P<sign>[±−+-]?)\s?(?P<number>\d+(?:,\d{3})*(?:\.\d+)?)"
+_MILLIVOLTS = {"V": 1000, "mV": 1}
+_VOLTAGE = re.compile(r"(?<![\w.,])(\d+(?:\.\d+)?) ?(V|mV)\b")
+_CELL = re.compile(r"(?:(?:above|at least|at most|below) |[<>≤≥] ?)?-?\d+(?:\.\d+)?")
+
+
+def quantity_text(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that the quantities of a characteristic have possible units and bounds, and are those of its text."""
+    for path, item in items(spec, "characteristics"):
+        text, told = item.get("value", ""), set()
+        for at, value in items(item, "values"):
+            unit, kind = value["unit"], value["quantity"]
+            if unit not in _UNITS[kind].split():
+                right = listed(_UNITS[kind].split(), "or")
+                report.add("quantity-text", (*path, *at, "unit"), f"{quoted(kind)} is given in {right}, not in {unit}")
+                continue
+            bounds = {name: Decimal(str(value[name])) for name in _BOUNDS if name in value}
+            order = list(bounds.values())
+            if not bounds or order != sorted(order):
+                wrong = "give 'min', 'typical' or 'max', in ascending order"
+                report.add("quantity-text", (*path, *at), wrong)
+                continue
+            told |= {(number, unit) for number in order}
+            possible = set(_possible(text, unit))
+            for name, number in bounds.items():
+                if number not in possible:
+                    wrong = f"the text does not give {number} {unit}; one of the two is wrong"
+                    report.add("quantity-text", (*path, *at, name), wrong)
+        for unit in sorted({unit for _, unit in told}):
+            for number in _plain(text, unit):
+                if (number, unit) not in told:
+                    wrong = f"'values' does not give {number} {unit}; one of the two is wrong"
+                    report.add("quantity-text", (*path, "value"), wrong)
+
+
+def _found(text: str, unit: str) -> Iterator[tuple[str, Decimal]]:
+    """Yield each number with a unit in a text, with its sign. The first of two numbers may have the unit of both."""
+    end = _WRITTEN.get(unit, re.escape(unit))
+    for item in re.finditer(rf"{_NUMBER}(?= ?{end}(?!\w|/))", text):
+        yield item["sign"].replace("−", "-"), Decimal(item["number"].replace(",", ""))
+
+
+def _plain(text: str, unit: str) -> Iterator[Decimal]:
+    """Yield each number with a unit that is not a tolerance."""
+    yield from (-number if sign == "-" else number for sign, number in _found(text, unit) if sign != "±")
+
+
+def _possible(text: str, unit: str) -> Iterator[Decimal]:
+    """Yield each number with a unit in a text, and the bounds that its tolerances give."""
+    plain = list(_plain(text, unit))
+    yield from plain
+    tolerances = [number for sign, number in _found(text, unit) if sign == "±"]
+    parts = [number / 100 for sign, number in _found(text, "%") if sign == "±"]
+    for middle in plain or [Decimal(0)]:
+        for tolerance in (*tolerances, *(middle * part for part in parts)):
+            yield from (middle - tolerance, middle + tolerance)
+
+
+def quantity_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that a supply in a characteristic, and a threshold in a text, are those given elsewhere in the spec."""
+    values = [value for _, part in items(spec, "order_code", "parts") for value in part["values"].values()]
+    supplies = [mapping(item, "supply") for item in (spec, *values)]
+    ranges = [(item.get("min_mv"), item.get("max_mv")) for item in supplies if item]
+    for path, item in items(spec, "characteristics"):
+        for at, value in items(item, "values"):
+            if value["quantity"] == "supply" and ranges and "min" in value and "max" in value:
+                found = int(value["min"] * 1000), int(value["max"] * 1000)
+                if found not in ranges:
+                    known = listed([f"{low} to {high} mV" for low, high in ranges], "or")
+                    wrong = f"this is {found[0]} to {found[1]} mV, but 'supply' is {known}; one of the two is wrong"
+                    report.add("quantity-repeated", (*path, *at), wrong)
+    for path, alarm in items(spec, "alarms"):
+        threshold = alarm.get("below_mv")
+        for place, item in ((path, alarm), *_fields(spec, alarm)) if threshold is not None else ():
+            for key in ("meaning", "when_active"):
+                for number, unit in _VOLTAGE.findall(item.get(key, "")):
+                    if Decimal(number) * _MILLIVOLTS[unit] != threshold:
+                        wrong = f"the text says {number} {unit}, but 'below_mv' of the alarm is {threshold}"
+                        report.add("quantity-repeated", (*place, key), f"{wrong}; one of the two is wrong")
+
+
+def _fields(spec: Spec, alarm: Spec) -> Iterator[tuple[Path, Spec]]:
+    """Yield the field of an alarm, in its group or in its register."""
+    for key, owner in (("field_groups", "group"), ("registers", "register")):
+        for path, item in items(spec, key):
+            if item.get("name") == alarm.get(owner, ""):
+                found = items(item, "fields")
+                yield from (((*path, *at), field) for at, field in found if field.get("name") == alarm.get("field"))
+
+
+def column_units(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that a table has one unit per column, and numbers in the columns that have a unit."""
+    for path, table in items(spec, "tables"):
+        units = table.get("units", [])
+        if units and len(units) != len(table["columns"]):
+            wrong = f"the table has {counted(len(table['columns']), 'column')} but {counted(len(units), 'unit')}"
+            report.add("column-units", (*path, "units"), f'{wrong}; give one for each, or ""')
+            continue
+        for row, cells in enumerate(table["rows"] if units else ()):
+            for column, (unit, cell) in enumerate(zip(units, cells, strict=False)):
+                if unit and not _CELL.fullmatch(str(cell)):
+                    wrong = f"{quoted(str(cell))} is not a number, but the column has the unit {unit}"
+                    report.add("column-units", (*path, "rows", row, column), wrong)

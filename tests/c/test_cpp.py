@@ -1,0 +1,175 @@
+"""The headers for C++17: frames decoded by the compiler, and errors that it finds in them."""
+
+from __future__ import annotations
+
+import random
+import shutil
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from c_harness import members, short
+from codewheel.model import Device, Text
+from codewheel.targets.c.codec import StructCodec
+from codewheel.targets.c.device import DeviceView, views_of
+from test_c_codec import Table, on_the_wire, sound_numbers
+
+pytestmark = pytest.mark.slow
+
+COMPILERS = ("g++ -std=c++17", "g++ -std=c++20", "clang++ -std=c++17", "clang++ -std=c++20")
+WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror"
+
+#: What the manuals and public sources print.
+PRINTED = """
+#include <array>
+
+// T-format request, reply and CRC, AMM5 7.4.2 and 7.6, and a reply that another receiver printed.
+constexpr auto request = lika::amm5_rs485::data_request_encode(
+    LIKA_AMM5_RS485_A23_65KJP1, {LIKA_AMM5_RS485_DATA_ID_SINGLETURN});
+static_assert(request && request->size() == 1 && request->data()[0] == 0x02);
+constexpr uint8_t covered[] = {0x32, 0x10, 0x01, 0x28, 0xB0, 0x08};
+static_assert(lika_amm5_rs485_crc_rs485_8(covered, 6) == 0xB3);
+constexpr std::array<uint8_t, 6> received{0x02, 0x20, 0xC7, 0xD1, 0x6A, 0x5E};
+constexpr auto reply = lika::amm5_rs485::singleturn_reply_decode(LIKA_AMM5_RS485_A23_65KJP1, received);
+static_assert(reply && reply->singleturn == 7000519);
+static_assert(lika::amm5_rs485::singleturn_reply_verdict(LIKA_AMM5_RS485_A23_65KJP1, *reply) ==
+              codewheel::verdict::not_usable);
+static_assert(lika::amm5_rs485::singleturn_reply_reports(LIKA_AMM5_RS485_A23_65KJP1, *reply) != 0);
+
+// Reply with data ID 4, SMA21 7.3.4.
+constexpr uint8_t printed[] = {0xA2, 0x00, 0x10, 0x32, 0x54, 0x00, 0xD4};
+constexpr auto position = lika::sma21_rs485::position_reply_decode(LIKA_SMA21_RS485_JP1_0005, printed);
+static_assert(position && position->position == 5517840);
+static_assert(lika::sma21_rs485::position_reply_verdict(LIKA_SMA21_RS485_JP1_0005, *position) ==
+              codewheel::verdict::usable);
+
+// Words of 22 bits, timonburkard/BiSS_Bridge: 192458 with CRC 28, and 74565 with an active error and CRC 11.
+constexpr auto captured = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, (192458ULL << 2 | 3) << 6 | 28);
+static_assert(captured && captured.position == 192458 && captured.verdict == codewheel::verdict::usable);
+constexpr auto faulty = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, (74565ULL << 2 | 1) << 6 | 11);
+static_assert(!faulty && faulty.error == codewheel::fault::none && faulty.position == 0);
+
+// 123 counts are 6.15 mm, SMA21 5.2; in Gray code 123 is 70. The error bit 1 is inactive.
+constexpr auto length = lika::sma21_ssi::position(LIKA_SMA21_SSI_GG1_0050, 70 << 1 | 1);
+static_assert(length && length.position == 123);
+static_assert(lika_sma21_ssi_micrometres(&LIKA_SMA21_SSI_GG1_0050, length.position) == 6150);
+"""
+
+#: Errors, each found when the program is compiled.
+WRONG = """
+constexpr auto disturbed = lika::sma21_biss::decode(LIKA_SMA21_BISS_SC1_0010, (192458ULL << 2 | 3) << 6 | 29);
+static_assert(!disturbed && disturbed.error() == codewheel::fault::crc && disturbed->position == 0);
+constexpr auto rejected = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, (192458ULL << 2 | 3) << 6 | 29);
+static_assert(!rejected && rejected.error == codewheel::fault::crc);
+constexpr auto wide = lika::sma21_ssi::decode(LIKA_SMA21_SSI_BG1_0050, 1ULL << 21);
+static_assert(wide.error() == codewheel::fault::length);
+static_assert(lika::sma21_rs485::position_reply_decode(LIKA_SMA21_RS485_JP1_0005, {printed, 6}).error() ==
+              codewheel::fault::length);
+constexpr uint8_t other[] = {0xA2, 0x00, 0x11, 0x32, 0x54, 0x00, 0xD4};
+static_assert(lika::sma21_rs485::position_reply_decode(LIKA_SMA21_RS485_JP1_0005, other).error() ==
+              codewheel::fault::crc);
+"""
+
+
+def assertions(device: Device) -> Iterator[str]:
+    """Two random frames of each layout that the encoder sends, for each order code, and what the reference finds."""
+    table, random_ = Table(device), random.Random("c++")
+    for view in views_of(device):
+        for item in view.interface.codecs:
+            if item.decodes:
+                yield from _of(table, view, item, random_)
+
+
+def _of(table: Table, view: DeviceView, item: StructCodec, random_: random.Random) -> Iterator[str]:
+    name = short(view, item)
+    kinds = {field.name: field.kind for field in item.struct.layout.fields}
+    numbers = [member.name for member in members(item)]
+    head = f"{item.name.removeprefix(view.prefix)}_".removeprefix("_")
+    space = f"{view.maker.name}::{view.stem}"
+    answers = "".join(f"{choice.enumeration.entries[0].name}, " for choice in item.asked)
+    for row in view.variants.rows:
+        placed = table.layouts[name][1].place(row.variant.parameters)
+        for number in random_.sample(list(sound_numbers(table.device, placed, random_)), 2):
+            wire = on_the_wire(placed, number)
+            frame = f"0x{wire}ULL"
+            if item.plan.in_bytes:
+                listed = ", ".join(f"0x{byte:02X}" for byte in bytes.fromhex(wire))
+                frame = f"codewheel::buffer<{len(wire) // 2}>{{{{{listed}}}}}"
+            values = zip(numbers, table.row(name, placed, number).split(), strict=True)
+            same = [
+                f"static_cast<int64_t>(f->{member}) == INT64_C({value})"
+                for member, value in values
+                if not isinstance(kinds.get(member.rstrip("_")), Text)
+            ]
+            yield (
+                f"static_assert([] {{ constexpr auto f = {space}::{head}decode({row.macro}, {answers}{frame});\n"
+                f"    return f && {' && '.join(same)}; }}());\n"
+            )
+
+
+@pytest.fixture(scope="module")
+def program(c_devices: tuple[Device, ...]) -> str:
+    stems = [view.header for device in c_devices for view in views_of(device)]
+    found = [line for device in c_devices for line in assertions(device)]
+    assert len(found) > 200
+    return "".join(f'#include "{stem}pp"\n' for stem in stems) + PRINTED + WRONG + "".join(found)
+
+
+def compiled(command: str, text: str, include: Path, tmp_path: Path) -> tuple[int, str]:
+    if shutil.which(command.split()[0]) is None:
+        pytest.skip(f"{command.split()[0]} is not installed")
+    (tmp_path / "unit.cpp").write_text(text, encoding="ascii")
+    done = subprocess.run(
+        [*command.split(), *WARNINGS.split(), f"-I{include}", "-fsyntax-only", str(tmp_path / "unit.cpp")],
+        capture_output=True,
+        text=True,
+    )
+    return done.returncode, done.stderr
+
+
+@pytest.mark.parametrize("command", COMPILERS)
+def test_a_compiler_decodes_frames(command: str, program: str, include: Path, tmp_path: Path) -> None:
+    assert compiled(command, program, include, tmp_path) == (0, "")
+
+
+@pytest.mark.parametrize("option", ["-DLIKA_CRC_TABLE", "-DLIKA_CRC_BITWISE"])
+def test_other_forms_of_the_crc_too(option: str, program: str, include: Path, tmp_path: Path) -> None:
+    assert compiled(f"g++ -std=c++17 {option}", program, include, tmp_path) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong"),
+    [
+        ("== 7000519", "== 7000520"),
+        ("0x6A, 0x5E", "0x6A, 0x5F"),
+        ("static_assert(!disturbed", "static_assert(disturbed"),
+        ("LIKA_SMA21_BISS_SC1_0010, (192458ULL", "LIKA_SMA21_SSI_BG1_0010, (192458ULL"),
+        ("static_assert(!rejected", "static_assert(rejected"),
+    ],
+)
+@pytest.mark.parametrize("command", COMPILERS[::2])
+def test_a_mistake_does_not_compile(command: str, right: str, wrong: str, include: Path, tmp_path: Path) -> None:
+    heads = "".join(
+        f'#include "lika/{stem}.hpp"\n' for stem in ("amm5_rs485", "sma21_rs485", "sma21_biss", "sma21_ssi")
+    )
+    text = heads + PRINTED + WRONG
+    assert right in text
+    status, said = compiled(command, text.replace(right, wrong), include, tmp_path)
+    assert status != 0
+    assert "error:" in said
+
+
+@pytest.mark.parametrize("command", COMPILERS[::2])
+def test_a_result_that_is_not_looked_at_is_a_warning(command: str, include: Path, tmp_path: Path) -> None:
+    text = '#include "lika/amm5_biss.hpp"\nvoid f();\nvoid f() { lika::amm5_biss::@(LIKA_AMM5_BISS_A17_1SC1, 0); }\n'
+    for name in ("decode", "position"):
+        status, said = compiled(command, text.replace("@", name), include, tmp_path)
+        assert status != 0
+        assert "nodiscard" in said
+
+
+def test_an_older_standard_is_named(include: Path, tmp_path: Path) -> None:
+    status, said = compiled("g++ -std=c++14", '#include "lika/amm5_biss.hpp"\n', include, tmp_path)
+    assert status != 0
+    assert "codewheel/result.hpp needs C++17" in said

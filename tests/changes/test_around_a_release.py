@@ -1,0 +1,184 @@
+"""What helps around a release: forms for review tools, accepted changes, and the entry for an older edition."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+from codewheel.changes.accepted import read_accepted
+from codewheel.commands.cli import main
+from codewheel.commands.new import device_text, manufacturer_text
+from codewheel.commands.parsers import parser_for
+
+SPEC = device_text("my_encoder", "example", "d.json")
+CLOCK, SLOWER = "max_hz: 10000000", "max_hz: 5000000"
+
+
+def written(folder: Path, *edits: tuple[str, str]) -> Path:
+    text = SPEC
+    for old, new in edits:
+        assert old in text
+        text = text.replace(old, new)
+    folder.mkdir()
+    (folder / "my_encoder.yaml").write_text(text, encoding="utf-8")
+    (folder / "manufacturer.yaml").write_text(manufacturer_text("m.json"), encoding="utf-8")
+    return folder
+
+
+def run(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str, str]:
+    code = main([str(item) for item in arguments])
+    return (code, *capsys.readouterr())
+
+
+@pytest.fixture
+def both(tmp_path: Path) -> tuple[Path, Path]:
+    return written(tmp_path / "old"), written(tmp_path / "new", (CLOCK, SLOWER))
+
+
+LINE = SPEC[: SPEC.index(CLOCK)].count("\n") + 1
+COLUMN = SPEC.splitlines()[LINE - 1].index("10000000") + 1
+
+
+def test_changes_as_comments_of_a_pull_request(both: tuple[Path, Path], capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = run(capsys, "diff", *both, "--format", "github")
+    assert code == 1
+    assert out.startswith(
+        f"::warning file={both[1]}/my_encoder.yaml,line={LINE},col={COLUMN},title=clock-narrower::BiSS: highest clock"
+    )
+    assert out.count("\n") == 1
+
+
+def test_problems_as_comments_of_a_pull_request(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = written(tmp_path / "a,b", ("title: Set and save a preset", "title: “100%”"))
+    code, out, _ = run(capsys, "check", folder, "--format", "github")
+    assert code == 1
+    # The workflow commands escape a percent sign everywhere, and a comma in properties.
+    assert out.startswith(f"::error file={tmp_path}/a%2Cb/my_encoder.yaml,line=130,col=12,title=typographic-quotes::")
+    assert 'write "100%25" with straight quotes' in out
+
+
+@pytest.mark.parametrize("command", ["check", "diff"])
+def test_sarif(both: tuple[Path, Path], capsys: pytest.CaptureFixture[str], command: str) -> None:
+    """The members that the schema of SARIF 2.1.0 requires, with its types and enumerations."""
+    new = both[1] / "my_encoder.yaml"
+    if command == "check":
+        new.write_text(SPEC.replace("address: 0x50", "address: 50"), encoding="utf-8")
+    code, out, _ = run(capsys, command, *(both if command == "diff" else (both[1],)), "--format", "sarif")
+    found = json.loads(out)
+    assert (code, found["version"]) == (1, "2.1.0")
+    (made,) = found["runs"]
+    assert made["columnKind"] in ("utf16CodeUnits", "unicodeCodePoints")
+    assert made["tool"]["driver"]["name"] == "codewheel"
+    (result,) = made["results"]
+    assert [{"id": result["ruleId"]}] == made["tool"]["driver"]["rules"]
+    assert result["level"] in ("none", "note", "warning", "error")
+    assert isinstance(result["message"]["text"], str)
+    (place,) = (item["physicalLocation"] for item in result["locations"])
+    assert place["artifactLocation"]["uri"] == new.as_uri()
+    line, column = (LINE, COLUMN) if command == "diff" else (119, 14)
+    assert place["region"] == {"startLine": line, "startColumn": column}
+
+
+def test_without_problems_the_forms_are_empty(both: tuple[Path, Path], capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(capsys, "check", both[0], "--format", "github")[:2] == (0, "\n")
+    code, out, _ = run(capsys, "check", both[0], "--format", "sarif")
+    assert (code, json.loads(out)["runs"][0]["results"]) == (0, [])
+    code, out, _ = run(capsys, "check", both[0], "--format", "json")
+    assert (code, json.loads(out)["problems"]) == (0, [])
+
+
+ENTRY = "{family: my_encoder, rule: clock-narrower, path: interfaces.biss.clock.max_hz, why: no faster master, until: "
+
+
+@pytest.mark.parametrize(
+    ("until", "code", "notice"),
+    [
+        (
+            "2999-12-31",
+            0,
+            "accepted until 2999-12-31: my_encoder: clock-narrower interfaces.biss.clock.max_hz: no",
+        ),
+        ("2001-01-01", 1, "accepted until 2001-01-01 only, so asked again: my_encoder: clock-narrower"),
+    ],
+)
+def test_a_change_is_accepted_until_a_date(
+    both: tuple[Path, Path], capsys: pytest.CaptureFixture[str], until: str, code: int, notice: str
+) -> None:
+    (both[1] / "accepted.yaml").write_text(f"accepted:\n  - {ENTRY}{until}}}\n", encoding="utf-8")
+    found, out, _ = run(capsys, "diff", *both)
+    assert found == code
+    assert notice in " ".join(out.split())
+    assert "1 change: 1 behaviour" in out
+    assert (run(capsys, "diff", *both, "--format", "github")[1].strip() == "") == (code == 0)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("accepted:\n  - {rule: clock-narrower}\n", "accepted.yaml:2: an accepted change has the keys family, rule"),
+        (f"accepted:\n  - {ENTRY.replace('narrower', 'narower')}2030-01-01}}\n", "did you mean 'clock-narrower'?"),
+        (f"accepted:\n  - {ENTRY}soon}}\n", "accepted.yaml:2: 'until' is a date such as 2027-03-31, not 'soon'"),
+        ("other: 1\n", "accepted.yaml:1: the file has one key, 'accepted'"),
+        ("accepted: [\n", "yaml-syntax"),
+    ],
+)
+def test_a_wrong_file_of_accepted_changes(
+    both: tuple[Path, Path], capsys: pytest.CaptureFixture[str], text: str, message: str
+) -> None:
+    (both[1] / "accepted.yaml").write_text(text, encoding="utf-8")
+    code, _, err = run(capsys, "diff", *both)
+    assert code == 2
+    assert message in err
+
+
+def test_an_entry_that_accepts_nothing_is_reported(both: tuple[Path, Path], capsys: pytest.CaptureFixture[str]) -> None:
+    (both[1] / "accepted.yaml").write_text(
+        f"accepted:\n  - {ENTRY}2999-12-31}}\n".replace("max", "min"), encoding="utf-8"
+    )
+    assert "accepted, but not found: my_encoder: clock-narrower interfaces.biss.clock.min_hz" in " ".join(
+        run(capsys, "diff", *both)[1].split()
+    )
+
+
+def test_the_entry_for_an_older_edition_keeps_what_was_taken_away(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    seventeen = '        "17": {meaning: "131,072 counts per turn", sets: {singleturn_bits: 17}}\n'
+    extra = "  - {name: spare, interface: biss, address: 0x60, length: 1, access: read_only, source: '6'}\n"
+    examples = ("MY-ENCODER-17-SC", "MY-ENCODER-13-SC")
+    revision = [
+        ('  revision: "1.0"', '  revision: "1.1"'),
+        ("changes: First issue.}\n", 'changes: First issue.}\n    - {revision: "1.1", changes: 17 bits removed}\n'),
+        (seventeen, ""),
+        examples,
+    ]
+    old = written(tmp_path / "old", examples, ("registers:\n", f"registers:\n{extra}"))
+    new = written(tmp_path / "new", *revision)
+    out = run(capsys, "diff", old, new, "--editions")[1]
+    _, _, entry = out.partition("with their source:\n\n")
+    assert "value: {name: spare, interface: biss, address: 0x60" in entry
+    spec = new / "my_encoder.yaml"
+    spec.write_text(spec.read_text(encoding="utf-8") + entry, encoding="utf-8")
+    assert run(capsys, "check", new)[:1] == (0,)
+    for edition, kept in (("1.0", True), ("1.1", False)):
+        shown = json.loads(run(capsys, "show", "my_encoder", "--edition", edition, "--specs", new, "--json")[1])
+        assert ("spare" in [item["name"] for item in shown["registers"]]) == kept
+        assert ("MY-ENCODER-17-SC" in json.dumps(shown["order_codes"])) == kept
+    assert "removed these items" not in run(capsys, "diff", old, old, "--editions")[1]
+
+
+def test_the_commands_of_the_page_are_right(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs/check-in-ci.md").read_text(encoding="utf-8")
+    hook, workflow, entry = map(yaml.safe_load, re.findall(r"```yaml\n(.*?)```", page, re.DOTALL))
+    steps = [item["run"] for item in workflow["jobs"]["specs"]["steps"] if "run" in item]
+    lines = [hook["repos"][0]["hooks"][0]["entry"], *(line for line in steps if line.startswith("codewheel"))]
+    assert len(lines) == 4
+    for line in lines:
+        words = line.partition(" >")[0].split()[1:]
+        assert parser_for(words).parse_args(words).command == words[0]
+    (item,) = entry["accepted"]
+    (tmp_path / "accepted.yaml").write_text(f"accepted:\n  - {json.dumps(item, default=str)}\n", encoding="utf-8")
+    assert read_accepted(tmp_path / "accepted.yaml")[0].rule == "clock-narrower"

@@ -1,0 +1,108 @@
+"""Mistakes of someone who fills in the spec that ``new`` writes: each is one problem, which says what to write."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from codewheel.commands.check import run
+from codewheel.commands.new import device_text, manufacturer_text
+
+ERROR = "          - {name: error, active: low, makes_position: not_usable, when_active: an error is active}\n"
+WARNING = (
+    "          - {name: warning, active: low, makes_position: usable_with_warning, when_active: a warning is active}\n"
+)
+SAVE = "save: {value: 1, printed_name: Save parameters, meaning: Saves what was written}"
+SEVENTEEN = '"17": {meaning: "131,072 counts per turn", sets: {singleturn_bits: 17}}'
+ANY_NAME = "a name begins with a lowercase letter and contains only lowercase letters, digits and single underscores"
+
+#: Text of the spec, the mistake, and the problem: its line, its rule and a part of its message.
+MISTAKES = {
+    # Formerly accepted.
+    "address with a leading zero": ("address: 0x50", "address: 050", "119", "number-base", "write 0x50"),
+    "address without 0x": ("address: 0x50", "address: 50", "119", "number-base", "write 0x50"),
+    "nE active high": ("error, active: low", "error, active: high", "90", "biss-protocol", "write 'active: low'"),
+    "nW before nE": (ERROR + WARNING, WARNING + ERROR, "90", "biss-protocol", "swap the two"),
+    "register at 78h": ("address: 0x50", "address: 0x78", "119", "biss-protocol", "BiSS has 'device_id'"),
+    "register at 7Ch": ("address: 0x50", "address: 0x7C", "119", "biss-protocol", "BiSS has 'device_id'"),
+    "register at 42h": ("address: 0x50", "address: 0x42", "119", "biss-protocol", "BiSS has 'profile_id'"),
+    "CRC not inverted": ("xorout: 0x3F", "xorout: 0", "96", "biss-protocol", "write 'xorout: 0x3f'"),
+    "counts as maximum": (
+        "max: 2^singleturn_bits - 1", "max: 2^singleturn_bits", "125", "limit-does-not-fit", "end at 8191",
+    ),
+    "maximum above": (
+        "max: 2^singleturn_bits - 1", "max: 2^singleturn_bits + 1000", "125", "limit-does-not-fit", "end at 8191",
+    ),
+    "typographic quotes": (
+        "Set and save a preset", "“Set and save a preset”", "130", "typographic-quotes", "with straight quotes",
+    ),
+    "bits of a meaning": (
+        SEVENTEEN, '"17": {meaning: 17 bits, sets: {singleturn_bits: 16}}', "45", "meaning-mismatch", "says 17 bits",
+    ),
+    # Formerly without what to write instead.
+    "value without a map": (SAVE, "save: 1", "112", "wrong-type", "write 'save: {value: 1}'"),
+    "value before its name": (SAVE, "1: save", "112", "bad-pattern", "the name comes first, as in 'save: {value: 1}'"),
+    "no for false": ("refin: false", "refin: no", "62", "wrong-type", "write false"),
+    "bytes of a default": ("default: 0", "default: [0, 0, 3, 232]", "123", "wrong-type", "write one number: 0x3e8 if"),
+    "text of a default": ("default: 0", 'default: "00 00 00 00"', "123", "wrong-type", "write one number: 0x0"),
+    "digits without 0x": ("address: 0x50", "address: 5A", "119", "wrong-type", "write 0x5A"),
+    "active_low": ("error, active: low", "error, active_low: true", "90", "unknown-key", "write 'active: low'"),
+    "description": (
+        "    meaning: New value", "    description: New value", "117", "unknown-key", "it is called 'meaning' here",
+    ),
+    "offset": ("address: 0x50", "offset: 0x50", "119", "unknown-key", "it is called 'address' here"),
+    "size": ("    length: 4", "    size: 4", "120", "unknown-key", "it is called 'length' here"),
+    "type": ("    length: 4", "    type: uint32_t", "120", "unknown-key", "write 'length: 4'"),
+    "endianness": (
+        "byte_order: high_byte_first", "endianness: big", "122", "unknown-key", "write 'byte_order: high_byte_first'",
+    ),
+    "access in short": ("access: read_write", "access: rw", "121", "not-allowed", "write 'read_write'"),
+    # Formerly misleading, or several problems.
+    "no-break space": ("title: Set", "title:\u00a0Set", "130", "yaml-syntax", "the space U+00A0"),
+    "no-break indentation": ("    length: 4", "\u00a0   length: 4", "120", "yaml-syntax", "the space U+00A0"),
+    "power of Python": (
+        "max: 2^singleturn_bits - 1", "max: 2**singleturn_bits - 1", "125", "bad-expression", "write 2^single",
+    ),
+    "power of C": (
+        "max: 2^singleturn_bits - 1", "max: (1 << singleturn_bits) - 1", "125", "bad-expression", "write 2^single",
+    ),
+    "capital letter": ("name: preset\n", "name: Preset\n", "115", "bad-pattern", ANY_NAME),
+    "another interface": ("  biss:\n", "  spi:\n", "79", "unknown-key", "codewheel supports only ssi, biss and rs485"),
+}  # fmt: skip
+
+
+def problems(tmp_path: Path, text: str) -> list[tuple[str, str, str]]:
+    (tmp_path / "my_encoder.yaml").write_text(text, encoding="utf-8")
+    (tmp_path / "manufacturer.yaml").write_text(manufacturer_text("m.json"), encoding="utf-8")
+    report = run([tmp_path], ()).report
+    return [(str(item.line), item.rule, item.message) for item in report.problems]
+
+
+@pytest.mark.parametrize(("old", "new", "line", "rule", "words"), MISTAKES.values(), ids=MISTAKES)
+def test_a_mistake_is_one_problem(tmp_path: Path, old: str, new: str, line: str, rule: str, words: str) -> None:
+    text = device_text("my_encoder", "example", "d.json")
+    assert old in text
+    ((where, what, message),) = problems(tmp_path, text.replace(old, new, 1))
+    assert (where, what) == (line, rule)
+    assert words in message
+
+
+@pytest.mark.parametrize("crc", ["", "          - {name: crc, bits: 6}\n"])
+def test_a_frame_without_its_crc_is_reported(tmp_path: Path, crc: str) -> None:
+    text = device_text("my_encoder", "example", "d.json")
+    old = "          - {name: crc, crc: biss_6}\n"
+    assert old in text
+    found = problems(tmp_path, text.replace(old, crc))
+    assert [item[:2] for item in found] == [("58", "unused-crc"), ("83", "biss-protocol")]
+
+
+def test_an_unknown_interface_used_everywhere_is_one_problem(tmp_path: Path) -> None:
+    text = device_text("my_encoder", "example", "d.json").replace("biss:\n", "spi:\n")
+    text = text.replace("interface: biss", "interface: spi")
+    assert [item[:2] for item in problems(tmp_path, text)] == [("79", "unknown-key")]
+
+
+def test_a_name_with_another_mistake_hides_no_wrong_reference(tmp_path: Path) -> None:
+    text = device_text("my_encoder", "example", "d.json").replace("name: preset\n", "name: Preset\n")
+    found = problems(tmp_path, text.replace("register: command", "register: comand"))
+    assert [item[:2] for item in found] == [("115", "bad-pattern"), ("135", "undefined-reference")]
