@@ -1,9 +1,10 @@
 """Measure how long the command line takes, as multiples of a Python program that only imports what any one needs.
 
-    python benchmarks/tool_speed.py [--rounds N] [--families N]
+    python benchmarks/tool_speed.py [--rounds N] [--families N] [--only TEXT]
 
-All commands take turns, and the shortest CPU time of each counts, because other programs only make it longer.
-A cold run begins with an empty cache. Peers that are not installed are left out with a message.
+All commands take turns, and the shortest CPU time of each counts, because other programs only make it longer. It is the
+sum of all processes of a command, so it is longer than the wall time of parallel ones. A cold run begins with an empty
+cache. Peers that are not installed are left out with a message.
 """
 
 from __future__ import annotations
@@ -49,10 +50,23 @@ def codewheel(*arguments: str) -> list[str]:
     return [sys.executable, "-m", "codewheel", *arguments]
 
 
-def seconds(run: Run, folder: Path) -> float:
-    """Return the CPU time of one run."""
+def frames(count: int) -> str:
+    """Return valid frames of an AMM5A21/65KSC1 with different positions, one a line: the data, nE, nW and a CRC-6."""
+    lines = []
+    for number in range(count):
+        data, crc = number * 7919 << 2 | 3, 0
+        for bit in f"{data:039b}":
+            crc = crc << 1 & 0x3F ^ (0x03 if (crc >> 5 ^ int(bit)) & 1 else 0)
+        lines.append(f"0x{data << 6 | crc ^ 0x3F:x}\n")
+    return "".join(lines)
+
+
+def measured(run: Run, folder: Path) -> tuple[float, int]:
+    """Return the CPU time of one run in seconds, and its largest memory in KiB."""
     run.before()
-    environment = {**os.environ, "XDG_CACHE_HOME": str(folder / run.cache)}
+    # Like a package that pip installed, ours is compiled before, wherever it is and whatever the user's settings are.
+    compiled = {"PYTHONPYCACHEPREFIX": str(folder / "compiled"), "PYTHONDONTWRITEBYTECODE": ""}
+    environment = {**os.environ, **compiled, "XDG_CACHE_HOME": str(folder / run.cache)}
     with tempfile.TemporaryFile() as text:
         text.write(run.text.encode())
         text.seek(0)
@@ -61,7 +75,7 @@ def seconds(run: Run, folder: Path) -> float:
         )
         usage = os.wait4(process.pid, 0)[2]
     process.returncode = 0
-    return usage.ru_utime + usage.ru_stime
+    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss
 
 
 def copies(place: Path, count: int) -> None:
@@ -104,9 +118,15 @@ def runs(work: Path, families: int) -> list[Run]:
         Run("generate, one spec changed", codewheel(*generate), 28, before=edit),
         Run("generate, nothing changed", codewheel(*generate), 6),
         Run("generate --check, nothing changed", codewheel(*generate, "--check"), 6),
-        Run("decode -, 1000 lines", codewheel("decode", frame[0], "-", "--json"), text=f"{frame[1]}\n" * 1000),
+        Run("decode -, 5000 lines", codewheel("decode", frame[0], "-"), text=frames(5000)),
+        Run("decode - --json, 5000 lines", codewheel("decode", frame[0], "-", "--json"), text=frames(5000)),
         Run(f"{families} families: decode", codewheel("decode", last, "0x1", "--specs", str(many)), 5),
         Run(f"{families} families: list", codewheel("list", "--specs", str(many))),
+        Run(
+            f"{families} families: generate, nothing changed",
+            codewheel("generate", str(many), "-o", str(work / "many-out")),
+            30,
+        ),
         *peers(work),
     ]
 
@@ -135,18 +155,26 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=15, help="runs of each command")
     parser.add_argument("--families", type=int, default=50, help="copies of a family in a folder of their own")
+    parser.add_argument("--only", default="", help="text in the names of the commands to measure")
     chosen = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
-        every = [Run("floor", FLOOR), *runs(work, chosen.families)]
+        every = [Run("floor", FLOOR), *(run for run in runs(work, chosen.families) if chosen.only in run.name)]
         best = dict.fromkeys((run.name for run in every), float("inf"))
+        memory: dict[str, int] = {}
         for _ in range(chosen.rounds):
             for run in every:
-                best[run.name] = min(best[run.name], seconds(run, work))
-    print("| command | ms | floors | goal |\n| --- | ---: | ---: | ---: |")
+                time, memory[run.name] = measured(run, work)
+                best[run.name] = min(best[run.name], time)
+    print("| command | ms | floors | goal | MB |\n| --- | ---: | ---: | ---: | ---: |")
     for run in every:
         goal = "" if run.goal is None else f"{run.goal:g}"
-        print(f"| {run.name} | {best[run.name] * 1000:.0f} | {best[run.name] / best['floor']:.1f} | {goal} |")
+        cells = (f"{best[run.name] * 1000:.0f}", f"{best[run.name] / best['floor']:.1f}", goal)
+        print(f"| {run.name} | {' | '.join(cells)} | {memory[run.name] / 1024:.0f} |")
+    for run in every:
+        if run.name.startswith("decode -"):
+            each = (best[run.name] - best.get("decode", 0)) / run.text.count("\n")
+            print(f"{run.name}: {each * 1e6:.0f} µs a line")
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ _HASH = 64
 #: Packages of this tool that a checkout has in folders of their own.
 _PARTS = ("templates", "runtime")
 #: Packages outside the standard library on which results depend.
-_PACKAGES = ("yaml", "jsonschema", "jinja2", "lxml")
+_PACKAGES = ("yaml", "jsonschema", "jinja2", "lxml", "markupsafe")
 
 
 def default_folder() -> Path | None:
@@ -57,6 +57,7 @@ class Cache:
 
     def __init__(self, folder: Path | None) -> None:
         self._folder = folder
+        self._written: tuple[int, int] | None = None
 
     def get(self, kind: str, content: Iterable[bytes | str]) -> Any:
         """Return the data that ``put`` stored for the same kind and content, or None."""
@@ -78,7 +79,15 @@ class Cache:
                 self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
                 if _is_ours(os.stat(self._folder)):
                     _write(self._folder, key, hashlib.sha256(text).hexdigest().encode() + text)
-                    _keep_limits(self._folder)
+                    self._keep_limits(self._folder, len(text))
+
+    def _keep_limits(self, folder: Path, size: int) -> None:
+        """Keep the limits, now and whenever this process has written a sixteenth of them."""
+        count, total = self._written or (MAX_ENTRIES, 0)
+        self._written = (count + 1, total + size)
+        if count >= MAX_ENTRIES // 16 or total + size >= MAX_SIZE // 16:
+            _keep_limits(folder)
+            self._written = (0, 0)
 
 
 def key_of(kind: str, content: Iterable[bytes | str]) -> str:

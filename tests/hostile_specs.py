@@ -12,6 +12,7 @@ HEAD: Item = {
     "manufacturer": "test",
     "title": "Hostile names",
     "movement": "rotary",
+    "evidence": {"grade": "manual", "documents": {"manual": "all pages"}},
     "manual": {"title": "Made up", "revision": "1", "language": "en"},
 }
 BISS_CLOCK: Item = {"min_hz": 80000, "max_hz": 10000000, "source": "1"}

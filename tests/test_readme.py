@@ -146,13 +146,16 @@ def test_it_is_short() -> None:
 
 
 def test_its_table_matches_the_specs(devices: Mapping[str, Device]) -> None:
-    """Interfaces and number of order codes are right, and no family is missing."""
+    """Interfaces, number of order codes and evidence are right, and no family is missing."""
     rows = re.findall(
-        r"^\| [^|]+ \| ([^|]+) \| ([0-9]+) \| \[[^]]+\]\(generated/docs/(\w+)\.md\) \|$", README, re.MULTILINE
+        r"^\| [^|]+ \| ([^|]+) \| ([0-9]+) \| \[[^]]+\]\(generated/docs/(\w+)\.md\) \| ([a-z ,]+) \|$",
+        README,
+        re.MULTILINE,
     )
-    told = {name: (set(interfaces.split(", ")), int(codes)) for interfaces, codes, name in rows}
+    told = {name: (set(interfaces.split(", ")), int(codes), grade) for interfaces, codes, name, grade in rows}
     assert told == {
-        name: ({item.title for item in device.interfaces}, len(device.variants)) for name, device in devices.items()
+        name: ({item.title for item in device.interfaces}, len(device.variants), device.evidence.grade)
+        for name, device in devices.items()
     }
 
 

@@ -66,7 +66,11 @@ def printed(checkout: Checkout) -> dict[str, Printed]:
         arguments = ["generate", str(checkout.root / "specs"), "-o", str(output), "--target", "c", "--target", "python"]
         done = subprocess.run(
             [sys.executable, "-m", "figures.traced", str(result), str(output), *arguments],
-            env=os.environ | {"PYTHONPATH": os.pathsep.join([str(folder / "path"), str(Path(__file__).parents[1])])},
+            env=os.environ
+            | {
+                "PYTHONPATH": os.pathsep.join([str(folder / "path"), str(Path(__file__).parents[1])]),
+                "XDG_CACHE_HOME": str(folder / "cache"),
+            },
             cwd=folder,
             capture_output=True,
             text=True,

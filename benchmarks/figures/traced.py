@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import functools
 import json
+import os
 import re
 import runpy
 import sys
@@ -231,6 +232,9 @@ def _origin(text: str) -> str:
 def main() -> None:
     result, folder, *arguments = sys.argv[1:]
     sys.argv[1:] = arguments
+    if hasattr(os, "sched_setaffinity"):
+        # On one processor, codewheel renders in this process, which has the changed Jinja and sees the origins.
+        os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     with patch.object(jinja2, "Environment", _Environment), patch.object(jinja2.runtime, "str_join", _str_join):
         try:
             runpy.run_module("codewheel", run_name="__main__", alter_sys=True)

@@ -29,6 +29,7 @@ def family(both: FamilyPair) -> Iterator[Change]:
         yield both.change("movement", Thing("movement", new.name), said, old.movement, new.movement)
     manufacturer = Thing(f"manufacturers.{new.manufacturer.name}", f"manufacturer {new.manufacturer.name}")
     yield from members(both, manufacturer, old.manufacturer, new.manufacturer)
+    yield from members(both, Thing("evidence", "evidence"), old.evidence, new.evidence)
     if old.manual != new.manual:
         texts = [f"{item.revision}{f' of {item.date}' if item.date else ''}" for item in (old.manual, new.manual)]
         said = f" {arrow(*texts)}" if texts[0] != texts[1] else ": details"

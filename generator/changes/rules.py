@@ -158,6 +158,7 @@ _CHANGES = (
     ("unforeseen", "WWWD", "a change that no other rule covers", "It is reported rather than ignored."),
     ("words", "DDDD", "only the wording has changed", "No code depends on it."),
     ("source", "DDDD", "a citation has changed", "No code depends on it."),
+    ("evidence", "DDDD", "the evidence for the facts has changed", "Separate rules apply to changed facts."),
     (
         "manual",
         "DDDD",

@@ -8,6 +8,7 @@ whose position is not usable. With several frames, the worst one decides: 2, the
 from __future__ import annotations
 
 import argparse
+import gc
 import json
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -19,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 from . import look_up
 from .arguments import held_bytes, parse
 from .parsers import parser_for
-from .terminal import Stop, prepare, release
+from .terminal import Progress, Stop, prepare, release
 
 if TYPE_CHECKING:
     from ..cache import Cache
@@ -30,6 +31,9 @@ JSON_VERSION = 1
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code. ``arguments`` default to those of the process."""
+    if arguments is None:
+        # Models have no cycles, so a process that ends soon gains nothing from a frequent search for them.
+        gc.set_threshold(50_000, 50, 100)
     prepare()
     try:
         code = _run(arguments)
@@ -87,9 +91,9 @@ def _generate(chosen: argparse.Namespace) -> int:
         read = look_up.read_line(paths, known["families"], before.report(known["files"]))
         if is_unchanged(chosen, known["hashes"], read):
             return 0
+    from ..parts import Kept
     from ..targets import Library
     from ..write import hashes
-    from .coverage import refuse_unproved
     from .outputs import are_built_in, load_for, options_named, rendered, targets_named
 
     targets = targets_named(chosen.target)
@@ -99,16 +103,20 @@ def _generate(chosen: argparse.Namespace) -> int:
     if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
         raise Stop("--biss-dtd needs the target biss", 2)
     families: list[Family] = []
-    devices, report = load_for(paths, targets, chosen.edition, families, _cache(chosen))
+    with Progress("codewheel: reading the specs") as progress:
+        devices, report = load_for(paths, targets, chosen.edition, families, _cache(chosen))
     if report:
         raise look_up.problems(report)
     names = [device.name for device in devices]
     print(look_up.read_line(paths, names, report))
-    files = rendered(Library(devices, chosen.templates), targets, settings)
+    contents = {item.device.name: item.content for item in families if item.content}
+    with progress:
+        kept = Kept(_cache(chosen), contents, progress.begun)
+        files = rendered(Library(devices, chosen.templates), targets, settings, kept)
     if chosen.templates is None and are_built_in(targets, chosen.target):
         made = {name: hashes(texts) for name, texts in files.items()}
         before.put({"families": names, "files": report.files, "hashes": made})
-    return run(chosen, files, lambda: refuse_unproved(families, "written"))
+    return run(chosen, files, lambda: import_module(f"{__package__}.coverage").refuse_unproved(families, "written"))
 
 
 def _check(chosen: argparse.Namespace) -> int:
@@ -128,11 +136,13 @@ def _check(chosen: argparse.Namespace) -> int:
         data = {"version": JSON_VERSION} | as_data(report)
         _print(chosen.json, lambda: data, lambda: as_text(known["families"], report, paths, chosen.format))
         return 0
+    from ..targets.registry import WITH_PROBLEMS
     from . import check, coverage
     from .outputs import are_built_in, targets_named
 
-    targets = targets_named(chosen.target)
-    found = check.run(paths, targets, None if chosen.coverage else _cache(chosen))
+    targets = targets_named(chosen.target, WITH_PROBLEMS)
+    with Progress("codewheel: checking the specs"):
+        found = check.run(paths, targets, None if chosen.coverage else _cache(chosen))
     names = [family.device.name for family in found.families]
     covered = coverage.cover(found, chosen.write) if chosen.coverage else []
     counts = coverage.as_data(covered) if chosen.coverage else {}
@@ -140,7 +150,7 @@ def _check(chosen: argparse.Namespace) -> int:
     _print(chosen.json, lambda: data, lambda: as_text(names, found.report, paths, chosen.format))
     if chosen.coverage and not chosen.json:
         print(coverage.as_text(covered, found))
-    if not found.report and are_built_in(targets):
+    if not found.report and are_built_in(targets, WITH_PROBLEMS):
         before.put({"families": names, "files": found.report.files})
     return 0 if coverage.is_complete(covered, found.report) else 1
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,8 @@ from ..order_codes.parameters import parameters_of
 from ..reference import codec
 from ..reference.findings import Findings, Report
 from ..reference.registers import decode_register
-from ..say.lines import WIDTH, wrapped
+from ..say.lines import WIDTH
+from ..say.lines import wrapped as wrapped_anew
 from ..say.name import words
 from ..say.origin import origin
 from ..say.text import BY_NAME
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
 VERSION = 1
 _NOTHING_TAKEN: Mapping[str, str] = MappingProxyType({})
 _NO_LINE = Line(None, "", "")
+#: Most paragraphs are the same for all frames.
+wrapped = lru_cache(maxsize=1024)(wrapped_anew)
 
 
 def decode_text(device: Device, variant: Variant, sender: str, text: str, layout: str | None = None) -> codec.Decoded:
@@ -42,27 +46,33 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str, layout
     Raises:
         FrameTextError: The text cannot be read as a frame, or there is no such layout.
     """
-    text = checked(text)
+    return text_decoder(device, variant, sender, layout)(text)
+
+
+def text_decoder(device: Device, variant: Variant, sender: str, layout: str | None) -> Callable[[str], codec.Decoded]:
+    """Return a function that decodes many frames, each like ``decode_text``."""
     layouts = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
-    if not layouts:
-        raise FrameTextError(
-            f"the manual describes no frame from the {sender} over {device.interface(variant.interface).title}"
-        )
-    if layout is None:
-        if layouts[0].in_bytes:
+    wanted = (item for item in layouts if item.name == layout or layout is None)
+    placed = next((item.place(variant.parameters) for item in wanted), None)
+
+    def decoded(text: str) -> codec.Decoded:
+        text = checked(text)
+        if not layouts:
+            raise FrameTextError(
+                f"the manual describes no frame from the {sender} over {device.interface(variant.interface).title}"
+            )
+        if placed is None:
+            raise FrameTextError(
+                f"{variant.code} has no layout '{layout}' from the {sender}; it has: "
+                + ", ".join(item.name for item in layouts)
+            )
+        if not placed.layout.in_bytes:
+            return _decode_bits(device, placed, text)
+        if layout is None:
             return codec.decode_bytes(device, variant, sender, frame_bytes(text))
-        return _decode_bits(device, layouts[0].place(variant.parameters), text)
-    placed = next((item.place(variant.parameters) for item in layouts if item.name == layout), None)
-    if placed is None:
-        raise FrameTextError(
-            f"{variant.code} has no layout '{layout}' from the {sender}; it has: "
-            + ", ".join(item.name for item in layouts)
-        )
-    return (
-        codec.decode_placed(device, placed, frame_bytes(text))
-        if placed.layout.in_bytes
-        else _decode_bits(device, placed, text)
-    )
+        return codec.decode_placed(device, placed, frame_bytes(text))
+
+    return decoded
 
 
 def decode_register_text(device: Device, variant: Variant, name: str, text: str) -> codec.Decoded:
@@ -102,6 +112,7 @@ def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: 
 
 
 def decoded_data(
+    device: Device,
     variant: Variant,
     sender: str,
     decoded: codec.Decoded,
@@ -119,6 +130,7 @@ def decoded_data(
         "line": line.number,
         "time": line.time or None,
         "order_code": variant.code,
+        "evidence": device.evidence.grade,
         "alternatives": dict(taken),
         "layout": decoded.layout.name if decoded.layout is not None else None,
         "direction": sender,
@@ -192,11 +204,15 @@ def explain(
     why: Why | None = None,
     line: Line = _NO_LINE,
     taken: Mapping[str, str] = _NOTHING_TAKEN,
+    label: Sequence[str] | None = None,
 ) -> str:
-    """Return the result as text, at most 80 columns wide."""
+    """Return the result as text, at most 80 columns wide. ``label`` are the ``label_lines`` if they are known."""
     start = f"line {line.number}: " if line.number is not None else ""
     start = f"{start.removesuffix(': ')} at {line.time}: ".lstrip() if line.time else start
-    lines = [start + _heading(device, match.variant, sender, decoded), *_label_lines(device, match)]
+    lines = [
+        start + _heading(device, match.variant, sender, decoded),
+        *(label_lines(device, match) if label is None else label),
+    ]
     if decoded.layout is not None:
         lines += [_layout_line(decoded.layout), *_taken_lines(device, taken)]
     if decoded.fields:
@@ -212,6 +228,7 @@ def explain(
     if not decoded.problems:
         lines += _last_words(decoded, said)
     lines += _why_lines(why, decoded.layout) if why is not None else []
+    lines.append(f"evidence: {device.evidence.grade}")
     return "\n".join(lines)
 
 
@@ -221,7 +238,7 @@ def _heading(device: Device, variant: Variant, sender: str, decoded: codec.Decod
     return f"{heading}, from the {sender}" if is_frame else heading
 
 
-def _label_lines(device: Device, match: Match) -> Iterator[str]:
+def label_lines(device: Device, match: Match) -> Iterator[str]:
     """Yield the state that registers decide, and how the label differs from the codes in the manual."""
     variant = match.variant
     held = [item for item in parameters_of(device, variant.interface) if item.read_from]

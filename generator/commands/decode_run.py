@@ -16,7 +16,7 @@ from ..reference import codec
 from ..reference.editions import strange_values
 from ..reference.findings import Difference, Findings, findings
 from .choose import UndecidedError, refuse_undecided
-from .decode import decode_register_text, decode_text, decoded_data, explain, why_text
+from .decode import decode_register_text, decoded_data, explain, label_lines, text_decoder, why_text
 from .frame_text import FrameTextError, Line, frame_lines
 
 if TYPE_CHECKING:
@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 DONE, FAULT, NO_FRAME, NOT_USABLE = 0, 1, 2, 3
 #: Exit codes, most severe first. With several frames, the exit code is that of the worst one.
 _WORST_FIRST = (NO_FRAME, FAULT, NOT_USABLE)
+#: Number of frames after which the user is told about the command for many frames.
+MANY = 10_000
+_ONE_LINE = json.JSONEncoder(ensure_ascii=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +66,12 @@ class Decoding:
     """Decoder of one frame after another. ``code`` is the exit code so far."""
 
     def __init__(self, request: Request) -> None:
-        self._request = request
+        self._request = asked = request
+        self._read = text_decoder(asked.device, asked.match.variant, asked.sender, asked.layout)
+        self._label = tuple(label_lines(asked.device, asked.match))
+        #: The layouts whose questions are answered, and the answers that each layout needs, by name.
+        self._decided: set[str] = set()
+        self._answers: dict[str, dict[str, str]] = {}
         self._codes = {FAULT} if request.others else set()
         self._is_first = True
 
@@ -73,7 +81,12 @@ class Decoding:
 
     def run(self, lines: Iterable[Line]) -> None:
         """Print each frame decoded. Report text that is not a frame, and continue."""
-        for line in lines:
+        for count, line in enumerate(lines):
+            if count == MANY and self._request.register is None:
+                command = f"{self._request.device.manufacturer.distribution} decode"
+                print(
+                    f"codewheel: {MANY:,} frames; for files, the Python package is faster: {command}", file=sys.stderr
+                )
             try:
                 decoded, why = self._decode(line.text)
             except (FrameTextError, RegisterError, UndecidedError) as error:
@@ -82,8 +95,9 @@ class Decoding:
                 print(f"codewheel: {where}{error}", file=sys.stderr)
                 continue
             said = findings(self._request.device, self._request.match.variant, decoded)
-            strange = strange_values(self._request.device, decoded)
-            said = replace(said, differences=(*self._request.others, *said.differences, *strange))
+            strange = tuple(strange_values(self._request.device, decoded))
+            if strange or self._request.others:
+                said = replace(said, differences=(*self._request.others, *said.differences, *strange))
             self._codes.add(_code(decoded, said))
             # Someone who reads many frames should not have to wait for the end.
             print(self._text(line, decoded, said, why), flush=line.number is not None)
@@ -92,29 +106,36 @@ class Decoding:
         asked = self._request
         variant = asked.match.variant
         decoded = (
-            decode_text(asked.device, variant, asked.sender, text, asked.layout)
+            self._read(text)
             if asked.register is None
             else decode_register_text(asked.device, variant, asked.register, text)
         )
         # A word is only bits, and even its length depends on the answers.
-        if decoded.layout is not None and (decoded.fields or not decoded.layout.layout.in_bytes):
-            refuse_undecided(asked.device, decoded.layout.layout, asked.answers)
+        placed = decoded.layout
+        needs_answers = placed is not None and bool(decoded.fields or not placed.layout.in_bytes)
+        if placed is not None and needs_answers and placed.name not in self._decided:
+            refuse_undecided(asked.device, placed.layout, asked.answers)
+            self._decided.add(placed.name)
         return decoded, why_text(asked.device, variant, asked.sender, text, decoded) if asked.register is None else None
 
     def _taken(self, decoded: codec.Decoded) -> dict[str, str]:
         """Return the answers that were used to decode a frame."""
-        asked = self._request
-        needed = asked.device.alternatives_of(decoded.layout.layout) if decoded.layout is not None else ()
-        return {item.name: asked.answers[item.name] for item in needed if item.name in asked.answers}
+        if decoded.layout is None:
+            return {}
+        if decoded.layout.name not in self._answers:
+            needed = self._request.device.alternatives_of(decoded.layout.layout)
+            answers = self._request.answers
+            self._answers[decoded.layout.name] = {it.name: answers[it.name] for it in needed if it.name in answers}
+        return self._answers[decoded.layout.name]
 
     def _text(self, line: Line, decoded: codec.Decoded, said: Findings, why: Why | None) -> str:
         asked, taken = self._request, self._taken(decoded)
         if asked.as_json:
-            data = decoded_data(asked.match.variant, asked.sender, decoded, said, why, line, taken)
-            return json.dumps(data, indent=2 if line.number is None else None, ensure_ascii=False)
+            data = decoded_data(asked.device, asked.match.variant, asked.sender, decoded, said, why, line, taken)
+            return json.dumps(data, indent=2, ensure_ascii=False) if line.number is None else _ONE_LINE.encode(data)
         between = "" if self._is_first else "\n"
         self._is_first = False
-        return between + explain(asked.device, asked.match, asked.sender, decoded, said, why, line, taken)
+        return between + explain(asked.device, asked.match, asked.sender, decoded, said, why, line, taken, self._label)
 
 
 def _code(decoded: codec.Decoded, said: Findings) -> int:

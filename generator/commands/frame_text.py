@@ -12,7 +12,12 @@ from ..say import frame_text as say
 from ..why.bit_text import BitText
 
 _HEX = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)
+_GAPS = re.compile(r"[\s_]")
+_BITS = re.compile(r"0[bB][01]+")
+_NUMBER = re.compile(r"0[xX][0-9A-Fa-f]+")
 _ONE_BYTE = re.compile(r"(?:0x)?[0-9A-Fa-f]{2}", re.IGNORECASE)
+#: A number that no program has decorated.
+_BARE = re.compile(r"0[xXbB][0-9A-Fa-f]+")
 #: Spellings of programs and logs, and their replacement. The page has the same list.
 _PASTED = (
     (re.compile(r"\bb(?=['\"])"), ""),
@@ -58,6 +63,8 @@ def checked(text: str) -> str:
     """
     if len(text) > say.LONGEST:
         raise FrameTextError(say.TOO_LONG)
+    if _BARE.fullmatch(text):
+        return text
     for pattern, replacement in _PASTED:
         text = pattern.sub(replacement, text)
     text = text.strip()
@@ -95,8 +102,8 @@ def frame_number(placed: PlacedLayout, text: str) -> BitText:
     Raises:
         FrameTextError: The text has another form.
     """
-    compact = re.sub(r"[\s_]", "", text)
-    if re.fullmatch(r"0[bB][01]+", compact):
+    compact = _GAPS.sub("", text)
+    if _BITS.fullmatch(compact):
         return BitText(int(compact, 2), len(compact) - 2, exact=True)
     pieces = text.split()
     if len(pieces) > 1 and all(map(_ONE_BYTE.fullmatch, pieces)):
@@ -104,7 +111,7 @@ def frame_number(placed: PlacedLayout, text: str) -> BitText:
         if len(bare) == len(pieces) and not set("".join(pieces)) - set("01"):
             raise FrameTextError(say.bits_or_bytes(quoted(text)))
         compact = "0x" + "".join(piece[-2:] for piece in pieces)
-    if re.fullmatch(r"0[xX][0-9A-Fa-f]+", compact):
+    if _NUMBER.fullmatch(compact):
         number = int(compact, 16)
         return BitText(number, number.bit_length(), exact=False)
     remedy = say.write_number(str(placed.bits))

@@ -6,11 +6,13 @@ import sys
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from ..cache import Cache
 from ..language.problems import Report, listed, suggestion
 from ..loading.library import Family, load_families, sound_families
 from ..model import Device
+from ..parts import NOTHING_KEPT, Kept, is_plain, parts_of
 from ..render import TemplateFault, unused_templates
 from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import BUILT_IN, PackageMissing, files_of, load_target, problems_of, target_names
@@ -20,14 +22,14 @@ from .terminal import Stop
 _WIDTH = 79
 
 
-def targets_named(names: Iterable[str] | None = None) -> list[Target]:
-    """Return the named targets, each once. Without names, return the built-in ones whose packages are installed.
+def targets_named(names: Iterable[str] | None = None, otherwise: Iterable[str] = BUILT_IN) -> list[Target]:
+    """Return the named targets, each once. Without names, return those of ``otherwise`` that can be loaded.
 
     Raises:
         Stop: There is no such target (exit code 2), or it cannot be loaded (exit code 1).
     """
     found = []
-    for name in dict.fromkeys(names or BUILT_IN):
+    for name in dict.fromkeys(names or otherwise):
         try:
             found.append(load_target(name))
         except LookupError:
@@ -130,15 +132,19 @@ def tell_unfit(families: Sequence[Family], targets: Iterable[Target], report: Re
 
 
 def rendered(
-    library: Library, targets: Sequence[Target], options: Mapping[str, Options]
+    library: Library, targets: Sequence[Target], options: Mapping[str, Options], kept: Kept = NOTHING_KEPT
 ) -> dict[str, Mapping[str, str]]:
-    """Return the files of each target, as texts by path. ``options`` are by target name.
+    """Return the files of each target, as texts by path. ``options`` are by target name. ``kept`` has earlier parts.
 
     Raises:
         Stop: A target or a user's template fails (exit code 1), or the name of a template is misspelt (exit code 2).
     """
     try:
-        files = {target.name: files_of(target, library, options[target.name]) for target in targets}
+        parts = parts_of(library, [item for item in targets if is_plain(item, options[item.name])], kept)
+        try:
+            files = _files(library, targets, options, parts)
+        except TargetError:  # A part can be damaged. Without parts, a target reports its own errors.
+            files = _files(library, targets, options, {})
     except (TargetError, TemplateFault) as error:
         raise Stop(str(error), 2 if isinstance(error, OptionError) else 1) from None
     if library.own_templates is not None:
@@ -147,6 +153,12 @@ def rendered(
         if unused:
             raise Stop("\n  ".join(["nothing written: these templates have no effect:", *unused]), 2)
     return files
+
+
+def _files(
+    library: Library, targets: Sequence[Target], options: Mapping[str, Options], parts: Mapping[str, Mapping[str, Any]]
+) -> dict[str, Mapping[str, str]]:
+    return {item.name: files_of(item, library, options[item.name], parts.get(item.name, {})) for item in targets}
 
 
 def listing() -> str:

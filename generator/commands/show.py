@@ -10,6 +10,7 @@ from ..order_codes.labels import Match
 from ..order_codes.narrowing import for_interface
 from ..order_codes.parameters import parameters_of, run_time_names
 from ..say.erratum import erratum
+from ..say.evidence import grade
 from ..say.lines import WIDTH, pairs, wrapped
 from ..say.measurement import measurement
 from ..say.order_code import open_values, spelling
@@ -67,7 +68,7 @@ def _manual(device: Device) -> list[str]:
     manual = device.manual
     date = f" of {manual.date}" if manual.date else ""
     origin = f"from the manual {manual.title}, revision {manual.revision}{date}, in {language(manual.language)}"
-    said = [BY_NAME.sentence(item) for item in says_origin(device)]
+    said = [BY_NAME.sentence(item) for item in (grade(device), *says_origin(device))]
     if device.editions:
         said.append(f"--edition shows the others: {', '.join(item.revision for item in device.editions)}")
     return [wrapped(line, WIDTH, "  ") for line in (origin, *said)]

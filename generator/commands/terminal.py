@@ -7,8 +7,11 @@ import io
 import os
 import sys
 import unicodedata
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from typing import TextIO
+
+#: Time in seconds after which work is shown, and between updates.
+_AFTER_S, _EVERY_S = 1.0, 0.25
 
 
 class Stop(Exception):
@@ -72,6 +75,46 @@ def prepare(as_json: bool = False) -> None:
         _configure(sys.stdout, None if _is_utf8(sys.stdout) else "ascii", "codewheel-json")
     else:
         _configure(sys.stdout, None, "codewheel")
+
+
+class Progress:
+    """A line on standard error about work that takes longer than a second. Only a terminal shows it.
+
+    ``text`` is the line. A timer updates it, so the work does not need to call anything.
+    """
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self._shown = False
+        self._end = ExitStack()
+
+    def __enter__(self) -> Progress:
+        if sys.stderr.isatty():
+            import signal
+
+            with suppress(AttributeError, ValueError):  # Windows has no timer, and other threads have no signals.
+                before = signal.signal(signal.SIGALRM, self._show)
+                self._end.callback(signal.signal, signal.SIGALRM, before)
+                signal.setitimer(signal.ITIMER_REAL, _AFTER_S, _EVERY_S)
+                self._end.callback(signal.setitimer, signal.ITIMER_REAL, 0)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._end.close()
+        if self._shown:
+            self._write("\r\x1b[K")
+
+    def begun(self, part: int, parts: int) -> None:
+        """Note that a part of the work has begun."""
+        self.text = f"codewheel: rendering part {part + 1} of {parts}"
+
+    def _show(self, *_: object) -> None:
+        self._shown = True
+        self._write(f"\r\x1b[K{self.text}")
+
+    def _write(self, text: str) -> None:
+        with suppress(OSError):  # The buffer of the stream may be in use at this moment.
+            os.write(sys.stderr.fileno(), text.encode("ascii", "replace"))
 
 
 def release() -> None:

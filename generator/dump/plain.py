@@ -98,6 +98,7 @@ class _Dump:
             "interface": self.variant.interface if self.variant is not None else None,
             "label": label,
             "manufacturer": self.plain(device.manufacturer, ()),
+            "evidence": self.plain(device.evidence, ()),
             "manual": self.plain(device.manual, ()),
             "documents": self.plain(device.documents, ()),
         }

@@ -31,7 +31,7 @@ XSD_NAME = "device-description.xsd"
 _XSI = "http://www.w3.org/2001/XMLSchema-instance"
 _INTEGER = re.compile(r"-?[0-9]+")
 _HEXADECIMAL = re.compile(r"0x[0-9A-F]+")
-_NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 def _tag(name: str) -> str:

@@ -22,7 +22,7 @@ PROSE = frozenset(
     """.split()
 )
 #: Parts of a device file that explain or calculate.
-NO_FACTS = frozenset("documents lost_figures examples errata editions".split())
+NO_FACTS = frozenset("evidence documents lost_figures examples errata editions".split())
 #: Keys that a spec must have and its second reading does not need.
 _NOT_NEEDED = frozenset(("manufacturer",))
 
@@ -76,7 +76,7 @@ def facts_only(schema: Mapping[str, Any]) -> dict[str, Any]:
     made: dict[str, Any] = _prose_optional(schema)
     made["properties"] = {key: item for key, item in made["properties"].items() if key not in NO_FACTS}
     made["properties"] |= ONLY_SECOND
-    made["required"] = [key for key in made["required"] if key not in _NOT_NEEDED]
+    made["required"] = [key for key in made["required"] if key not in _NOT_NEEDED | NO_FACTS]
     return made
 
 

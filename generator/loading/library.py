@@ -92,11 +92,16 @@ def load_families(
     after = contents(paths) if cache else {}
     same = [file for file, content in before.items() if after.get(file) == content]
     known = {file: device for file in same if (device := found[file]) is not None}
-    families = families_of(documents, report, known)
+    families = [
+        family
+        if family.plain or family.device.base or family.document.file not in same
+        else replace(family, content=before[family.document.file])
+        for family in families_of(documents, report, known)
+    ]
     if cache and not report:
         for family in families:
-            if family.document.file in same and family.document.file not in known and not family.device.base:
-                keep(cache, before[family.document.file], family.device)
+            if family.content and family.document.file not in known:
+                keep(cache, family.content, family.device)
     return families, report
 
 

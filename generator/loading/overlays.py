@@ -33,13 +33,15 @@ Build = Callable[[Document, Report], Device | None]
 class Family:
     """A device with its spec, and the names of all files that it comes from, including its manufacturer's.
 
-    ``plain`` is the same family without its overlays.
+    ``plain`` is the same family without its overlays. ``content`` is that of all files on which the device depends,
+    for the key of a result. It is empty for a family with overlays, and if a file changed while it was read.
     """
 
     device: Device
     document: Document
     files: frozenset[str]
     plain: Family | None = None
+    content: Sequence[bytes | str] = ()
 
 
 def is_overlay(document: Document) -> bool:

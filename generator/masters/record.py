@@ -89,6 +89,10 @@ class Record:
         return {name: value for name, value in self.numbers.items() if value is not None}
 
 
+#: Position whose unit the spec does not give.
+_WITHOUT_UNIT = Measurement("position", None, None, None, None, None, ())
+
+
 def record(
     device: Device,
     variant: Variant,
@@ -114,9 +118,7 @@ def record(
     if not isinstance(interface, (Biss, Ssi)):
         only = f"there are masters for {Ssi.title} and {Biss.title} only"
         raise NoRecord(f"{variant.code} has the interface {interface.title}; {only}")
-    measurement = device.measurement_of(variant.interface)
-    if measurement is None:
-        raise NoRecord(f"the spec of {device.name} does not define its position")
+    measurement = device.measurement_of(variant.interface) or _WITHOUT_UNIT
     placed = _frame(interface, measurement, decided(device, variant, answers))
     deciding = device.alternatives_of(placed.layout)
     missing = [item.name for item in deciding if item.name not in answers]

@@ -6,11 +6,12 @@ Everything about a master is in its description, a file in ``specs/masters``. Se
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cache
+from contextlib import suppress
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from ..cache import Cache, content_of
 from ..language.check import check_document
 from ..language.master_items import NUMBERS
 from ..language.problems import Report, listed
@@ -25,6 +26,7 @@ from .writing import Writing, writing_of
 
 Raw = Mapping[str, Any]
 
+_RULES = ("limits", "settings", "writing", "notes", "files")
 _UNITS = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
 
 
@@ -150,17 +152,39 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report
     return tuple(sorted(found.values(), key=lambda item: item.title.lower())), report
 
 
-@cache
-def shipped_masters() -> tuple[Master, ...]:
+def shipped_masters(cache: Cache | None = None) -> tuple[Master, ...]:
+    """Return the shipped masters. They are read once, from the cache if they are in it."""
+    if not _SHIPPED:
+        _SHIPPED.extend(_shipped(cache or Cache(None)))
+    return tuple(_SHIPPED)
+
+
+_SHIPPED: list[Master] = []
+
+
+def _shipped(cache: Cache) -> tuple[Master, ...]:
+    content = content_of(sorted(packaged_masters().iterdir()))
+    with suppress(KeyError, TypeError):  # There is no such entry, or it is damaged.
+        return tuple(_from_data(item) for item in cache.get("masters", content))
     masters, report = load_masters()
     if report:
         raise ValueError(report.problems[0].format())
+    cache.put("masters", content, [asdict(item) for item in masters])
     return masters
+
+
+def _from_data(data: Raw) -> Master:
+    """Return the master that ``asdict`` converted."""
+    documents = (Document(**item) for item in data["documents"])
+    devices = (Device(item["name"], tuple(item["channels"])) for item in data["devices"])
+    rules = (tuple(data[name]) for name in _RULES)
+    takes, standing = tuple(data["takes"]), data["standing"]
+    return Master(data["name"], data["title"], takes, tuple(documents), tuple(devices), standing, *rules)
 
 
 def _master(data: Raw) -> Master:
     documents = tuple(Document(key, item["title"], item.get("url", "")) for key, item in data["documents"].items())
-    rules = (tuple(data.get(name, ())) for name in ("limits", "settings", "writing", "notes", "files"))
+    rules = (tuple(data.get(name, ())) for name in _RULES)
     return Master(
         data["master"],
         data["title"],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from ..language.problems import listed
@@ -86,10 +87,15 @@ def _write(item: Raw, devices: Sequence[Device], standing: str) -> Write:
 
 def write_order(names: Sequence[str], rules: Iterable[Writing]) -> tuple[str, ...]:
     """Return the settings in an order that follows every ``after``, and otherwise their own order."""
+    return _order(tuple(names), tuple((rule.of, rule.after) for rule in rules if rule.after))
+
+
+@lru_cache(maxsize=64)
+def _order(names: tuple[str, ...], rules: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...]) -> tuple[str, ...]:
     later = {name: set[str]() for name in names}
-    for rule in rules:
-        for name in rule.of:
-            later[name].update(rule.after)
+    for of, after in rules:
+        for name in of:
+            later[name].update(after)
     order: list[str] = []
     while len(order) < len(names):
         order.append(next(name for name in names if name not in order and later[name] <= set(order)))

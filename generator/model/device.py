@@ -17,6 +17,7 @@ from .facts import (
     Connector,
     Document,
     Erratum,
+    Evidence,
     Input,
     Led,
     LostFigure,
@@ -287,6 +288,7 @@ class Device:
     name: str
     title: str
     movement: str
+    evidence: Evidence
     manufacturer: Manufacturer
     manual: Manual
     documents: tuple[Document, ...]

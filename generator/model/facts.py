@@ -48,6 +48,21 @@ class Document:
 
 
 @dataclass(frozen=True, slots=True)
+class Evidence:
+    """Evidence for the facts of a family.
+
+    ``documents`` has the pages that were read, by document. The others name implementations that agree, examples from
+    real hardware, and facts that are left out.
+    """
+
+    grade: str
+    documents: Mapping[str, str]
+    implementations: tuple[str, ...]
+    vectors: tuple[str, ...]
+    left_out: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Edition:
     language: str
     title: str
@@ -271,3 +286,8 @@ class Manufacturer:
     python_package: str
     version: str
     trademarks: tuple[str, ...]
+
+    @property
+    def distribution(self) -> str:
+        """Name of the Python package to install, and of the command that it installs."""
+        return self.python_package.replace("_", "-")

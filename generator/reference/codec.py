@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ..model import (
     Choice,
@@ -51,8 +52,7 @@ class EncodeError(ValueError):
     """A value is missing, unknown, or does not fit its field."""
 
 
-@dataclass(frozen=True, slots=True)
-class DecodedField:
+class DecodedField(NamedTuple):
     """A field of a decoded frame.
 
     ``raw`` is the number on the wire. ``value`` is its meaning: a number, a Boolean, the name of a value, or a string.
@@ -181,7 +181,8 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
     if any(isinstance(item.kind, Unused) for item in placed.layout.fields):
         bits = unused_bits(placed, number)
         fields.append(DecodedField(UNUSED, bits, bits, "", "unused bits that differ from the manual", -1, -1))
-    problems.sort(key=lambda item: list(Fault).index(item.fault))
+    if problems:
+        problems.sort(key=lambda item: list(Fault).index(item.fault))
     return Decoded(placed, number, tuple(fields), crc, tuple(problems))
 
 

@@ -18,13 +18,12 @@ def compute_bits(crc: Crc, number: int, bits: int) -> int:
 
     ``refin`` has no meaning for a string of bits and is ignored.
     """
-    register = crc.init
-    top = 1 << (crc.width - 1)
+    register, mask, poly, top = crc.init, crc.mask, crc.poly, crc.width - 1
     for index in range(bits - 1, -1, -1):
-        feedback = bool(register & top) != bool(number >> index & 1)
-        register = (register << 1) & crc.mask
+        feedback = (register >> top ^ number >> index) & 1
+        register = register << 1 & mask
         if feedback:
-            register ^= crc.poly
+            register ^= poly
     if crc.refout:
         register = reflect(register, crc.width)
     return register ^ crc.xorout

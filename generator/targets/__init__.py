@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 from ..language.problems import Path as Place
 from ..model import Biss, Device, Manufacturer
@@ -28,10 +29,16 @@ class Library:
     Attributes:
         devices: All devices described by the specs, sorted by name.
         own_templates: Folder of the user's templates for this target. Pass it to ``Templates.render``.
+        parts: Results of ``Target.family`` that are known already, by the name of the family.
     """
 
     devices: tuple[Device, ...]
     own_templates: Path | None = None
+    parts: Mapping[str, Any] = field(default_factory=dict, compare=False)
+
+    def part(self, family: PartOf, device: Device, options: Options) -> Any:
+        """Return the result of ``family``, which is that of the target, for one device."""
+        return self.parts[device.name] if device.name in self.parts else family(device, self, options)
 
     def by_manufacturer(self) -> list[tuple[Manufacturer, tuple[Device, ...]]]:
         """Return the devices of each manufacturer, sorted by name."""
@@ -105,6 +112,8 @@ class Option:
 #: Values of all options of a target, by name.
 Options = Mapping[str, str]
 NO_OPTIONS: Options = MappingProxyType({})
+#: Function that returns what a target makes from one device alone, as data that JSON can express.
+PartOf = Callable[[Device, Library, Options], Any]
 
 
 @dataclass(frozen=True)
@@ -122,6 +131,9 @@ class Target:
             and by ``check --target``, and only with devices whose specs have no other problems.
         options: Settings of the target.
         templates: Templates of the target, for ``--templates`` and the page about templates.
+        family: Function that returns what the target makes from one device alone, such as the text of its files by
+            path. The result consists of what JSON can express. ``files`` calls it through ``Library.part``. Of the
+            built-in targets, results for unchanged specs come from the cache, and others from parallel processes.
 
     Raises:
         ValueError: A name is not valid.
@@ -133,6 +145,7 @@ class Target:
     problems: Callable[[Library], Iterable[TargetProblem]] = lambda library: ()
     options: tuple[Option, ...] = ()
     templates: Templates | None = None
+    family: PartOf | None = None
 
     def __post_init__(self) -> None:
         for name in (self.name, *(option.name for option in self.options)):

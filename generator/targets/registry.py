@@ -6,10 +6,10 @@ import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from importlib import import_module
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..render import TemplateFault
-from . import Library, Options, Target, TargetError, TargetProblem
+from . import NO_OPTIONS, Library, Options, Target, TargetError, TargetProblem
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 #: Built-in targets, in the order in which they are listed and run. They run by default, registered ones only on
 #: request.
 BUILT_IN = ("python", "c", "biss", "opcua", "docs", "browser", "masters")
+#: Those of them that cannot express everything. ``check`` asks only these for problems.
+WITH_PROBLEMS = ("c",)
 GROUP = "codewheel.targets"
 _Given = TypeVar("_Given")
 
@@ -45,20 +47,24 @@ def load_target(name: str) -> Target:
     return _loaded(name, entries[0].load)
 
 
-def files_of(target: Target, library: Library, options: Options) -> Mapping[str, str]:
+def files_of(
+    target: Target, library: Library, options: Options, parts: Mapping[str, Any] = NO_OPTIONS
+) -> Mapping[str, str]:
     """Return the files of a target, keyed by path.
 
     Args:
         target: The target.
         library: The devices, and the folder of the user's templates, which has a folder for each target.
         options: The value of every option.
+        parts: Results of ``target.family`` that are known already, by the name of the family.
 
     Raises:
         TargetError: The target cannot express something, or fails.
         TemplateFault: A user's template has an error.
     """
     own = library.own_templates / target.name if library.own_templates is not None else None
-    files = _guarded(target.name, lambda: target.files(replace(library, own_templates=own), options))
+    given = replace(library, own_templates=own, parts=parts)
+    files = _guarded(target.name, lambda: target.files(given, options))
     if fault := _fault_of_files(files):
         raise TargetError(f"the target '{target.name}' must return text by path; {fault}")
     return files

@@ -81,7 +81,8 @@ def test_decode_has_the_shape(amm5: Device) -> None:
             variant = find(amm5, example.order_code).variant
             decoded = decode_bytes(amm5, variant, example.sender, example.bytes)
             assert (
-                faults(checker, decoded_data(variant, example.sender, decoded, findings(amm5, variant, decoded))) == []
+                faults(checker, decoded_data(amm5, variant, example.sender, decoded, findings(amm5, variant, decoded)))
+                == []
             )
 
 

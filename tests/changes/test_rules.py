@@ -115,7 +115,7 @@ def test_every_member_of_a_family_is_compared() -> None:
     assert {item.name for item in fields(Device)} == set(
         """name title movement manufacturer manual documents lost_figures parameters order_code variants crcs interfaces
         registers alarms procedures timings connectors leds characteristics examples errata measurement inputs tables
-        field_groups supply alternatives times_read releases overlays base editions edition samples""".split()
+        field_groups supply evidence alternatives times_read releases overlays base editions edition samples""".split()
     )
 
 

@@ -141,7 +141,7 @@ def test_the_alarm_that_sma21_had(
     report = " ".join(capsys.readouterr().out.split()).split("the encoder reports:")[1]
     assert said in report
     assert not_said not in report
-    assert report.endswith("so the position is not usable")
+    assert report.endswith("so the position is not usable evidence: manual")
 
 
 def test_editions_of_sma21() -> None:

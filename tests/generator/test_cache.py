@@ -11,17 +11,19 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
 from codewheel import cache as cache_module
 from codewheel.cache import Cache, content_of, default_folder, key_of
 from codewheel.commands.cli import main
-from codewheel.loading.library import load_library
+from codewheel.loading.library import load_families, load_library
 from codewheel.loading.selected import families_for
 from codewheel.loading.stored import NotStorable, as_data, from_data
+from codewheel.parts import Kept, parts_of
 from codewheel.targets import Library
+from codewheel.targets.registry import BUILT_IN, files_of, load_target
 
 SPECS = Path(__file__).resolve().parents[2] / "specs" / "lika"
 COMMANDS = (
@@ -234,12 +236,12 @@ def test_the_cache_has_a_limit(folder: Path, monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_the_remains_of_killed_processes_are_removed(kept: tuple[Cache, Path]) -> None:
-    cache, place = kept
+    _, place = kept
     old, new = place.with_name(".new-1-old"), place.with_name(".new-1-new")
     for path in (old, new):
         path.write_bytes(b"half")
     os.utime(old, (0, 0))
-    cache.put("number", ["b"], 2)
+    Cache(place.parent).put("number", ["b"], 2)
     assert (old.exists(), new.exists()) == (False, True)
 
 
@@ -367,7 +369,7 @@ def test_only_changed_families_are_checked_again(folder: Path, specs: Path, caps
     code, out, err = check()
     assert (code, out, err) == check("--no-cache")
     assert code == 1
-    assert "asc86.yaml:116:12: order-code-ambiguous" in out
+    assert "asc86.yaml:117:12: order-code-ambiguous" in out
 
 
 @pytest.mark.slow
@@ -379,8 +381,7 @@ def test_generate_writes_the_same_with_and_without_the_cache(
         return code, text.replace(out, "OUT"), err.replace(out, "OUT")
 
     def tree(out: str) -> dict[str, bytes]:
-        place = tmp_path / out
-        return {str(path.relative_to(place)): path.read_bytes() for path in place.rglob("*") if path.is_file()}
+        return tree_of(tmp_path / out)
 
     without = generate("plain", "--no-cache")
     assert (entries(folder), generate("cold"), generate("warm")) == ([], without, without)
@@ -401,6 +402,193 @@ def test_generate_writes_the_same_with_and_without_the_cache(
     assert generate("warm", "--option", "biss.order-codes=none") == generate(
         "plain", "--no-cache", "--option", "biss.order-codes=none"
     )
+
+
+def tree_of(place: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(place)): path.read_bytes() for path in place.rglob("*") if path.is_file()}
+
+
+@pytest.fixture
+def two(tmp_path: Path) -> Path:
+    """Specs of two small families."""
+    place = tmp_path / "two"
+    shutil.copytree(TV62, place)
+    text = (place / "tv62.yaml").read_text(encoding="utf-8")
+    renamed = text.replace("device: tv62", "device: tv63").replace("TV62", "TV63")
+    (place / "tv63.yaml").write_text(renamed, encoding="utf-8")
+    return place
+
+
+def library_of(specs: Path, cache: Cache) -> tuple[Library, dict[str, Sequence[bytes | str]]]:
+    families, report = load_families([specs], cache)
+    assert not report, report.problems
+    contents = {family.device.name: family.content for family in families}
+    return Library(tuple(family.device for family in families)), contents
+
+
+def begun(specs: Path, cache: Cache) -> int:
+    """Return the number of parts that are not in the cache, after rendering all of them."""
+    library, contents = library_of(specs, cache)
+    found = [0]
+    kept = Kept(cache, contents, lambda _, all_of_them: found.append(all_of_them))
+    parts_of(library, [load_target(name) for name in BUILT_IN], kept)
+    return found[-1]
+
+
+def test_parts_survive_the_cache(two: Path) -> None:
+    library, _ = library_of(two, Cache(None))
+    for target in map(load_target, BUILT_IN):
+        assert target.family is not None
+        options = {item.name: item.default for item in target.options}
+        parts = {item.name: target.family(item, library, options) for item in library.devices}
+        again = json.loads(json.dumps(parts))
+        assert files_of(target, library, options, again) == files_of(target, library, options)
+
+
+def test_only_parts_of_changed_families_are_rendered(folder: Path, two: Path) -> None:
+    cache = Cache(folder)
+    assert begun(two, cache) == 2 * len(BUILT_IN)
+    assert begun(two, cache) == 0
+    spec = two / "tv63.yaml"
+    text = spec.read_text(encoding="utf-8")
+    spec.write_text(text + "# changed\n", encoding="utf-8")
+    assert begun(two, cache) == len(BUILT_IN)
+    spec.write_text(text, encoding="utf-8")
+    assert begun(two, cache) == 0
+    (two / "manufacturer.yaml").write_text(
+        (two / "manufacturer.yaml").read_text(encoding="utf-8") + "# changed\n", encoding="utf-8"
+    )
+    assert begun(two, cache) == 2 * len(BUILT_IN)
+
+
+def test_a_family_with_overlays_has_no_content(folder: Path, two: Path, tmp_path: Path) -> None:
+    """An overlay that is elsewhere is not part of the key, so its result must not be kept."""
+    overlay = tmp_path / "other" / "x.overlay.yaml"
+    overlay.parent.mkdir()
+    overlay.write_text(
+        "codewheel: 1\noverlay: x\nof: tv62\ntitle: Ours\ndocuments:\n  ti: {title: Info}\nchanges:\n"
+        '  - {set: title, to: Other, why: It is another., severity: wording, source: "ti: 1"}\n',
+        encoding="utf-8",
+    )
+    cache = Cache(folder)
+    families, report = load_families([two, overlay], cache)
+    assert not report, report.problems
+    assert [bool(family.content) for family in families if family.device.name == "tv62"] == [False]
+    plain, _ = load_families([two])
+    again, _ = load_families([two], cache)
+    assert [family.device for family in again] == [family.device for family in plain]
+
+
+@pytest.mark.slow
+def test_generate_with_one_change_writes_the_same_with_and_without_the_cache(
+    folder: Path, two: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def same() -> None:
+        for out, options in (("warm", ()), ("plain", ("--no-cache",))):
+            assert said(capsys, "generate", str(two), "-o", str(tmp_path / out), *options)[0] == 0
+        assert tree_of(tmp_path / "warm") == tree_of(tmp_path / "plain")
+
+    same()
+    spec = two / "tv63.yaml"
+    text = spec.read_text(encoding="utf-8")
+    spec.write_text(text.replace("TV63", "TV64"), encoding="utf-8")
+    same()
+    # Parts that are not what targets made, although size, hash and key are right.
+    monster = {"data": {"c/../../x": "y", "files": 5}}
+    for place in entries(folder):
+        data = json.loads(place.read_bytes()[64:])["data"]
+        if not isinstance(data, dict) or "families" in data:
+            continue
+        found = json.dumps(monster | {"key": place.name}).encode()
+        place.write_bytes(hashlib.sha256(found).hexdigest().encode() + found)
+    spec.write_text(text, encoding="utf-8")
+    same()
+    shutil.rmtree(folder)
+    folder.write_text("a file instead of a folder", encoding="utf-8")
+    spec.write_text(text + "# again\n", encoding="utf-8")
+    same()
+
+
+DIES = """
+import os, sys
+from codewheel import parts
+from codewheel.commands.cli import main
+mine, start = os.getpid(), parts._child
+def dies(*arguments):
+    HOW
+def child(work):
+    started = start(work)
+    os.waitid(os.P_PID, started[0], os.WEXITED | os.WNOWAIT)
+    return started
+def made(tasks, make, tell, real=parts._made):
+    return real(tasks, lambda task: dies() if os.getpid() != mine else make(task), tell)
+parts._processes, parts._child, parts._made = lambda tasks: 3, child, made
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("how", "end"),
+    [("os.kill(os.getpid(), 9)", "was ended by signal 9"), ("os._exit(3)", "ended with exit code 3")],
+)
+def test_a_process_that_dies_ends_the_run(folder: Path, two: Path, tmp_path: Path, how: str, end: str) -> None:
+    out = tmp_path / "out"
+    command = ["generate", str(two), "-o", str(out), "--no-cache"]
+    environment = {**os.environ, "XDG_CACHE_HOME": str(folder.parent)}
+
+    def run(code: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, "-c", code, *command], env=environment, capture_output=True, text=True, check=False
+        )
+
+    done = run(DIES.replace("HOW", how))
+    assert (done.returncode, done.stderr) == (
+        1,
+        f"codewheel: a process that renders files {end}; nothing has changed; run the command again\n",
+    )
+    assert not out.exists()
+
+
+@pytest.mark.slow
+def test_the_number_of_processes_changes_nothing(folder: Path, two: Path, tmp_path: Path) -> None:
+    trees = []
+    for count in (1, 2, 5):
+        code = "import sys; from codewheel import parts; from codewheel.commands.cli import main; "
+        code += f"parts._processes = lambda tasks: {count}; sys.exit(main(sys.argv[1:]))"
+        out = tmp_path / f"out{count}"
+        command = [sys.executable, "-c", code, "generate", str(two), "-o", str(out), "--no-cache"]
+        subprocess.run(command, capture_output=True, check=True)
+        trees.append(tree_of(out))
+    assert trees[0] == trees[1] == trees[2]
+
+
+@pytest.mark.slow
+def test_generate_may_be_killed_at_any_moment(folder: Path, two: Path, tmp_path: Path) -> None:
+    environment = {**os.environ, "XDG_CACHE_HOME": str(folder.parent)}
+    spec, out, chance = two / "tv63.yaml", tmp_path / "out", random.Random(33)
+    text = spec.read_text(encoding="utf-8")
+
+    def command(place: Path, *options: str) -> list[str]:
+        return [sys.executable, "-m", "codewheel", "generate", str(two), "-o", str(place), *options]
+
+    subprocess.run(command(out), env=environment, capture_output=True, check=True)
+    before = tree_of(out)
+    spec.write_text(text.replace("TV63", "TV64"), encoding="utf-8")
+    subprocess.run(command(tmp_path / "plain", "--no-cache"), capture_output=True, check=True)
+    after = tree_of(tmp_path / "plain")
+    for _ in range(5):
+        running = subprocess.Popen(command(out), env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        time.sleep(chance.uniform(0.2, 2.0))
+        running.kill()
+        running.wait()
+        found = tree_of(out)
+        for target in BUILT_IN:
+            mine = {path: data for path, data in found.items() if path.startswith(f"{target}/")}
+            assert mine in [{p: d for p, d in one.items() if p.startswith(f"{target}/")} for one in (before, after)]
+    done = subprocess.run(command(out), env=environment, capture_output=True, check=True)
+    assert done.stderr == b""
+    assert tree_of(out) == after
 
 
 def test_a_file_that_changes_while_it_is_read_is_not_kept(

@@ -103,13 +103,13 @@ def test_the_text_ends_with_what_the_encoder_reports(capsys: Capture) -> None:
     assert "°" not in out
     assert "the encoder reports: - error (Error, nE): error active in the system." in out
     assert "- warning (Warning, nW): " in out
-    assert out.endswith("so the position is not usable")
+    assert out.endswith("so the position is not usable evidence: manual")
     code, out = text(capsys, "AMM5A17/1SC1", "0b" + "0" * 17 + "10" + CRCS["10"])
     assert code == 0
     assert "no frame error" not in out
-    assert out.endswith("so the position is usable, with a warning")
+    assert out.endswith("so the position is usable, with a warning evidence: manual")
     assert text(capsys, "AMM5A21/65KSC1", "0xf4243d3")[1].endswith(
-        "(x^6 + x + 1, sent inverted) no frame error; the position is usable"
+        "(x^6 + x + 1, sent inverted) no frame error; the position is usable evidence: manual"
     )
 
 
@@ -209,6 +209,7 @@ def test_where_there_is_no_verdict(
 def test_ssi(capsys: Capture) -> None:
     assert text(capsys, "AMM5A17/1BG1", "0b" + "0" * 16 + "1")[1].endswith(
         "no frame error; this frame has no CRC; no bit of this frame indicates whether the position is usable"
+        " evidence: manual"
     )
     code, data = decode(capsys, "SMA21-BG1-0050", "0b" + "0" * 20 + "0")
     assert (code, names(data), data["verdict"]) == (3, ["error"], "not_usable")
@@ -398,7 +399,7 @@ def test_the_register_of_another_encoder(capsys: Capture, arguments: tuple[str, 
     code, out = text(capsys, "SMA21-SC1-0010", *arguments)
     assert code == 1
     assert message in out
-    assert out.endswith("no other error")
+    assert out.endswith("no other error evidence: manual")
 
 
 def test_registers_of_another_encoder_beside_a_frame(capsys: Capture) -> None:
@@ -598,3 +599,15 @@ def test_the_status_bits_of_biss_need_no_word(tmp_path: Path, capsys: Capture) -
         layout = next(item for item in devices[0].interface("biss").layouts if item.sender == "encoder")
         found.append([item.kind.makes_position for item in layout.fields if isinstance(item.kind, Flag)])
     assert found == [[Verdict.NOT_USABLE, Verdict.USABLE_WITH_WARNING]] * 2
+
+
+def test_many_frames_lead_to_the_command_of_the_package(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("codewheel.commands.decode_run.MANY", 3)
+    told = "codewheel: 3 frames; for files, the Python package is faster: lika-encoders decode\n"
+    for count, expected in ((3, ""), (4, told), (6, told)):
+        monkeypatch.setattr("sys.stdin", io.StringIO("0xF4243D3\n\n" * count))
+        assert main(["decode", "AMM5A21/65KSC1", "-", "--json"]) == 0
+        out, err = capsys.readouterr()
+        assert (out.count("\n"), err) == (count, expected)

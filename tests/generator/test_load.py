@@ -49,7 +49,7 @@ def test_an_order_code_of_two_families(tmp_path: Path) -> None:
     found = problems(
         tmp_path, minimal=MINIMAL, other=MINIMAL.replace("device: minimal", "device: other"), manufacturer=MAKER
     )
-    assert found == ["other.yaml:10: order-code-ambiguous: the order code MIN12SC also belongs to 'minimal'"]
+    assert found == ["other.yaml:11: order-code-ambiguous: the order code MIN12SC also belongs to 'minimal'"]
 
 
 def test_two_manufacturers_whose_files_would_overwrite_each_other(tmp_path: Path) -> None:

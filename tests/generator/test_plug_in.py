@@ -229,3 +229,9 @@ def test_a_target_error_is_its_message(
     register(monkeypatch, rust=Entry(Target("rust", "a crate", files)))
     assert main(["generate", "-o", str(tmp_path), "--target", "rust"]) == 1
     assert capsys.readouterr().err == "codewheel: the crate cannot be called 'a b'\n"
+
+
+def test_only_some_built_in_targets_have_problems() -> None:
+    default = Target("x", "", lambda library, options: {}).problems
+    found = [name for name in registry.BUILT_IN if registry.load_target(name).problems is not default]
+    assert tuple(found) == registry.WITH_PROBLEMS

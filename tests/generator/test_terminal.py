@@ -156,3 +156,43 @@ def test_a_reader_that_leaves_early_is_not_told_done() -> None:
         process.stdout.close()
         assert process.stderr.read() == b""
         assert process.wait(60) == 141
+
+
+SLOW = """
+import sys, time
+from codewheel.commands import terminal
+from codewheel.commands.cli import main
+from codewheel.loading import library
+terminal._AFTER_S = terminal._EVERY_S = 0.05
+real = library.check_document
+def slow(*arguments):
+    time.sleep(0.3)
+    return real(*arguments)
+library.check_document = slow
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals")
+@pytest.mark.parametrize("command", ["check", "generate"])
+def test_only_a_terminal_shows_progress(command: str, tmp_path: Path) -> None:
+    specs = Path(__file__).resolve().parents[2] / "docs" / "example" / "tolvarn"
+    arguments = [sys.executable, "-c", SLOW, command, str(specs), "--no-cache"]
+    arguments += ["-o", str(tmp_path / "out")] if command == "generate" else []
+    ours, theirs = os.openpty()
+    with subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=theirs) as process:
+        os.close(theirs)
+        assert process.stdout is not None
+        out = process.stdout.read()
+        shown = os.read(ours, 100_000)
+    os.close(ours)
+    assert process.returncode == 0
+    begin = {"check": b"\r\x1b[Kcodewheel: checking the specs", "generate": b"\r\x1b[Kcodewheel: reading the specs"}
+    assert shown.startswith(begin[command])
+    assert shown.endswith(b"\r\x1b[K")
+    assert (b"rendering part" in shown) is (command == "generate")
+    piped = subprocess.run(arguments, capture_output=True, check=True)
+    assert piped.stderr == b""
+    if command == "check":
+        assert piped.stdout == out

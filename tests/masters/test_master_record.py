@@ -196,8 +196,19 @@ def test_other_frames_are_refused(devices: Mapping[str, Device]) -> None:
         record(with_fields(position, error, warning, crc), variant, answers=AS_PRINTED)
     with pytest.raises(NoRecord, match="no master expects 'warning' at this place"):
         record(with_fields(position, zero, error, replace(warning, kind=Constant()), crc), variant, answers=AS_PRINTED)
-    with pytest.raises(NoRecord, match="does not define its position"):
-        record(replace(device, measurement=None), variant)
+    bare = replace(with_fields(replace(position, name="angle"), zero, error, warning, crc), measurement=None)
+    with pytest.raises(NoRecord, match="no frame of BiSS C-mode carries 'position'"):
+        record(bare, variant, answers=AS_PRINTED)
+
+
+def test_a_position_without_a_unit() -> None:
+    """Widths are sufficient for a master. Expected: ecmcEL5042-Encoder-Renishaw_RL26BUT001B30V.cmd of ecmccfg."""
+    devices, report = load_library([Path(__file__).parents[2] / "examples" / "encoders" / "renishaw"])
+    assert not report
+    (device,) = (item for item in devices if item.name == "resolute_linear")
+    numbers = record(device, find(device, "RESOLUTE-LINEAR-26").variant).numbers
+    found = [numbers[name] for name in ("multiturn_bits", "singleturn_bits", "crc_polynomial", "step_um")]
+    assert found == [0, 26, 67, None]
 
 
 def test_crc_of_another_form(devices: Mapping[str, Device]) -> None:

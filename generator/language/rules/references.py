@@ -394,3 +394,13 @@ def unused_crc(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             field = f"{{name: crc, crc: {crc['name']}}}"
             right = f"add the field {field} at the end of its frame, or explain in a 'note' what the CRC is for"
             report.add("unused-crc", (*path, "name"), f"{wrong}; {right}")
+
+
+def evidence_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check the names of documents, implementations and examples in the evidence."""
+    known, found, documents = _Names(raw, report), mapping(spec, "evidence"), mapping(raw, "documents")
+    languages = [str(item.get("language")) for _, item in items(raw, "manual", "editions")]
+    for key in mapping(found, "documents"):
+        known.refer(("evidence", "documents", key), "document", key, ("manual", *languages, *documents))
+    known.refer_by("implementations", ("evidence",), found, "document", documents)
+    known.refer_by("vectors", ("evidence",), found, "example", by_name(raw, "examples"))

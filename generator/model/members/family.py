@@ -29,6 +29,7 @@ FAMILY = Part(
     Member("interface", "string?", "Interface of the order code. null for a family."),
     Member("label", "label?", "Data read from the label. null for a family."),
     Member("manufacturer", "manufacturer", "Manufacturer."),
+    Member("evidence", "evidence", "Evidence for the facts."),
     Member("manual", "manual", "Manual that was transcribed."),
     Member("documents", "[document]", "Public documents that sources cite."),
     Member("parameters", "{integer}", "Value of every parameter for the order code. Empty for a family."),

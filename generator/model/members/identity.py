@@ -29,6 +29,16 @@ IDENTITY = (
         is_sourced=False,
     ),
     Part(
+        "evidence",
+        "Evidence for the facts of a family.",
+        Member("grade", "string", "Grade of the evidence.", "evidence"),
+        Member("documents", "{string}", "Pages that were read, by document.", "evidence"),
+        Member("implementations", "[name]", "Keys of the implementations that agree.", "evidence"),
+        Member("vectors", "[name]", "Examples from real hardware or from the manufacturer.", "evidence"),
+        Member("left_out", "[text]", "Facts that are left out.", "evidence"),
+        is_sourced=False,
+    ),
+    Part(
         "manual",
         "Manual that was transcribed.",
         Member("title", "string", "Title as printed."),

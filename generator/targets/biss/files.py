@@ -109,12 +109,21 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     for maker, devices in library.by_manufacturer():
         if maker.biss_id is not None:
             files[f"biss/idbiss{maker.biss_id:04X}.xml"] = _of_manufacturer(maker, maker.biss_id, devices, library)
-            files |= dict(file for device in devices for file in _of_encoders(maker.biss_id, device, library))
-        files |= {f"biss/{maker.name}-{device.name}.xml": to_xml(device_dump(device)) for device in devices}
-        if options.get(_BY_CODE.name, _BY_CODE.default) == _EACH:
-            files |= dict(file for device in devices for file in _by_code(f"biss/{maker.name}-{device.name}", device))
+        for device in devices:
+            files |= library.part(_family, device, options)
     if files:
         files |= {f"biss/{XSD_NAME}": schema_text()} | licence_in("biss")
+    return files
+
+
+def _family(device: Device, library: Library, options: Options) -> dict[str, str]:
+    """Return the files of a family by path."""
+    maker = device.manufacturer
+    files = {f"biss/{maker.name}-{device.name}.xml": to_xml(device_dump(device))}
+    if maker.biss_id is not None:
+        files |= dict(_of_encoders(maker.biss_id, device, library))
+    if options.get(_BY_CODE.name, _BY_CODE.default) == _EACH:
+        files |= dict(_by_code(f"biss/{maker.name}-{device.name}", device))
     return files
 
 
@@ -462,4 +471,5 @@ TARGET = Target(
     files=generate,
     options=(_BY_CODE,),
     templates=TEMPLATES,
+    family=_family,
 )

@@ -7,6 +7,7 @@ from ...plan.crcs import Carrier, carriers
 from ...plan.frames import Dispatch, dispatches
 from ...plan.reports import reportings
 from ...plan.run_time_parameters import Held, held_parameters
+from ...say.evidence import grade
 from ...say.origin import origin
 from ...say.place import field_at
 from ...say.text import BY_NAME
@@ -26,7 +27,7 @@ def family(device: Device) -> Data:
         base=device.base,
         special=next((item.special for item in device.overlays if item.special), ""),
         special_codes=device.order_code.special,
-        about=[BY_NAME.sentence(item) for item in origin(device)],
+        about=[BY_NAME.sentence(item) for item in (grade(device), *origin(device))],
         given=given,
         derived=[[name, expression(item)] for name, item in device.definitions.items()],
         held=[_held(device, item) for held in held_parameters(device) for item in held.parameters],

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Annotated, TypedDict
 
 from ...language.problems import LONGEST_QUOTE
-from ...model import UNEXPLAINED, Fault
+from ...model import UNEXPLAINED, Device, Fault
 from ...order_codes import messages
 from ...order_codes.labels import LONGEST, NEAR
 from ...render import Templates, our_templates
@@ -106,8 +106,12 @@ def table(library: Library) -> Data:
         "said": _SAID,
         "limits": {"text": frame_text.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
         "slips": [[item.text, item.front, item.missing, item.lost, item.behind] for item in SLIPS],
-        "families": [family(device) for device in library.devices],
+        "families": [library.part(_family, device, NO_OPTIONS) for device in library.devices],
     }
+
+
+def _family(device: Device, library: Library, options: Options) -> Data:
+    return family(device)
 
 
 def sha256(part: str) -> str:
@@ -125,4 +129,5 @@ TARGET = Target(
     summary="a page that decodes frames without a server",
     files=generate,
     templates=TEMPLATES,
+    family=_family,
 )

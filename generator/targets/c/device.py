@@ -15,6 +15,7 @@ from ...plan.crcs import crc_functions
 from ...plan.run_time_parameters import held_parameters
 from ...plan.values import TwosComplement
 from ...say.erratum import errata, erratum
+from ...say.evidence import grade
 from ...say.origin import origin, other_editions, taken_away
 from .. import TargetError
 from .access import state_registers
@@ -183,6 +184,11 @@ class DeviceView:
         dated = f" of {manual.date}" if manual.date else ""
         beside = f", compared with: {editions}" if editions else ""
         return f'"{manual.title}", revision {manual.revision}{dated} ({manual.language}{beside})'
+
+    @property
+    def evidence(self) -> list[Paragraph]:
+        """Grade of the evidence."""
+        return [S.sentence(grade(self.device))]
 
     @property
     def origin(self) -> list[Paragraph]:

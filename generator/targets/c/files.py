@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping
 from typing import Annotated, TypedDict
 
 from ...loading.named import UnknownName, narrowed
-from ...model import Manufacturer
+from ...model import Device, Manufacturer
 from ...render import Templates, our_templates
 from ...say.lines import plain
 from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
@@ -26,10 +26,10 @@ from .examples import ExampleCode
 from .filters import FILTERS, TESTS
 from .lines import documented, laid_out
 from .names import called, clashes
-from .package import FILES, Package, package_files
+from .package import FILES, Package, own_programs, package_files
 from .receivers import ReceiverCode
 from .runtime import FOLDER, runtime_headers, runtime_version
-from .selftest import AllTests, FamilyTest, selftest_files
+from .selftest import AllTests, FamilyTest, SelfTest, own_test, selftest_files
 
 ONLY = Option(
     "only",
@@ -70,9 +70,9 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         devices = narrowed(library.devices, options.get(ONLY.name, ""))
     except UnknownName as error:
         raise OptionError(f"c.{ONLY.name}: {error}") from None
+    for device in devices:
+        files |= library.part(_family, device, options)
     views = [view for device in devices for view in views_of(device)]
-    for view in views:
-        files |= {f"c/include/{path}": text for path, text in _headers(library, view)}
     for device, clash in clashes((view.device, view.names) for view in views):
         raise TargetError(f"{device.name}: {called(clash.path)}: {clash.message()}")
     if views:
@@ -80,11 +80,26 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         def rendered(template: str, values: Mapping[str, object]) -> str:
             return _render(library, template, values)
 
-        tests = selftest_files(views, rendered)
-        package = package_files(views, tests, rendered)
-        package |= dict(assumptions_files(library, rendered))
-        files |= {f"c/{path}": text for path, text in (package | tests).items()} | licence_in("c")
+        tests = [test for test in map(SelfTest, views) if test.checks]
+        shared = selftest_files(views, tests, rendered)
+        shared |= package_files(views, [*shared, *(test.path for test in tests)], rendered)
+        shared |= dict(assumptions_files(library, rendered))
+        files |= {f"c/{path}": text for path, text in shared.items()} | licence_in("c")
         files |= {f"c/include/{FOLDER}/{name}": text for name, text in runtime_headers().items()}
+    return files
+
+
+def _family(device: Device, library: Library, options: Options) -> dict[str, str]:
+    """Return the headers of a family, its self-tests and its example programs, by path."""
+    files: dict[str, str] = {}
+    for view in views_of(device):
+
+        def rendered(template: str, values: Mapping[str, object]) -> str:
+            return _render(library, template, values)
+
+        files |= {f"c/include/{path}": text for path, text in _headers(library, view)}
+        files |= {f"c/{path}": text for path, text in own_test(view, rendered)}
+        files |= {f"c/{path}": text for path, text in own_programs(view, rendered)}
     return files
 
 
@@ -151,4 +166,5 @@ TARGET = Target(
     problems=problems,
     options=(ONLY,),
     templates=TEMPLATES,
+    family=_family,
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, TypedDict
 
@@ -55,7 +55,7 @@ class Package(TypedDict):
 
 
 def package_files(views: Sequence[DeviceView], tests: Iterable[str], render: Render) -> dict[str, str]:
-    """Return the files of the package other than headers and ``tests``, by their path in the C folder."""
+    """Return the files of the package that are not those of a family nor ``tests``, by their path in the C folder."""
     programs = [example for view in views for example in example_codes(view)]
     shown: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
     makers = makers_of(views)
@@ -83,14 +83,18 @@ def package_files(views: Sequence[DeviceView], tests: Iterable[str], render: Ren
         "examples": [item.name for item in shown],
         "tests": sorted(path for path in tests if path.endswith(".c")),
     }
-    files = {path.format(package=package): render(template, values) for path, template in FILES.items()}
+    return {path.format(package=package): render(template, values) for path, template in FILES.items()}
+
+
+def own_programs(view: DeviceView, render: Render) -> Iterator[tuple[str, str]]:
+    """Yield the example programs of an interface, with their paths in the C folder."""
+    maker, programs = view.maker, list(example_codes(view))
+    shown: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
     for item in shown:
-        maker = item.view.maker
-        used = {"maker": maker, "PREFIX": maker.name.upper(), "d": item.view, "e": item}
-        files[f"examples/{item.name}.c"] = render(_template(item), used)
+        used = {"maker": maker, "PREFIX": maker.name.upper(), "d": view, "e": item}
+        yield f"examples/{item.name}.c", render(_template(item), used)
         if isinstance(item, ReceiverCode):
-            files[f"examples/{item.sketch}/{item.sketch}.ino"] = render("sketch.ino.jinja", used)
-    return files
+            yield f"examples/{item.sketch}/{item.sketch}.ino", render("sketch.ino.jinja", used)
 
 
 def makers_of(views: Iterable[DeviceView]) -> Mapping[str, Manufacturer]:

@@ -106,6 +106,7 @@ class SelfTest:
     def __init__(self, view: DeviceView) -> None:
         self.view = view
         self.name = f"{view.prefix}_selftest"
+        self.path = f"selftest/{view.stem}.c"
         works = [*self._examples(), *self._vectors()]
         self.checks = [Check(index, about, work) for index, (about, work) in enumerate(works, 1)]
 
@@ -274,18 +275,24 @@ class AllTests(TypedDict):
     tests: Annotated[list[SelfTest], "the self-tests of the families"]
 
 
-def selftest_files(views: Sequence[DeviceView], render: Callable[[str, Mapping[str, object]], str]) -> dict[str, str]:
-    """Return the files of the self-test, by their path in the C folder."""
-    tests = [test for test in map(SelfTest, views) if test.checks]
+def own_test(view: DeviceView, render: Callable[[str, Mapping[str, object]], str]) -> Iterator[tuple[str, str]]:
+    """Yield the self-test of an interface if it has any, with its path in the C folder."""
+    test = SelfTest(view)
+    if test.checks:
+        family: FamilyTest = {"maker": view.maker, "t": test}
+        yield test.path, render("selftest.c.jinja", family)
+
+
+def selftest_files(
+    views: Sequence[DeviceView], tests: Sequence[SelfTest], render: Callable[[str, Mapping[str, object]], str]
+) -> dict[str, str]:
+    """Return the files of the self-test other than those of the families, by their path in the C folder."""
     files = {}
-    for test in tests:
-        family: FamilyTest = {"maker": test.view.maker, "t": test}
-        files[f"selftest/{test.view.stem}.c"] = render("selftest.c.jinja", family)
     names = sorted({view.maker.name for view in views})
     values: AllTests = {
         "namespace": "_".join(names),
         "option": "_".join((*names, "encoders")).upper(),
-        "tests": tests,
+        "tests": list(tests),
     }
     for name, template in (("selftest.h", "selftest.h.jinja"), ("selftest.c", "selftest_all.c.jinja")):
         files[f"selftest/{name}"] = render(template, values)

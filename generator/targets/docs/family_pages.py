@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Annotated, TypedDict
 
 from ...model import Device, Manual, Table, TimesRead
 from ...order_codes.narrowing import for_interface
+from ...say.evidence import basis, grade
 from ...say.interface import settings
 from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.origin import edition_test, origin, other_editions
@@ -24,6 +26,7 @@ class FamilyPage(TypedDict):
     device: Annotated[Device, "the family"]
     origin: Annotated[list[Said], "overlays and the edition of the family"]
     manual: Annotated[str, "the manual with its revision"]
+    evidence: Annotated[Said, "grade of the evidence"]
     errata_at: Annotated[Callable[..., str], "errata of one or more paths in the spec"]
     errata_count: Annotated[str, "number of errata"]
     wish_rows: Annotated[Rows, "tasks, and links to their instructions"]
@@ -60,6 +63,7 @@ def index_values(family: Codes, has_masters: bool) -> FamilyPage:
         "device": device,
         "origin": [*origin(device), *other_editions(device)],
         "manual": f"{text(device.manual.title)}, revision {revision(device.manual)}",
+        "evidence": grade(device),
         "errata_at": inline_errata.OnPage(device, f"{device.name}/"),
         "errata_count": f"{len(device.errata)}",
         "wish_rows": list(_wishes(device, has_masters)),
@@ -170,6 +174,8 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
     yield "Language", text(language(manual.language))
     yield "Publisher", text(manual.publisher)
     yield "Transcribed", _times_read(device.times_read)
+    for said in (grade(device), *basis(device)):
+        yield said.label, STYLE.phrase(replace(said, label=""))
     yield "Manufacturer", text(device.manufacturer.title)
     for item in manual.editions:
         about = [text(language(item.language)), text(item.title), f"revision {text(item.revision)}", item.date]

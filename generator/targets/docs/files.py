@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, TypedDict
 
 from ...masters.sheet import Master, shipped_masters
+from ...model import Device
 from ...order_codes.narrowing import for_interface
 from ...render import Templates, our_templates
 from ...say import markdown
@@ -48,13 +49,9 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     ``docs/<device>/`` has a page for each interface, each order code, the hardware, the errata and the manual, and it
     has the pictures.
     """
-    try:
-        masters = shipped_masters()
-    except ValueError as error:
-        raise TargetError(str(error)) from None
-    families = [order_code_page.Codes(item) for item in library.devices]
+    parts: list[_Part] = [library.part(_family, device, options) for device in library.devices]
     pages: dict[str, tuple[str, Mapping[str, Any]]] = {
-        "README.md": ("index.md.jinja", _index(library, families)),
+        "README.md": ("index.md.jinja", _index(library, [row for part in parts for row in part["order_codes"]])),
         verdict_page.PAGE: ("usable.md.jinja", verdict_page.page_values(library.devices)),
         cross_family_pages.WHICH: (f"{cross_family_pages.WHICH}.jinja", cross_family_pages.which(library.devices)),
         cross_family_pages.REGISTERS: (
@@ -66,16 +63,39 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         glossary.PAGE: (f"{glossary.PAGE}.jinja", glossary.page_values(library.devices)),
     }
     files = licence_in("docs")
-    for item in families:
-        pages |= _of_family(item, masters)
-        files |= {f"docs/{item.device.name}/{name}": picture for name, picture in _pictures(item)}
-    return files | {
+    for part in parts:
+        files |= part["files"]
+    return files | _rendered(pages, library)
+
+
+class _Part(TypedDict):
+    """The part of a family: its files by path, and its sections on the index."""
+
+    files: dict[str, str]
+    order_codes: list[Section]
+
+
+def _family(device: Device, library: Library, options: Options) -> _Part:
+    try:
+        masters = shipped_masters()
+    except ValueError as error:
+        raise TargetError(str(error)) from None
+    codes = order_code_page.Codes(device)
+    files = {f"docs/{device.name}/{name}": picture for name, picture in _pictures(codes)}
+    return {
+        "files": files | _rendered(dict(_pages(codes, masters)), library),
+        "order_codes": list(_order_codes(codes)),
+    }
+
+
+def _rendered(pages: Mapping[str, tuple[str, Mapping[str, Any]]], library: Library) -> dict[str, str]:
+    return {
         f"docs/{name}": _tidy(TEMPLATES.render(template, values, library.own_templates))
         for name, (template, values) in pages.items()
     }
 
 
-def _of_family(
+def _pages(
     codes: order_code_page.Codes, masters: tuple[Master, ...]
 ) -> Iterator[tuple[str, tuple[str, Mapping[str, Any]]]]:
     """Yield each page with its template and its values."""
@@ -115,28 +135,30 @@ def _tidy(made: str) -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
-def _index(library: Library, families: list[order_code_page.Codes]) -> Index:
+def _order_codes(codes: order_code_page.Codes) -> Iterator[Section]:
+    """Yield the sections of a family on the index, one for each interface."""
+    device = codes.device
+    for part in device.interfaces:
+        of_part = [one.code for one in device.variants if one.interface == part.name]
+        if of_part:
+            yield {
+                "pages": codes.page_links(part.name),
+                "counted": counted(len(of_part), "order code"),
+                "interface": link(f"{device.name.upper()}, {part.title}", f"{device.name}/{part.name}.md"),
+                "links": [codes.links[one] for one in of_part],
+            }
+
+
+def _index(library: Library, order_codes: list[Section]) -> Index:
     rows: Rows = []
     for device in library.devices:
         page, maker = link(text(device.title), f"{device.name}.md"), text(device.manufacturer.title)
         titles = ", ".join(link(item.title, f"{device.name}/{item.name}.md") for item in device.interfaces)
         masters = link("settings", f"{device.name}-masters.md") if masters_page.has_masters(device) else ""
         manual = f"{text(device.manual.title)}, revision {family_pages.revision(device.manual)}"
-        rows.append((page, maker, titles, f"{len(device.variants)}", masters, manual))
-    found: list[Section] = [
-        {
-            "pages": item.page_links(part.name),
-            "counted": counted(len(of_part), "order code"),
-            "interface": link(f"{device.name.upper()}, {part.title}", f"{device.name}/{part.name}.md"),
-            "links": [item.links[one] for one in of_part],
-        }
-        for item in families
-        for device in [item.device]
-        for part in device.interfaces
-        if (of_part := [one.code for one in device.variants if one.interface == part.name])
-    ]
+        rows.append((page, maker, titles, f"{len(device.variants)}", masters, manual, text(device.evidence.grade)))
     trademarks = list(dict.fromkeys(note for maker, _ in library.by_manufacturer() for note in maker.trademarks))
-    return {"rows": rows, "usable_page": verdict_page.PAGE, "order_codes": found, "trademarks": trademarks}
+    return {"rows": rows, "usable_page": verdict_page.PAGE, "order_codes": order_codes, "trademarks": trademarks}
 
 
 TEMPLATES = Templates(
@@ -179,4 +201,5 @@ TARGET = Target(
     summary="Markdown pages with pictures of every frame, and the settings of BiSS and SSI masters",
     files=generate,
     templates=TEMPLATES,
+    family=_family,
 )

@@ -53,6 +53,7 @@ def file_text(
     on: str,
     library: Library | None = None,
     is_short: bool = False,
+    made: Content | None = None,
 ) -> str:
     """Return the file for a master and for order codes that have the same settings.
 
@@ -64,9 +65,10 @@ def file_text(
         on: Device of the master.
         library: The library, for the user's templates.
         is_short: True to leave out the text that all order codes of a family share.
+        made: The content of the file, if it is known already.
     """
     name = rule["format"]
-    made = content(found, rule, on)
+    made = content(found, rule, on) if made is None else made
     written = {item.key for item in made.entries}
     values: MasterFile = {
         "head": [*([] if is_short else _head(device, codes, found, rule, on)), *_about(made, is_short)],
@@ -138,22 +140,28 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     A bulk file contains the files of all order codes of a family as comments, so that no tool loads the wrong one by
     accident.
     """
-    by_code = options.get(_BY_CODE.name, _BY_CODE.default) == _EACH
     files: dict[str, str] = {}
     for device in library.devices:
-        groups = [group for item in device.interfaces for group in groups_of(device, item)]
-        records = [(group.record, group.codes) for group in groups]
-        for master in shipped_masters() if records else ():
-            sheets = [(sheet(master, record), record, codes) for record, codes in records]
-            taken = [item for item in sheets if not item[0].refusals]
-            for rule in master.files if taken else ():
-                for on in dict.fromkeys(name for item in taken for name in item[0].devices_with(rule)):
-                    folder = f"masters/{master.name}/{rule['format']}"
-                    stem = "" if len(master.devices) == 1 else f"{names_of_codes([on])[0]}-"
-                    write = _each if by_code else _bulk
-                    able = [item for item in taken if on not in item[0].barred]
-                    files |= write(f"{folder}/{stem}", device, able, rule, on, library)
+        files |= library.part(_family, device, options)
     return files | {"masters/README.md": _index(library, files)} | licence_in("masters")
+
+
+def _family(device: Device, library: Library, options: Options) -> dict[str, str]:
+    """Return the files of a family by path."""
+    write = _each if options.get(_BY_CODE.name, _BY_CODE.default) == _EACH else _bulk
+    files: dict[str, str] = {}
+    groups = [group for item in device.interfaces for group in groups_of(device, item)]
+    records = [(group.record, group.codes) for group in groups]
+    for master in shipped_masters() if records else ():
+        sheets = [(sheet(master, record), record, codes) for record, codes in records]
+        taken = [item for item in sheets if not item[0].refusals]
+        for rule in master.files if taken else ():
+            for on in dict.fromkeys(name for item in taken for name in item[0].devices_with(rule)):
+                folder = f"masters/{master.name}/{rule['format']}"
+                stem = "" if len(master.devices) == 1 else f"{names_of_codes([on])[0]}-"
+                able = [item for item in taken if on not in item[0].barred]
+                files |= write(f"{folder}/{stem}", device, able, rule, on, library)
+    return files
 
 
 def _index(library: Library, files: Iterable[str]) -> str:
@@ -186,16 +194,16 @@ def _label(code: str, record: Record) -> str:
 def _bulk(start: str, device: Device, taken: Taken, rule: Raw, on: str, library: Library) -> dict[str, str]:
     """Return one file in which order codes with the same content share a block."""
     format_ = FILE_FORMATS[rule["format"]]
-    alike: dict[tuple[object, ...], list[tuple[Sheet, Record, Sequence[str]]]] = {}
+    alike: dict[tuple[Content, Sequence[tuple[str, str]]], list[tuple[Sheet, Record, Sequence[str]]]] = {}
     for item in taken:
         made = content(item[0], rule, on)
-        alike.setdefault((made, *item[1].answers.items()), []).append(item)
+        alike.setdefault((made, tuple(item[1].answers.items())), []).append(item)
     blocks = []
-    for same in alike.values():
+    for (made, _), same in alike.items():
         codes = [code for _, _, found in same for code in found]
         answers = [f"{name}={answer}" for name, answer in same[0][1].answers.items()]
         title = f"{', '.join(codes)}{' with ' if answers else ''}{' and '.join(answers)}"
-        blocks.append((title, file_text(device, codes, same[0][0], rule, on, library, is_short=True)))
+        blocks.append((title, file_text(device, codes, same[0][0], rule, on, library, is_short=True, made=made)))
     return {f"{start}{device.name}{format_.suffix}": _joined(device, blocks, same[0][0], rule, on)}
 
 
@@ -234,4 +242,5 @@ TARGET = Target(
     files=generate,
     options=(_BY_CODE,),
     templates=TEMPLATES,
+    family=_family,
 )

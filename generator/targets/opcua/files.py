@@ -48,12 +48,19 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return ``opcua/<maker>-<device>/<order code>.xml`` for each listed order code with a known encoder type."""
     files = licence_in("opcua")
     for device in library.devices:
-        names = names_of_codes(item.code for item in device.variants)
-        for name, variant in zip(names, device.variants, strict=True):
-            plate = _plate(device, variant, name)
-            if plate is not None:
-                path = f"opcua/{device.manufacturer.name}-{device.name}/{name}.xml"
-                files[path] = TEMPLATES.render("type_plate.xml.jinja", plate, library.own_templates)
+        files |= library.part(_family, device, options)
+    return files
+
+
+def _family(device: Device, library: Library, options: Options) -> dict[str, str]:
+    """Return the files of a family by path."""
+    files = {}
+    names = names_of_codes(item.code for item in device.variants)
+    for name, variant in zip(names, device.variants, strict=True):
+        plate = _plate(device, variant, name)
+        if plate is not None:
+            path = f"opcua/{device.manufacturer.name}-{device.name}/{name}.xml"
+            files[path] = TEMPLATES.render("type_plate.xml.jinja", plate, library.own_templates)
     return files
 
 
@@ -111,4 +118,5 @@ TARGET = Target(
     summary="type plates for OPC UA servers (OPC 40400-1, Powertrain), one for each order code",
     files=generate,
     templates=TEMPLATES,
+    family=_family,
 )

@@ -51,7 +51,9 @@ class Package(TypedDict):
     identified: Annotated[list[str], "the modules of families that can be identified by registers"]
 
 
-class Family(Package):
+class Family(TypedDict):
+    header: Annotated[str, "the comment at the top of each file, with its origin and licence"]
+    package: Annotated[str, "the name of the package to import"]
     module: Annotated[Module, "the family, with the parts, names and expressions of its module"]
     imports: Annotated[Imports, "the modules to import from, in groups, and the names"]
     facts: Annotated[list[str], "the names of its fact tables, in order"]
@@ -88,7 +90,7 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library,
     biss = (BISS,) if has_biss(devices) else ()
     values: Package = {
         "package": package,
-        "distribution": package.replace("_", "-"),
+        "distribution": maker.distribution,
         "title": plain(maker.title),
         "maker": maker,
         "notices": [plain(item) for item in maker.trademarks],
@@ -113,16 +115,22 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library,
     files |= copied(_PROJECT / "package", package)
     if not biss:
         del files[f"{package}/{BISS}.py"]
-    for module in modules:
-        files |= {f"{package}/{name}": made for name, made in _family(module, values, own)}
+    for device in devices:
+        files |= library.part(_family, device, NO_OPTIONS)
     return files
 
 
-def _family(module: Module, values: Package, own: Path | None) -> Iterator[tuple[str, str]]:
-    """Yield the modules of a family: its frames, its facts, and its shapes."""
+def _family(device: Device, library: Library, options: Options) -> dict[str, str]:
+    """Return the modules of a family by path: its frames, its facts, and its shapes."""
+    package = device.manufacturer.python_package
+    made = _modules(Module(device), package, library.own_templates)
+    return {f"{package}/{name}": text for name, text in made}
+
+
+def _modules(module: Module, package: str, own: Path | None) -> Iterator[tuple[str, str]]:
     family: Family = {
-        **values,
         "header": _header(f"the specification of {plain(module.device.title)}"),
+        "package": package,
         "module": module,
         "imports": [],
         "facts": module.fact_names,
@@ -173,4 +181,5 @@ TARGET = Target(
     summary="an installable, typed package for each manufacturer, and the runtime that they share",
     files=generate,
     templates=TEMPLATES,
+    family=_family,
 )

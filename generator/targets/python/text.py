@@ -23,6 +23,7 @@ from ...model import (
 )
 from ...say import crc, field, layout, place, procedure, register
 from ...say.erratum import errata, erratum
+from ...say.evidence import grade
 from ...say.lines import plain
 from ...say.name import full_title, heading, title
 from ...say.origin import origin, other_editions, taken_away
@@ -52,6 +53,7 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
         f"Version {device.manufacturer.version}, generated from the manual “{plain(manual.title)}”, {plain(revision)}."
         " Sections and pages refer to this manual. A source that starts with a language code refers to the edition in"
         " that language. A source that starts with any other key refers to that entry of DOCUMENTS.",
+        S.sentence(grade(device)),
         S.paragraph([*origin(device), *other_editions(device)]),
         *_in_full(taken_away(device)),
         " ".join(device.manufacturer.trademarks),

@@ -1,0 +1,75 @@
+"""Rule that compares the grade of a spec with its evidence."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from ..problems import DocumentReport, listed, quoted
+from .walk import Spec, by_name, mapping, walk
+
+#: Number of implementations that a grade needs.
+_IMPLEMENTATIONS = {"quoted": 1, "uncorroborated": 1}
+_CORROBORATED = ("corroborated", "corroborated, no hardware frame seen")
+_WHOLE = "all pages"
+#: Key of the document that a source cites.
+_DOCUMENT = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?")
+
+
+def evidence(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that the evidence supports the grade, and report what is missing."""
+    found, examples = mapping(spec, "evidence"), by_name(raw, "examples")
+    grade, read = found.get("grade"), mapping(found, "documents")
+    agreeing, vectors = list(found.get("implementations", ())), list(found.get("vectors", ()))
+    for index, key in enumerate(agreeing):
+        if key in read or key in agreeing[:index]:
+            wrong = f"{quoted(key)} is listed twice; list each source once, so that it counts once"
+            report.add("evidence-grade", ("evidence", "implementations", index), wrong)
+    for index, name in enumerate(vectors):
+        if name in examples and not _discriminates(examples[name]):
+            wrong = f"{quoted(name)} has the same bits throughout, so it cannot show an error; use another example"
+            report.add("evidence-grade", ("evidence", "vectors", index), wrong)
+    for wrong in _missing(grade, read, agreeing, vectors) if grade else ():
+        report.add("evidence-grade", ("evidence", "grade"), f"the grade {quoted(grade)} {wrong}")
+    if grade == "quoted" or grade in _CORROBORATED:
+        _sources(spec, grade, read, agreeing, report)
+
+
+def _missing(grade: str, read: Spec, agreeing: list[str], vectors: list[str]) -> Iterator[str]:
+    """Yield what the grade needs and the evidence does not have."""
+    if grade == "manual" and read.get("manual") != _WHOLE:
+        yield f"needs the whole manual: write 'documents: {{manual: {_WHOLE}}}', or another grade"
+    if grade == "quoted" and not read:
+        yield "needs a document of the manufacturer: list it under 'documents', with the pages that were read"
+    if len(agreeing) < _IMPLEMENTATIONS.get(grade, 0):
+        yield "needs an implementation: list it under 'implementations'"
+    if grade in _CORROBORATED and len(agreeing) < (1 if read else 2):
+        yield "needs two sources that share no code: list them under 'implementations'"
+    if grade in ("quoted", "corroborated") and not vectors:
+        remedy = "list it under 'vectors'"
+        yield f"needs an example from real hardware: {remedy}, or write 'corroborated, no hardware frame seen'"
+    if grade == _CORROBORATED[1] and vectors:
+        yield "has no vectors: remove them, or write 'corroborated'"
+
+
+def _sources(spec: Spec, grade: str, read: Spec, agreeing: list[str], report: DocumentReport) -> None:
+    """Check that each fact cites the manufacturer or, for a lower grade, two implementations."""
+    if not (read if grade == "quoted" else read or agreeing[1:]):
+        return
+    wanted = [f"a source in {listed(read, 'or')}"] if read else []
+    if grade in _CORROBORATED and len(agreeing) > 1:
+        wanted.append(f"two sources among {listed(agreeing)}")
+    for path, key, value in walk({**spec, "errata": (), "examples": ()}):
+        if (key == "source" or key.endswith("_source")) and isinstance(value, str):
+            cited = {match[1] or "manual" for match in map(_DOCUMENT.match, value.split(";")) if match}
+            agree = grade in _CORROBORATED and len(cited & {*agreeing}) > 1
+            if not agree and cited.isdisjoint(read):
+                report.add(
+                    "evidence-grade", path, f"the grade {quoted(grade)} needs {', or '.join(wanted)} for each fact"
+                )
+
+
+def _discriminates(example: Spec) -> bool:
+    """Return whether the bits of an example differ from one another."""
+    given = example.get("bits") or example.get("bytes") or ""
+    return isinstance(given, str) and len(set(given.split() if " " in given else given)) > 1

@@ -1,0 +1,38 @@
+"""Statements about the evidence for the facts of a family."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..model import Device
+from .text import Said, said
+
+_MEANING = {
+    "manual": "all pages of the manufacturer's document were read",
+    "quoted": "every fact is in the manufacturer's words, an independent implementation agrees, and data from real"
+    " hardware pass",
+    "corroborated": "every fact is in the manufacturer's words or in two implementations that share no code, and data"
+    " from real hardware pass",
+    "corroborated, no hardware frame seen": "every fact is in the manufacturer's words or in two implementations that"
+    " share no code",
+    "uncorroborated": "the facts have a single source, so do not rely on them",
+}
+
+
+def grade(device: Device) -> Said:
+    """Return the grade of the evidence, with its meaning."""
+    found = device.evidence.grade
+    return said(f"{found} ({_MEANING[found]})", label="Evidence")
+
+
+def basis(device: Device) -> Iterator[Said]:
+    """Yield what the grade rests on, unless it is the manual as a whole, and the facts that are left out."""
+    found = device.evidence
+    if found.grade != "manual":
+        for key, pages in found.documents.items():
+            yield said(pages, label=f"Read in {key}")
+        for label, names in (("Implementations", found.implementations), ("Vectors", found.vectors)):
+            if names:
+                yield said(", ".join(names), label=label)
+    for item in found.left_out:
+        yield said(item, label="Left out")

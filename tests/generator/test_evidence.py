@@ -1,0 +1,63 @@
+"""The grade of the evidence is in every output, and decides where a spec may be."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from codewheel.commands.cli import main
+from codewheel.loading.library import load_library
+from codewheel.targets import Library
+from codewheel.targets.registry import files_of, load_target
+
+ROOT = Path(__file__).parents[2]
+ENCODERS = ROOT / "examples" / "encoders"
+#: One frame of zeros with the CRC that an encoder over BiSS sends with it.
+FRAME = "0b" + "0" * 33 + "11" + "000000"
+
+
+def test_specs_hold_a_manual_and_examples_hold_less() -> None:
+    shipped, others = (load_library([ROOT / name])[0] for name in ("specs", "examples/encoders"))
+    assert {item.evidence.grade for item in shipped} <= {"manual", "quoted"}
+    assert "manual" not in {item.evidence.grade for item in others}
+
+
+def test_the_index_lists_each_encoder_with_its_grade() -> None:
+    page = (ROOT / "docs" / "encoders.md").read_text(encoding="utf-8")
+    devices, report = load_library([ROOT / "specs", ENCODERS])
+    assert not report
+    assert {name: grade for grade, name in re.findall(r"\| ([a-z, ]+) \| \[(\w+)\]\(", page)} == {
+        item.name: item.evidence.grade for item in devices
+    }
+
+
+def test_it_is_in_every_output() -> None:
+    devices, report = load_library([ENCODERS / "posital"])
+    assert not report
+    library = Library(devices)
+    files = {
+        path: text
+        for name in ("c", "python", "docs", "biss")
+        for path, text in files_of(load_target(name), library, {}).items()
+    }
+    grade = "Evidence: uncorroborated (the facts have a single source, so do not rely on them)."
+    texts = {path: " ".join(str(text).replace("*", " ").split()) for path, text in files.items()}
+    assert grade in texts["c/include/posital/kcd_biss.h"]
+    assert grade in texts["python/posital_encoders/kcd.py"]
+    assert grade in texts["docs/kcd.md"]
+    assert "| uncorroborated |" in texts["docs/README.md"]
+    assert "| uncorroborated |" in texts["python/README.md"]
+    assert 'evidence grade="uncorroborated"' in texts["biss/posital-kcd.xml"]
+    assert "| Left out | Registers, alarms, timings" in texts["docs/kcd/manual.md"]
+
+
+def test_decode_ends_with_it(capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["decode", "KCD-BC03B-1617", FRAME, "--specs", str(ENCODERS)]
+    main(arguments)
+    assert capsys.readouterr().out.splitlines()[-1] == "evidence: uncorroborated"
+    main([*arguments, "--json"])
+    assert json.loads(capsys.readouterr().out)["evidence"] == "uncorroborated"
+    main(["show", "KCD-BC03B-1617", "--json", "--specs", str(ENCODERS)])
+    assert json.loads(capsys.readouterr().out)["evidence"]["implementations"] == ["cfg"]
