@@ -32,6 +32,8 @@ Version 0.1.0, generated from the manual “AMM5A AMM5B”, revision 1.9 of 2021
 this manual. A source that starts with a language code refers to the edition in that language. A source that starts with
 any other key refers to that entry of DOCUMENTS.
 
+Evidence: manual (all pages of the manufacturer's document were read).
+
 Differences from other editions of the manual are noted inline. For the files of another edition, use ``codewheel
 generate --edition amm5=1.0``.
 

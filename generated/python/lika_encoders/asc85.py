@@ -31,6 +31,8 @@ Version 0.1.0, generated from the manual “ASC85”, revision 1.0 of 2017-05-19
 manual. A source that starts with a language code refers to the edition in that language. A source that starts with any
 other key refers to that entry of DOCUMENTS.
 
+Evidence: manual (all pages of the manufacturer's document were read).
+
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l. This project is
 not affiliated with either company and claims no certification.
 """

@@ -33,6 +33,8 @@ Version 0.1.0, generated from the manual “SMA21 + MTA-A154”, revision 1.2 of
 to this manual. A source that starts with a language code refers to the edition in that language. A source that starts
 with any other key refers to that entry of DOCUMENTS.
 
+Evidence: manual (all pages of the manufacturer's document were read).
+
 Differences from other editions of the manual are noted inline. For the files of another edition, use ``codewheel
 generate --edition sma21=1.0``.
 

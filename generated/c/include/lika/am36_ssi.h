@@ -30,6 +30,7 @@
  *
  * Manual: "AM36 AMC36", revision 1.0 of 2014 (en)
  * Its sections and pages are cited in brackets.
+ * Evidence: manual (all pages of the manufacturer's document were read).
  *
  * Differences from other editions of the manual are noted inline. For the files of another edition,
  * use codewheel generate --edition am36=1.0.

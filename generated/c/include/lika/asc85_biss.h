@@ -28,6 +28,7 @@
  *
  * Manual: "ASC85", revision 1.0 of 2017-05-19 (en)
  * Its sections and pages are cited in brackets.
+ * Evidence: manual (all pages of the manufacturer's document were read).
  *
  * Other documents, cited by the word before the colon:
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus

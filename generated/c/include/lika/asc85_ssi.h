@@ -31,6 +31,7 @@
  *
  * Manual: "ASC85", revision 1.0 of 2017-05-19 (en)
  * Its sections and pages are cited in brackets.
+ * Evidence: manual (all pages of the manufacturer's document were read).
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
  * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
