@@ -12,9 +12,9 @@ from .terminal import Stop
 
 _HOW = (
     "For RS-485, open the printed device like a serial port, at any baud rate. With --tcp, and on systems without "
-    "pseudo-terminals, open the printed URL with pyserial. For SSI and BiSS, send 0 or 1 for each level of the clock, "
-    "C for 0 and then 1, and T for a time-out. The reply to each is the level of the data line, 0 or 1. "
-    "Press Ctrl+C to stop."
+    "pseudo-terminals, open the printed URL with pyserial. For SPI, send the bytes of each word, which are answered "
+    "by as many. For SSI and BiSS, send 0 or 1 for each level of the clock, C for 0 and then 1, and T for a time-out. "
+    "The reply to each is the level of the data line, 0 or 1. Press Ctrl+C to stop."
 )
 
 

@@ -233,8 +233,8 @@ class _Dump:
                 return "unused", {"unused": value, "makes_position": verdict.value}
             case CrcValue(crc):
                 return "crc", {"crc": crc}
-            case Parity(of, odd):
-                return "parity", {"parity_of": list(of), "parity": "odd" if odd else "even"}
+            case Parity() as parity:
+                return "parity", {"parity_of": list(parity.covers), "parity": "odd" if parity.is_odd else "even"}
             case Decimal(runs):
                 return "digits", {"digits": self.plain(runs, inherited)}
             case Text():

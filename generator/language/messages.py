@@ -89,7 +89,7 @@ _ITEMS = {
 #: Maps in which an unknown key is an unsupported feature rather than a typo.
 _ALL_THERE_IS: dict[str | int, str] = {
     "interfaces": (
-        "codewheel supports only ssi, biss and rs485 (requests and replies like those of Tamagawa's T-format)"
+        "codewheel supports only ssi, biss, spi and rs485 (requests and replies like those of Tamagawa's T-format)"
     ),
 }
 

@@ -14,11 +14,14 @@ from ..model import (
     CableLength,
     Clock,
     ControlField,
+    Exchange,
     Interface,
+    Layout,
     Measurement,
     OutputCode,
     Port,
 )
+from ..model.expressions import Expression
 from .fields import Context, Site, build_values
 from .from_mapping import Raw, record, sources
 from .layouts import build_layout
@@ -34,13 +37,22 @@ def _interface(name: str, raw: Raw, context: Context) -> Interface:
         for index, item in enumerate(raw["layouts"])
     )
     kind: Callable[..., Interface] = INTERFACES[name]
+    sound = tuple(item for item in layouts if item is not None)
+    for item in sound if "word_bits" in raw else ():
+        _check_word(item, raw["word_bits"], Site(("interfaces", name, "layouts", item.name), context, name))
     return record(
         kind,
         raw,
-        layouts=tuple(item for item in layouts if item is not None),
+        layouts=sound,
         measurement=build_measurement(raw, context),
         **_INTERFACES[name](raw, context),
     )
+
+
+def _check_word(layout: Layout, bits: int, site: Site) -> None:
+    if layout.bits != Expression(bits):
+        wrong = f"'{layout.name}' has {layout.bits.render()} bits, but a word has {bits}"
+        site.report("width-mismatch", f"{wrong}; correct 'word_bits' or the fields")
 
 
 def build_measurement(raw: Raw, context: Context) -> Measurement | None:
@@ -80,10 +92,16 @@ def _rs485(raw: Raw, context: Context) -> Mapping[str, Any]:
     return {"port": record(Port, {**_PORT, **raw.get("port", {})})}
 
 
+def _spi(raw: Raw, context: Context) -> Mapping[str, Any]:
+    clock = {"min_hz": 0, **raw.get("clock", {})}
+    exchanges = ({"source": raw.get("source", ""), **item} for item in raw.get("exchanges", ()))
+    return {"clock": record(Clock, clock), "exchanges": tuple(record(Exchange, item) for item in exchanges)}
+
+
 #: Settings of a port that the manual does not give.
 _PORT = {"data_bits": 8, "parity": "none", "stop_bits": 1, "flow_control": "none"}
 #: Functions that build the members of an interface which differ from the spec.
-_INTERFACES = {"ssi": _ssi, "biss": _biss, "rs485": _rs485}
+_INTERFACES = {"ssi": _ssi, "biss": _biss, "rs485": _rs485, "spi": _spi}
 
 
 def _control_field(raw: Raw, parent: Raw, context: Context) -> ControlField:

@@ -58,7 +58,7 @@ def _check_joins(layout: Layout, site: Site) -> set[str]:
 def _check_parities(layout: Layout, site: Site) -> None:
     """Check that parity bits cover data fields, each at most once."""
     for field in layout.fields:
-        of = field.kind.of if isinstance(field.kind, Parity) else ()
+        of = field.kind.covers if isinstance(field.kind, Parity) else ()
         for index, name in enumerate(of):
             kind = next((item.kind for item in layout.fields if item.name == name), None)
             wrong = ""
@@ -66,9 +66,6 @@ def _check_parities(layout: Layout, site: Site) -> None:
                 wrong = f"'{field.name}' covers '{name}' twice; list it once"
             elif isinstance(kind, (CrcValue, Parity)):
                 wrong = f"the parity bit '{field.name}' cannot cover '{name}', which is computed itself; leave it out"
-            elif isinstance(kind, Constant) and len(of) > 1:
-                turn = ", and invert 'parity'" if kind.value.bit_count() & 1 else ""
-                wrong = f"the parity bit '{field.name}' covers the constant '{name}'; leave it out{turn}"
             if wrong:
                 site.report("parity-of", wrong, "fields", field.name, "parity_of")
 

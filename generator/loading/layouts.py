@@ -57,7 +57,8 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
         fields = [replace(field, pieces=pieces(field, widest // 8, low_first)) for field in fields]
     when, gray = raw.get("when", {}), raw.get("gray", {})
     joins = {name: tuple(parts) for name, parts in raw.get("join", {}).items()}
-    fields = [_over_fields(field, joins) for field in fields]
+    constants = {field.name: field.kind.value for field in fields if isinstance(field.kind, Constant)}
+    fields = [_over_fields(field, joins, constants) for field in fields]
     layout = record(
         Layout,
         raw,
@@ -77,12 +78,19 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
     return layout if is_sound(layout, site) else None
 
 
-def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]]) -> Field:
-    """Return a parity bit of a joined number as the parity of the fields in it."""
+def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int]) -> Field:
+    """Return a parity bit with the fields of joined numbers, and with the ones of constants among others counted.
+
+    A parity bit of constants only is a constant itself.
+    """
     if not isinstance(field.kind, Parity):
         return field
-    names = (part for name in field.kind.of for part in joins.get(name, (name,)))
-    return replace(field, kind=replace(field.kind, of=tuple(names)))
+    names = tuple(part for name in field.kind.of for part in joins.get(name, (name,)))
+    fixed = tuple(name for name in names if name in constants) if len(names) > 1 else ()
+    turned = bool(sum(constants[name].bit_count() for name in fixed) & 1)
+    odd, rest = field.kind.odd != turned, tuple(name for name in names if name not in fixed)
+    kind = Parity(rest, odd, fixed, turned) if rest else Constant(int(odd))
+    return replace(field, kind=kind)
 
 
 def _byte_order(raw: Raw, carried_as: str) -> str:

@@ -69,6 +69,7 @@ from .interfaces import INTERFACES, Fact, Interface
 from .interfaces.biss import BankSelect, Biss, ControlField, DescriptionFile, Network, PrintedTimeout, Profile, Timeout
 from .interfaces.common import Clock, Signals
 from .interfaces.rs485 import DataId, MemoryAccess, Port, Rs485
+from .interfaces.spi import Exchange, Spi, WordFormat
 from .interfaces.ssi import Alignment, CableLength, OutputCode, Ssi
 from .kinds import (
     UNEXPLAINED,
@@ -138,6 +139,7 @@ __all__ = [
     "Erratum",
     "Evidence",
     "Example",
+    "Exchange",
     "Fact",
     "Fault",
     "Field",
@@ -192,6 +194,7 @@ __all__ = [
     "Sources",
     "SpelledValue",
     "Spelling",
+    "Spi",
     "Ssi",
     "Step",
     "Supply",
@@ -206,6 +209,7 @@ __all__ = [
     "Variant",
     "Verdict",
     "WaitStep",
+    "WordFormat",
     "Write",
     "WriteStep",
     "assert_never",

@@ -30,7 +30,7 @@ from .facts import (
     Table,
     Timing,
 )
-from .interfaces import Interface
+from .interfaces import INTERFACES, Interface
 from .interfaces.biss import Biss
 from .kinds import CrcValue, Value
 from .layout import Crc, Field, Layout
@@ -213,7 +213,7 @@ class Register:
 
     @property
     def last_address(self) -> int:
-        return self.address + self.length - 1
+        return self.address + (self.length - 1 if INTERFACES[self.interface].byte_addresses else 0)
 
     @property
     def readable(self) -> bool:

@@ -122,10 +122,26 @@ class CrcValue:
 
 @dataclass(frozen=True, slots=True)
 class Parity:
-    """A bit that makes the number of ones even or odd, counting this bit and those of the fields ``of``."""
+    """A bit that makes the number of ones even or odd, counting this bit and those of the fields ``of``.
+
+    ``constants`` are covered as well. Their ones are already counted in ``odd``, and ``turned`` is true if they are an
+    odd number.
+    """
 
     of: tuple[str, ...]
     odd: bool = False
+    constants: tuple[str, ...] = ()
+    turned: bool = False
+
+    @property
+    def covers(self) -> tuple[str, ...]:
+        """All fields that the bit covers."""
+        return (*self.constants, *self.of)
+
+    @property
+    def is_odd(self) -> bool:
+        """True if the number of all ones is odd, those of constants included."""
+        return self.odd != self.turned
 
 
 @dataclass(frozen=True, slots=True)

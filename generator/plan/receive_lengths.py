@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 
-from ..model import Answer, Device, Interface, Layout, Ssi, Variant, choices
+from ..model import Answer, Biss, Device, Interface, Layout, Rs485, Spi, Ssi, Variant, assert_never, choices
 
 #: Before the start bit of a BiSS frame come two idle clocks, the acknowledge and the line delay. No manual states how
 #: long an encoder takes. This is an allowance in bits, equal to 4 us at 10 MHz.
@@ -40,22 +40,31 @@ def received(device: Device, interface: Interface) -> Iterator[Received]:
     A frame whose length depends on a question that the manual leaves open is yielded once for each answer.
     """
     held = {item.name for item in device.set_parameters if item.register}
+    around = _around(interface)
     for layout in interface.layouts:
         needed = set(_set_parameters(device, layout.bits.parameters))
-        if layout.in_bytes or layout.sender != "encoder":
+        if layout.in_bytes or layout.sender != "encoder" or around is None:
             continue
         deciding = [item for item in device.alternatives if not needed.isdisjoint(item.answers[0].sets)]
         moves = bool(needed & held)
         variants = [item for item in device.variants if item.interface in ("", interface.name)]
         for variant, (answers, sets) in product(variants, choices(deciding)):
             bits = layout.bits.value({**variant.parameters, **sets})
-            size = _bytes(interface, layout.widest if moves else bits)
+            size = (around + (layout.widest if moves else bits) + 7) // 8
             yield Received(variant, layout, bits, size, moves, answers)
 
 
-def _bytes(interface: Interface, bits: int) -> int:
-    around = SSI_AROUND if isinstance(interface, Ssi) else BISS_REST + BISS_ACKNOWLEDGE + BISS_AROUND
-    return (around + bits + 7) // 8
+def _around(interface: Interface) -> int | None:
+    """Return the number of bits around a frame, or None if frames are words that a peripheral receives by itself."""
+    match interface:
+        case Ssi():
+            return SSI_AROUND
+        case Biss() | Rs485():
+            return BISS_REST + BISS_ACKNOWLEDGE + BISS_AROUND
+        case Spi():
+            return None
+        case _:
+            assert_never(interface)
 
 
 def _set_parameters(device: Device, names: tuple[str, ...]) -> Iterator[str]:

@@ -80,8 +80,9 @@ def _kind(device: Device, item: Field) -> Iterator[Said]:
                 yield said("Other values are still decoded")
         case CrcValue(crc):
             yield said("CRC ", Ref("crc", crc, crc), " over everything before it")
-        case Parity(of, odd):
-            yield said("Odd" if odd else "Even", " parity of ", *parted((Code(name),) for name in of))
+        case Parity() as parity:
+            covered = parted((Code(name),) for name in parity.covers)
+            yield said("Odd" if parity.is_odd else "Even", " parity of ", *covered)
         case Decimal(runs):
             yield said("Decimal digits, most significant first: ", *parted(map(_run, runs)))
         case Text():

@@ -14,6 +14,7 @@ from ..model import (
     DataId,
     DescriptionFile,
     Device,
+    Exchange,
     Fact,
     Interface,
     MemoryAccess,
@@ -23,14 +24,16 @@ from ..model import (
     Profile,
     Rs485,
     Signals,
+    Spi,
     Ssi,
     Timeout,
+    WordFormat,
     assert_never,
 )
 from .field import value
 from .name import printed, words
 from .name import register as named
-from .text import Part, Said, parted, said, told
+from .text import Code, Part, Said, parted, said, told
 from .timing import timing
 from .words import counted, hertz, nanoseconds, number, sentence, timeout_words
 
@@ -38,7 +41,16 @@ _ALIGNMENT = {
     "msb_left": "left: the most significant bit comes with the first clock, and zeros follow the word",
     "lsb_right": "right: zeros come before the word",
 }
+#: Words in which an encoder answers over SPI.
+REPLIES = {
+    "same_word": "each reply is in the same word as its request",
+    "next_word": "each reply is in the word after its request",
+}
 _CODE = {"binary": "binary", "gray": "Gray", "by_order_code": "binary or Gray, by order code"}
+
+
+#: Effects of requests over SPI.
+PURPOSES = {"position": "requests the position", "read": "reads a register", "write": "writes a register", "other": ""}
 
 
 def interface(device: Device, item: Interface) -> Iterator[Said]:
@@ -60,6 +72,8 @@ def facts(device: Device, item: Interface) -> Iterator[Said]:
         case Rs485():
             yield from map(data_id, item.data_ids)
             yield from map(memory_access, item.memory_access)
+        case Spi():
+            yield from map(exchange, item.exchanges)
         case _:
             assert_never(item)
 
@@ -77,7 +91,7 @@ def _fact(device: Device, fact: Fact) -> Said:
 def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
     match fact:
         case Clock(lowest, highest):
-            return "Clock", f"{hertz(lowest)} to {hertz(highest)}"
+            return "Clock", f"{hertz(lowest)} to {hertz(highest)}" if lowest else f"up to {hertz(highest)}"
         case CableLength(metres, clock):
             return "Clock", f"below {hertz(clock)} with a cable shorter than {metres} m"
         case Signals(text):
@@ -98,8 +112,16 @@ def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
             return "Time-out", _timeout(fact)
         case Port():
             return "Baud rate", _port(fact)
+        case WordFormat():
+            return "Words", _words(fact)
         case _:
             return assert_never(fact)
+
+
+def _words(fact: WordFormat) -> str:
+    idle, edge = "high" if fact.mode & 2 else "low", "second" if fact.mode & 1 else "first"
+    clock = f"SPI mode {fact.mode} (the clock idles {idle}, data is taken on the {edge} edge)"
+    return f"{counted(fact.bits, 'bit')}, {clock}, {REPLIES[fact.reply]}"
 
 
 def _timeout(timeout: Timeout) -> str:
@@ -129,6 +151,13 @@ def data_id(item: DataId) -> Said:
 def memory_access(item: MemoryAccess) -> Said:
     text = f"{sentence(item.meaning)} Address: {item.address}. Data: {item.data}"
     return said(text, label=f"Memory {item.access}, busy {item.busy}", source=item.source)
+
+
+def exchange(item: Exchange) -> Said:
+    """Return a request over SPI with its reply."""
+    effect = PURPOSES[item.purpose]
+    answered = (Code(item.request), " is answered by ", Code(item.reply))
+    return said(*answered, f", and {effect}" if effect else "", source=item.source)
 
 
 def control_field(item: ControlField) -> Said:

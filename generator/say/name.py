@@ -18,6 +18,7 @@ _ACRONYMS = {
     "lsb": "LSB",
     "rs485": "RS-485",
     "scd": "SCD",
+    "spi": "SPI",
     "ssi": "SSI",
     "um": "µm",
 }

@@ -18,12 +18,12 @@ def hexadecimal(value: int, digits: int = 2) -> str:
 def addresses(register: Register) -> str:
     """Return the addresses of a register as text: ``49h`` or ``11h to 17h``."""
     first = hexadecimal(register.address)
-    return f"{first} to {hexadecimal(register.last_address)}" if register.length > 1 else first
+    return f"{first} to {hexadecimal(register.last_address)}" if register.last_address > register.address else first
 
 
 def register_at(register: Register) -> str:
     """Return a register with its addresses as text: ``register 49h`` or ``registers 11h to 17h``."""
-    return f"register{'s' * (register.length > 1)} {addresses(register)}"
+    return f"register{'s' * (register.last_address > register.address)} {addresses(register)}"
 
 
 def field_at(device: Device, path: str) -> str:

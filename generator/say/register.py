@@ -49,7 +49,7 @@ def facts(device: Device, register: Register) -> Iterator[Said]:
 
 
 def _holds(register: Register) -> Iterator[Said]:
-    if register.length > 1:
+    if register.last_address > register.address:
         lowest = "low" if register.byte_order == "low_byte_first" else "high"
         yield said(f"{lowest} byte first, at {hexadecimal(register.address)}", label="Byte order")
     data = register.default_bytes()

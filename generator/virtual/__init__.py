@@ -1,4 +1,4 @@
-"""Virtual encoders that behave like the encoder of an order code over RS-485, BiSS and SSI, with faults on demand.
+"""Virtual encoders that behave like the encoder of an order code over RS-485, BiSS, SSI and SPI, with faults on demand.
 
 They use only the model and the reference codec, so they can also check generated code.
 """
@@ -9,4 +9,5 @@ from .faults import FAULTS as FAULTS
 from .faults import Faults as Faults
 from .motion import motion as motion
 from .rs485 import Rs485Line as Rs485Line
+from .spi import SpiLine as SpiLine
 from .ssi import SsiLine as SsiLine

@@ -6,6 +6,7 @@ import random
 from collections import Counter
 from collections.abc import Iterable
 from math import isfinite
+from typing import Protocol
 
 #: The faults that a virtual encoder can have, with their effect.
 FAULTS = {
@@ -68,6 +69,27 @@ class Faults:
         if name == "junk":
             return chance.randbytes(chance.randint(1, 8)) + reply
         return reply
+
+
+class _Host(Protocol):
+    """Encoder whose line has faults."""
+
+    @property
+    def faults(self) -> Faults: ...
+    def is_off(self) -> bool: ...
+    def restart(self) -> None: ...
+
+
+def disturbed(encoder: _Host, word: int, bits: int) -> int:
+    """Return a word as it arrives over a clocked line, with a fault that is drawn for it."""
+    fault = encoder.faults.draw()
+    if fault == "flip":
+        return word ^ 1 << encoder.faults.random.randrange(bits)
+    if fault == "restart":
+        encoder.restart()
+    if fault == "low":
+        return 0
+    return (1 << bits) - 1 if fault in ("high", "lost") or encoder.is_off() else word
 
 
 def _rate(text: str) -> tuple[str, float]:

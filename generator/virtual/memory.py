@@ -69,7 +69,7 @@ class Memory:
         return number_from_bytes(self.registers[name].layout, bytes(self._bytes[name]))
 
     def hold(self, address: int, value: int) -> None:
-        """Set the byte at an address, even if the master cannot write it.
+        """Set the byte at an address, even if the master cannot write it. It is the lowest byte if there is no other.
 
         Raises:
             ValueError: There is no register at this address.
@@ -77,7 +77,7 @@ class Memory:
         register = self._at(address, write=False) or self._at(address, write=True)
         if register is None:
             raise ValueError(f"{self._encoder.variant.code} has no register at 0x{address:02X}")
-        self._bytes[register.name][address - register.address] = value
+        self._bytes[register.name][address - register.last_address - 1] = value
         self._saved[register.name] = bytes(self._bytes[register.name])
         self._take_over(register)
 
@@ -102,6 +102,25 @@ class Memory:
             self._read.append(register.name)
             self._clear_by_reading()
         return byte
+
+    def read_whole(self, address: int) -> int | None:
+        """Return the number in the register at an address that has no others, or None if it cannot be read."""
+        register = self._at(address, write=False)
+        if register is None:
+            return None
+        self._refresh(register)
+        self._read.append(register.name)
+        self._clear_by_reading()
+        return self.value(register.name)
+
+    def write_whole(self, address: int, value: int) -> bool:
+        """Write the register at an address that has no others, and return whether the encoder accepts it."""
+        register = self._at(address, write=True)
+        if register is None or not self._is_open(register):
+            return False
+        self._bytes[register.name][:] = register.bytes_of(value & (1 << 8 * register.length) - 1)
+        self._written(register)
+        return True
 
     def write(self, address: int, value: int) -> bool:
         """Write the byte at an address, and return whether the encoder accepts it."""

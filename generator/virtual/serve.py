@@ -13,6 +13,7 @@ from typing import NamedTuple, Protocol
 from .biss import BissLine
 from .encoder import VirtualEncoder
 from .rs485 import Rs485Line
+from .spi import SpiLine
 from .ssi import SsiLine
 
 #: Longest wait in seconds before the server checks whether it should stop.
@@ -39,7 +40,12 @@ class _Port(NamedTuple):
 
 def line_of(encoder: VirtualEncoder) -> Line:
     """Return the line of an encoder, for its interface."""
-    lines: dict[str, Callable[[VirtualEncoder], Line]] = {"rs485": Rs485Line, "biss": BissLine, "ssi": SsiLine}
+    lines: dict[str, Callable[[VirtualEncoder], Line]] = {
+        "rs485": Rs485Line,
+        "biss": BissLine,
+        "ssi": SsiLine,
+        "spi": SpiLine,
+    }
     return lines[encoder.variant.interface](encoder)
 
 

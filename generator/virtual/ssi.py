@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..model import Layout
 from .encoder import VirtualEncoder
+from .faults import disturbed
 from .levels import ByLevels
 
 
@@ -36,19 +37,7 @@ class SsiLine(ByLevels):
 
     def word(self) -> int:
         """Return the current word, which a fault can change. The first bit sent is the most significant."""
-        word, faults = self.encoder.frame(self._layout), self.encoder.faults
-        fault = faults.draw()
-        if fault == "flip":
-            return word ^ 1 << faults.random.randrange(self.bits)
-        if fault == "restart":
-            self.encoder.restart()
-        return (
-            0
-            if fault == "low"
-            else (1 << self.bits) - 1
-            if fault in ("high", "lost") or self.encoder.is_off()
-            else word
-        )
+        return disturbed(self.encoder, self.encoder.frame(self._layout), self.bits)
 
     def clock(self, level: int) -> int:
         """Set the level of the clock, and return that of the data line. Zeros follow the word."""

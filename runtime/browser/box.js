@@ -37,12 +37,12 @@ function box(root) {
     state.found = found;
     const senders = [...new Set((found?.interface.frames ?? []).map((item) => item.sender))];
     const registers = found?.interface.registers ?? [];
-    const frames = senders.map((item) => option(item, `a frame from the ${item}`));
+    const frames = senders.flatMap((item) => framesOf(found.interface, item));
     const others = registers.map((item) => option(`=${item.name}`, `${item.title}, ${item.place}`));
     const group = others.length ? [element("optgroup", { label: "the bytes of a register" }, others)] : [];
     what.replaceChildren(...frames, ...group);
     const choices = [...frames, ...others].map((item) => item.value);
-    if (!choices.includes(state.what)) state.what = choices.includes("encoder") ? "encoder" : choices[0] ?? "encoder";
+    if (!choices.includes(state.what)) state.what = choices.find((one) => one.startsWith("encoder")) ?? choices[0] ?? "encoder";
     what.value = state.what;
     what.parentElement.hidden = choices.length < 2;
     whatChanged();
@@ -198,9 +198,17 @@ function helpFor(label) {
 
 const UNDECIDED = "The manual is ambiguous here. Choose above, because there is no default.";
 
+/** The frames of a sender to choose from: one entry, or one for each frame of bits, which nothing tells apart. */
+function framesOf(interface_, sender) {
+  const found = interface_.frames.filter((item) => item.sender === sender);
+  if (found.length < 2 || found[0].order) return [option(sender, `a frame from the ${sender}`)];
+  return found.map(({ name }) => option(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
+}
+
 function commandFor(state, text) {
   const choose = Object.entries(state.answers).map(([name, answer]) => ` --choose ${name}=${answer}`).join("");
-  const from = state.what === "master" ? " --from master" : "";
+  const [sender, layout] = state.what.split(":");
+  const from = (sender === "master" ? " --from master" : "") + (layout ? ` --layout ${layout}` : "");
   const as = state.what.startsWith("=") ? ` --as ${state.what.slice(1)}` : "";
   return `codewheel decode ${state.found.code}${from}${as}${choose} "${text.trim().replace(/\s+/g, " ")}"`;
 }

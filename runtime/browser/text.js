@@ -82,9 +82,10 @@ function placedFor(found, layout, held, answers) {
   return { ...placed(found.family, layout, parametersOf(found, held, answers)), code: found.code };
 }
 
-/** The frame in a text for an order code. */
-function decodeFrame(found, sender, text, held, answers) {
-  const layouts = found.interface.frames.filter((item) => item.sender === sender);
+/** The frame in a text for an order code; ``what`` is its sender, with the name of the frame where that is needed. */
+function decodeFrame(found, what, text, held, answers) {
+  const [sender, name] = what.split(":");
+  const layouts = found.interface.frames.filter((item) => item.sender === sender && (!name || item.name === name));
   if (!layouts.length) {
     throw new FrameText(`the manual does not describe a frame from the ${sender} over ${found.interface.title}`);
   }

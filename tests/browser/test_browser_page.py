@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from browser_harness import browser, program
 from chromium import Browser
+from codewheel.loading.library import load_library
 from codewheel.model import Device, Flag
 from codewheel.reference import codec
 from codewheel.targets import Library
@@ -344,3 +345,24 @@ HOSTILE = """
 def test_hostile_texts_stay_texts(chromium: str, hostile: Library, tmp_path: Path) -> None:
     (tmp_path / "decode.js").write_text(text_in("decode.js", hostile), encoding="utf-8")
     assert shown(chromium, tmp_path, HOSTILE) == [0, 0]
+
+
+@pytest.mark.slow
+def test_frames_of_bits_that_nothing_tells_apart_are_chosen(chromium: str, tmp_path: Path) -> None:
+    """A reply over SPI does not show which request it answers. 0180h is the value of DIAAGC, or a position of 384."""
+    ams = Library(load_library(sorted((Path(__file__).parents[2] / "examples/encoders/ams").glob("*.yaml")))[0])
+    for path, text in generate(ams).items():
+        (tmp_path / Path(path).name).write_text(text, encoding="utf-8")
+    script = """
+      const [code, what, text] = boxes[0].querySelectorAll("input, select, textarea");
+      type(code, "AS5047P"); type(text, "0x0180");
+      const seen = [[...what.options].slice(0, 6).map((one) => one.value), said(boxes[0])];
+      choose(what, "encoder:register_reply");
+      return [...seen, said(boxes[0])];
+    """
+    options, position, reply = shown(chromium, tmp_path, script)
+    requests = ("position_request", "read_request", "write_request", "write_data")
+    assert options == [*(f"master:{name}" for name in requests), "encoder:position", "encoder:register_reply"]
+    assert "384 counts" in position
+    assert "data" in reply
+    assert "counts" not in reply

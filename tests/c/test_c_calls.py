@@ -24,6 +24,7 @@ SHARED = {
     "receive": "words16 words32 samples biss_receive biss_receive_cds ssi_receive ssi_repeats"
     " ask take resume late reason",
     "runner": "start next done close",
+    "spi": "start exchange bytes data",
     "tracker": "start restart add speed divided",
 }
 #: And of a family's: frames and registers by what is done with them, numbers of an order code and of an interface.

@@ -39,6 +39,7 @@ RECORDS = {
     "Part": "code_part",
     "PartValue": "code_value",
     "Rs485Facts": "interface",
+    "SpiFacts": "interface",
     "SsiFacts": "interface",
 }
 #: Members that Python users have elsewhere: in the classes of frames and registers, in ``VARIANTS``, or as bytes.

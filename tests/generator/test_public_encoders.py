@@ -79,5 +79,6 @@ def test_each_grade_names_vectors_that_exist() -> None:
     devices, _ = load_library([ENCODERS])
     counts = {item.name: len(item.evidence.vectors) for item in devices}
     assert counts == {
-        "aksim2": 0, "icmu": 3, "kcd": 0, "la11": 0, "resolute": 11, "resolute_linear": 11, "ts5700": 12, "wdga": 0,
+        "aksim2": 0, "as5047p": 0, "as5048a": 0, "icmu": 3, "kcd": 0, "la11": 0, "resolute": 11, "resolute_linear": 11,
+        "ts5700": 12, "wdga": 0,
     }  # fmt: skip

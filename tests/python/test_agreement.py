@@ -56,7 +56,7 @@ FAMILIES = sorted(
 )
 #: These are made up of what no device has.
 MADE_UP = {"words": TESTS / "specs", "odd_shapes": TESTS / "python" / "specs", "shapes": TESTS / "c" / "specs"}
-MADE_UP |= {"banks": TESTS / "specs"}
+MADE_UP |= {"banks": TESTS / "specs", "as5047p": TESTS.parent / "examples" / "encoders" / "ams"}
 ALL = [*FAMILIES, *MADE_UP]
 
 

@@ -17,7 +17,7 @@ from tools import tool
 from tree import generated_tree
 
 ROOT = Path(__file__).resolve().parents[2]
-FUNCTIONS = ("access", "biss_control", "biss_latency", "families", "motion", "receive", "transport")
+FUNCTIONS = ("access", "biss_control", "biss_latency", "families", "motion", "receive", "spi", "transport")
 #: Those that run programs over the headers, in both forms of the CRCs; the others only compile them,
 #: or are about headers of made-up devices.
 TESTS = {

@@ -24,6 +24,7 @@ from . import (
     references,
     repeated,
     shapes,
+    spi,
     values,
 )
 from .walk import Rule
@@ -81,6 +82,7 @@ RULES: tuple[Rule, ...] = (
     biss.biss_frame,
     biss.biss_control,
     references.unused_crc,
+    spi.exchanges,
     procedures.step_access,
     procedures.step_waits,
     procedures.step_opens,

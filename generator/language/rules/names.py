@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from ..problems import DocumentReport, Path, quoted
 from ..second_reading import family_of
-from .walk import Spec, by_name, expanded, field_lists, interface_of, items, layouts, mapping
+from .walk import Spec, by_name, expanded, field_lists, interface_of, items, last_address, layouts, mapping
 
 #: Top-level lists with unique items, with the word for an item and the key that must be unique.
 _LISTS = (
@@ -127,7 +127,7 @@ def duplicate_address(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     registers = sorted(items(spec, "registers"), key=lambda entry: entry[1]["address"])
     for index, (path, register) in enumerate(registers):
         for other_path, other in reversed(registers[max(0, index - 128) : index]):
-            if _space(other) != _space(register) or other["address"] + other["length"] <= register["address"]:
+            if _space(other) != _space(register) or last_address(other) < register["address"]:
                 continue
             accesses = {register["access"], other["access"]}
             if register["address"] == other["address"] and accesses == {"read_only", "write_only"}:
@@ -137,7 +137,7 @@ def duplicate_address(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 earlier, later = later, earlier
             line = report.document.position(earlier[0])[0]
             message = (
-                f"{_range(later[1])} overlap{'s' if later[1]['length'] == 1 else ''} "
+                f"{_range(later[1])} overlap{'s' if later[1]['address'] == last_address(later[1]) else ''} "
                 f"{quoted(earlier[1]['name'])} on line {line}, which has {_range(earlier[1])}"
             )
             report.add("duplicate-address", (*later[0], "address"), message)
@@ -184,5 +184,5 @@ def _space(register: Spec) -> tuple[str, object]:
 
 
 def _range(register: Spec) -> str:
-    first, last = register["address"], register["address"] + register["length"] - 1
+    first, last = register["address"], last_address(register)
     return f"address {first:#04x}" if first == last else f"addresses {first:#04x} to {last:#04x}"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ...model.expressions import Expression, ExpressionError
 from ..problems import DocumentReport, quoted
-from .walk import Fields, Has, Spec, by_name, expanded, items, mapping
+from .walk import Fields, Has, Spec, by_name, expanded, items, last_address, mapping
 
 _RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
 _WRITE = re.compile(
@@ -24,7 +24,7 @@ def addresses(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             continue
         first, _, last = str(printed).partition("-")
         numbers = (int(first, 0), int(last or first, 0))
-        has = (register["address"], register["address"] + register["length"] - 1)
+        has = (register["address"], last_address(register))
         if numbers != has:
             wrong = (
                 f"{quoted(register['name'])} is printed at {_addresses(*numbers)}; 'address' {register['address']:#04x}"
@@ -188,7 +188,7 @@ def _made(step: Spec, registers: Mapping[str, Spec], groups: Mapping[str, Spec])
     name = step.get("field")
     of = next((item for item in fields if name in (None, item.get("name")) and step["value"] in _values(item)), None)
     number = None if of is None else mapping(_values(of), step["value"]).get("value")
-    address, last = register["address"], register["address"] + register["length"] - 1
+    address, last = register["address"], last_address(register)
     if name is None and (of is None or len(fields) == 1):
         return _Write(address, last, None, number)
     bounds = _bounds(mapping(of or next((item for item in fields if item.get("name") == name), {})).get("at"))

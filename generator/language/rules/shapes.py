@@ -9,7 +9,7 @@ from ...model.expressions import Expression, ExpressionError
 from ...say.words import counted
 from ..problems import DocumentReport, Path, listed, missing, quoted
 from .values import constant_width
-from .walk import Fields, Has, Spec, by_name, field_lists, items, mapping, measurements
+from .walk import Fields, Has, Spec, by_name, field_lists, interface_of, items, mapping, measurements
 
 #: Keys that define the kind of a field. A field without any is a number.
 _KINDS = ("constant", "unused", "active", "values", "values_of", "crc", "parity_of", "digits", "text")
@@ -233,7 +233,8 @@ def _is_one_byte(fields: Fields, raw: Spec) -> bool:
 def byte_order_missing(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that registers of several bytes have a byte order, because no default is safe."""
     for path, register in items(spec, "registers"):
-        if register["length"] > 1 and "byte_order" not in register:
+        kind = INTERFACES.get(interface_of(register))
+        if register["length"] > 1 and "byte_order" not in register and (kind is None or kind.byte_addresses):
             message = (
                 f"{quoted(register['name'])} has {register['length']} bytes, "
                 "so it needs 'byte_order': low_byte_first or high_byte_first"

@@ -10,7 +10,7 @@ from itertools import pairwise
 from ...model import INTERFACES, Biss
 from ...say.words import counted
 from ..problems import DocumentReport, Path, quoted, suggestion
-from .walk import Spec, explained, field_lists, interface_of, items, mapping, walk
+from .walk import Spec, explained, field_lists, interface_of, items, last_address, mapping, walk
 
 _PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
 _NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"
@@ -75,7 +75,7 @@ def value_too_wide(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def register_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a register is within the addresses of its interface."""
     for path, register in items(spec, "registers"):
-        last = register["address"] + register["length"] - 1
+        last = last_address(register)
         interface = INTERFACES[interface_of(register)]
         bus, highest = f"the address range of {interface.short}", interface.highest_address
         if "bank" in register and interface.highest_in_bank is not None:
@@ -109,7 +109,7 @@ def clock_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the lowest clock is not above the highest."""
     for interface in mapping(spec, "interfaces"):
         clock = mapping(spec, "interfaces", interface, "clock")
-        if clock and clock["min_hz"] > clock["max_hz"]:
+        if clock and clock.get("min_hz", 0) > clock["max_hz"]:
             report.add(
                 "clock-range",
                 ("interfaces", interface, "clock", "min_hz"),

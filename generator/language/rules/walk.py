@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
-from ...model import Biss
+from ...model import INTERFACES, Biss
 from ..problems import DocumentReport, Path
 
 #: A spec, or part of one.
@@ -96,6 +96,13 @@ def field_lists(data: Spec) -> Iterator[Fields]:
 def interface_of(register: Mapping[str, Any]) -> str:
     """Return the interface of a register. The default is BiSS, the only one that always has registers."""
     return str(register.get("interface", INTERFACE_OF_REGISTERS))
+
+
+def last_address(register: Mapping[str, Any]) -> int:
+    """Return the last address of a register. Not every interface has an address for each byte."""
+    kind = INTERFACES.get(interface_of(register))
+    last: int = register["address"] + (0 if kind is not None and not kind.byte_addresses else register["length"] - 1)
+    return last
 
 
 def expanded(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path, Spec]]:

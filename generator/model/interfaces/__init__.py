@@ -10,9 +10,10 @@ from typing import get_args
 from .biss import BankSelect, Biss, DescriptionFile, Network, Profile, Timeout
 from .common import Clock, Signals
 from .rs485 import Port, Rs485
+from .spi import Spi, WordFormat
 from .ssi import Alignment, CableLength, OutputCode, Ssi
 
-Interface = Ssi | Biss | Rs485
+Interface = Ssi | Biss | Rs485 | Spi
 #: Facts yielded by the method ``facts`` of an interface. An output that can show all of these can show any interface.
 Fact = (
     Clock
@@ -26,6 +27,7 @@ Fact = (
     | Network
     | Timeout
     | Port
+    | WordFormat
 )
 #: All interfaces by name.
 INTERFACES: Mapping[str, type[Interface]] = MappingProxyType({kind.name: kind for kind in get_args(Interface)})

@@ -28,6 +28,8 @@ class Common:
     #: Number of register addresses, and the number in a bank if the interface has banks.
     highest_address: ClassVar[int | None] = None
     highest_in_bank: ClassVar[int | None] = None
+    #: True if a register has one address for each of its bytes, false if it has a single one.
+    byte_addresses: ClassVar[bool] = True
     #: Flags defined by the interface itself, with the verdict on the position while each is active.
     flags: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
@@ -40,7 +42,7 @@ class Common:
 
 @dataclass(frozen=True, slots=True)
 class Clock:
-    """Range of the master's clock, including both ends."""
+    """Range of the master's clock, including both ends. ``min_hz`` is 0 if no lower limit is known."""
 
     min_hz: int
     max_hz: int

@@ -202,6 +202,8 @@ FRAMES = (
         Member("widest"),
         Member("pieces"),
         Member("fills_gap"),
+        Member("constants"),
+        Member("turned"),
         of="Field Number Flag Choice Constant Unused CrcValue Parity Decimal Text",
     ),
     Part(
@@ -209,7 +211,7 @@ FRAMES = (
         "Named fields, in sending order, that together cover a given number of bits.",
         NAME,
         PRINTED_NAME,
-        Member("interface", "ssi|biss|rs485", "Interface that the item belongs to."),
+        Member("interface", "ssi|biss|rs485|spi", "Interface that the item belongs to."),
         Member("from", "encoder|master", "Sender of the frame.", "frame-order", "sent by", of="sender"),
         Member(
             "carried_as",
@@ -299,7 +301,7 @@ FRAMES = (
         MEANING,
         Member(
             "interface",
-            "ssi|biss|rs485",
+            "ssi|biss|rs485|spi",
             "Interface through which the register is accessed.",
             "register-interface",
         ),
@@ -565,7 +567,7 @@ FRAMES = (
         "Steps carried out by a master.",
         NAME,
         Member("title", "string", "Purpose, in a few words.", "words"),
-        Member("interface", "ssi|biss|rs485", "Interface that the procedure uses.", "procedure-interface"),
+        Member("interface", "ssi|biss|rs485|spi", "Interface that the procedure uses.", "procedure-interface"),
         Member("arguments", "[argument]", "Values supplied by the caller."),
         Member("precondition", "text", "Conditions before the start.", "words"),
         Member("steps", "[step]", "Steps, in order."),

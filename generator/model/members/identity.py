@@ -118,7 +118,7 @@ IDENTITY = (
         Member("max", "integer?", "Highest value, if a register holds it.", "parameter-range", "maximum"),
         Member(
             "interface",
-            "|ssi|biss|rs485",
+            "|ssi|biss|rs485|spi",
             "Interface to which the parameter is restricted. Empty if it is available to all.",
             "parameter-range",
             read="order code",
@@ -218,7 +218,7 @@ IDENTITY = (
         "One value of a part.",
         Member("text", "string", "Text as printed on the label."),
         MEANING,
-        Member("interface", "|ssi|biss|rs485", "Interface that the value selects."),
+        Member("interface", "|ssi|biss|rs485|spi", "Interface that the value selects."),
         Member("sets", "{integer}", "Parameters that the answer sets."),
         Member("only_with", "{[name]}", "Values of other parts that this value can be combined with."),
         Member(
@@ -233,7 +233,7 @@ IDENTITY = (
         "One enumerated order code.",
         Member("code", "string", "Order code."),
         Member("parts", "{string}", "Value of each part."),
-        Member("interface", "ssi|biss|rs485", "Interface of the order code."),
+        Member("interface", "ssi|biss|rs485|spi", "Interface of the order code."),
         Member("parameters", "{integer}", "Value of every parameter."),
         of="Variant",
     ),

@@ -11,7 +11,9 @@ SURROUNDINGS = (
         NAME,
         Member("symbol", "string", "Symbol in the manual.", "timing-typical"),
         Member("meaning", "text", "Meaning of the time.", "words"),
-        Member("interface", "|ssi|biss|rs485", "Interface that the item belongs to. Empty for the device as a whole."),
+        Member(
+            "interface", "|ssi|biss|rs485|spi", "Interface that the item belongs to. Empty for the device as a whole."
+        ),
         Member("at_least_us", "integer?", "Lower bound in microseconds.", "wait-longer", "at least"),
         Member("typical_us", "integer?", "Typical value in microseconds.", "timing-typical", "typically"),
         Member("at_most_us", "integer?", "Upper bound in microseconds.", "wait-longer", "at most"),

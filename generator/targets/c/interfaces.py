@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...model import Biss, CableLength, Clock, Interface, Layout, Port, Rs485, Timeout, cite
+from ...model import Biss, CableLength, Clock, Interface, Layout, Port, Rs485, Spi, Timeout, WordFormat, cite
 from ...plan.frames import Branch, Dispatch, dispatches
 from ...plan.replies import answer
 from ...say.erratum import errata, erratum
-from ...say.interface import control_field, data_id, settings
+from ...say.interface import control_field, data_id, exchange, settings
 from ...say.interface import interface as said_of
 from ...say.name import title
 from ...say.text import Said
@@ -142,14 +142,20 @@ class InterfaceCode:
         for fact, about in zip(interface.facts(), settings(self.device, interface), strict=True):
             match fact:
                 case Clock():
-                    yield self._macro("CLOCK_MIN_HZ", fact.min_hz, about)
-                    yield self._macro("CLOCK_MAX_HZ", fact.max_hz, "highest clock in Hz")
+                    if fact.min_hz:
+                        yield self._macro("CLOCK_MIN_HZ", fact.min_hz, about)
+                    yield self._macro("CLOCK_MAX_HZ", fact.max_hz, "highest clock in Hz" if fact.min_hz else about)
                 case CableLength():
                     self._said.append(about)  # A function states it.
                 case Timeout():
                     yield from self._timeout(fact, about)
                 case Port():
                     yield from self._port(fact, about)
+                case WordFormat():
+                    yield self._macro("MODE", fact.mode, about)
+                    yield self._macro("WORD_BITS", fact.bits, "number of bits of a word")
+                    late = int(fact.reply == "next_word")
+                    yield self._macro("REPLY_WORDS", late, "number of words from a request to its reply")
                 case _:
                     pass  # No number that code needs.
         if isinstance(interface, Biss):
@@ -179,6 +185,22 @@ class InterfaceCode:
             if value is not None:
                 yield self._macro(f"TIMEOUT_{name}_NS", value, about if about not in self._said else "see above")
 
+    @property
+    def exchanged(self) -> str:
+        """Macro of the request for the position over SPI, or an empty text."""
+        found = self.interface.exchanges if isinstance(self.interface, Spi) else ()
+        asked = (f"{self.upper}_REQUEST_{item.request}".upper() for item in found if item.purpose == "position")
+        return next(asked, "")
+
     def _controls(self) -> Iterator[Macro]:
         for item in self.interface.data_ids if isinstance(self.interface, Rs485) else ():
             yield self._macro(f"CONTROL_{item.name}", item.control, data_id(item), hexadecimal=True)
+        # 0 means that there is none.
+        for number_, each in enumerate(self.interface.exchanges if isinstance(self.interface, Spi) else (), 1):
+            yield self._macro(f"REQUEST_{each.request}", number_, exchange(each))
+
+    @property
+    def controls_title(self) -> str:
+        """Heading of the constants for requests."""
+        first = "requests: the first byte of each one and of its reply"
+        return first if isinstance(self.interface, Rs485) else "requests, for codewheel/spi.h"

@@ -136,9 +136,10 @@ class Guide:
 
     @property
     def number(self) -> str:
-        """The first number of the frame, by its name in the spec."""
+        """The position or else the first number of the frame, by its name in the spec."""
         plan = self.example.struct.plan
-        return (*(item.join.name for item in plan.wholes), *(item.field.name for item in plan.parts), "no_data")[0]
+        names = (*(item.join.name for item in plan.wholes), *(item.field.name for item in plan.parts), "no_data")
+        return next((name for name in names if c_name(name) == self.example.counts), names[0])
 
     @property
     def member(self) -> str:

@@ -90,7 +90,7 @@ class VariantCode:
     def _row(self, variant: Variant) -> CodeRow:
         family, stem = self.device.name.upper(), variant.code.upper()
         if all(item.code.upper().startswith(family) for item in self.device.variants):
-            stem = stem.removeprefix(family)
+            stem = stem.removeprefix(family) or stem
         code = re.sub("[^A-Z0-9]+", "_", stem).strip("_")
         return CodeRow(
             variant, code, f"{self.context.PREFIX}_{code}", tuple(_value(item, variant) for item in self.parameters)

@@ -21,6 +21,7 @@ from ...model import (
     Register,
     Rs485,
     SendStep,
+    Spi,
     Ssi,
     Step,
     Variant,
@@ -34,7 +35,7 @@ from ...plan.codec import codec_of, constant_values
 from ...plan.reports import Judgement, Only, Speaks, reportings
 from ...plan.values import Active, Raw, TwosComplement, meaning_of
 from ...say.box import as_words
-from ...say.interface import settings
+from ...say.interface import PURPOSES, settings
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import title
 from ...say.place import addresses, bits, frame_bytes
@@ -159,6 +160,9 @@ def speed(device: Device, interface: Interface, layout: Layout | None) -> Speed:
     match interface:
         case Ssi() | Biss():
             return _clock(device, interface, layout)
+        case Spi():
+            shown = map(STYLE.sentence, settings(device, interface))
+            return Speed("Clock and words", tuple(shown))
         case Rs485():
             return _baud(device, interface)
         case _:
@@ -357,6 +361,8 @@ def sending(family: Device, device: Device, interface: Interface, variant: Varia
                 facts.append("Addresses and bytes are in hexadecimal. The preset is 0 in these rows.")
         case Rs485():
             facts.append("Bytes are in hexadecimal. There is no preset other than the resets, and no save command.")
+        case Spi():
+            facts.append("The frames of the master are requests. The frames of the encoder answer them.")
         case _:
             assert_never(interface)
     inputs = [link(text(title(item)), f"#input-{item.name}") for item in device.inputs]
@@ -389,6 +395,9 @@ def _other_value(register: Register, variant: Variant) -> str:
 
 def _requests(device: Device, interface: Interface) -> Iterator[Row]:
     """Yield rows of request with its reply, meaning."""
+    for each in interface.exchanges if isinstance(interface, Spi) else ():
+        request, reply = (link(code(name), f"#layout-{name}") for name in (each.request, each.reply))
+        yield f"{request} → {reply}", PURPOSES[each.purpose].capitalize()
     if not isinstance(interface, Rs485):
         return
     for item in interface.data_ids:

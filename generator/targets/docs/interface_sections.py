@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated, Any, TypedDict
 
-from ...model import Biss, Connector, Device, FieldGroup, Interface, Layout, Procedure, Register, Rs485
+from ...model import Biss, Connector, Device, FieldGroup, Interface, Layout, Procedure, Register, Rs485, Spi
 from ...order_codes.parameters import follows_registers
 from ...say import alarm, hardware_input
 from ...say import layout as say_layout
 from ...say import procedure as say_procedure
 from ...say import register as say_register
 from ...say.alternative import needs
+from ...say.interface import PURPOSES
 from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.name import title, words
 from ...say.origin import origin, other_editions
@@ -105,6 +106,7 @@ def _interface(device: Device, interface: Interface) -> Section:
         "timing_paths": [f"{place}.{item.name}" for item in interface.timings]
         + [f"{place}.timings", *(f"timings.{item.name}" for item in device.timings)],
         "data_id_rows": _data_id_rows(interface) if isinstance(interface, Rs485) else [],
+        "exchange_rows": _exchange_rows(interface) if isinstance(interface, Spi) else [],
         "layouts": [_layout(device, interface, item) for item in interface.layouts],
         "groups": [
             {
@@ -131,6 +133,16 @@ def _data_id_rows(interface: Rs485) -> Rows:
             cited(item.source),
         )
         for item in interface.data_ids
+    ]
+
+
+def _exchange_rows(interface: Spi) -> Rows:
+    def frame(name: str) -> str:
+        return link(code(name), f"#layout-{name}")
+
+    return [
+        (frame(item.request), frame(item.reply), PURPOSES[item.purpose], cited(item.source))
+        for item in interface.exchanges
     ]
 
 

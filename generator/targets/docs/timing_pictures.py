@@ -10,10 +10,11 @@ from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
-from ...model import Biss, Device, Interface, Rs485, SendStep, Ssi, assert_never
+from ...model import Biss, Device, Interface, Rs485, SendStep, Spi, Ssi, assert_never
 from ...plan.codec import Codec, codec_of
 from ...plan.values import Active, meaning_of
 from ...say.box import DATA, colour
+from ...say.interface import REPLIES
 from ...say.name import words
 from ...say.timing import bounds
 from ...say.words import counted, microseconds, timeout_words
@@ -79,6 +80,8 @@ def wave(device: Device, interface: Interface) -> Wave | None:
             return _biss(device, interface)
         case Rs485():
             return _rs485(device, interface)
+        case Spi():
+            return _spi(interface)
         case _:
             assert_never(interface)
 
@@ -117,6 +120,33 @@ def _ssi(interface: Ssi) -> Wave:
         "Clock and data are high between words. Each rising edge of the clock shifts out one bit, starting with "
         f"{first}. After the last bit the data line is low ({monoflop}) and then high again. "
         f"Pause between two words: {pause}.",
+    )
+
+
+def _spi(interface: Spi) -> Wave:
+    """Return two words, with the request and the reply of each."""
+    up, down = Trace.UP, Trace.DOWN
+    asked = bool(interface.exchanges)
+    late = asked and interface.reply == "next_word"
+    shown = ("reply to the request before", "reply to request 1") if late else ("reply 1", "reply 2")
+    select = (Part(up, 40), Part(down, 180), Part(up, 40), Part(down, 180), Part(up, 40))
+    clock = (
+        Part(down, 56),
+        *(Part(Trace.CLOCK, 6 * _PERIOD), Part(down, 76), Part(Trace.CLOCK, 6 * _PERIOD)),
+        Part(down, 60),
+    )
+
+    def words_of(first: str, second: str) -> tuple[Part, ...]:
+        boxes = Part(Trace.EITHER, 172, first, "data"), Part(Trace.EITHER, 172, second, "data")
+        return (Part(down, 44), boxes[0], Part(down, 48), boxes[1], Part(down, 44))
+
+    requests = (("MOSI", words_of("request 1", "request 2")),) if asked else ()
+    return Wave(
+        "SPI: two words",
+        (("CS", select), ("Clock", clock), *requests, ("MISO", words_of(*shown))),
+        (),
+        f"Chip select is low during each word of {interface.word_bits} bits, and high between words. "
+        + (f"{REPLIES[interface.reply].capitalize()}." if asked else "The encoder ignores the words of the master."),
     )
 
 

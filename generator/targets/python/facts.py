@@ -17,6 +17,7 @@ from ...model import (
     OrderCode,
     Register,
     Rs485,
+    Spi,
     Ssi,
     assert_never,
     cite,
@@ -136,6 +137,8 @@ def interface(item: Interface) -> Call:
         case Rs485():
             memory = tuple(row("MemoryAccess", each, busy=bool(each.busy)) for each in item.memory_access)
             return row("Rs485Facts", item, memory_access=memory)
+        case Spi():
+            return row("SpiFacts", item)
         case _:
             assert_never(item)
 

@@ -242,7 +242,10 @@ class Module:
 
     def _frame_kinds(self) -> Iterator[FrameKind]:
         for section in self.sections:
-            first = next((item for item in section.coders if item.layout.sender == "encoder"), None)
+            sent = [item for item in section.coders if item.layout.sender == "encoder"]
+            # A word does not show which frame it is. Without a request, it is taken as the position.
+            whole = (item for item in sent if self.device.tells_position(section.interface.name, item.layout))
+            first = next(whole, sent[0] if sent else None)
             told = next((item for item in section.dispatchers if item.plan.sender == "encoder"), None)
             if first is not None:
                 asked = told.asked if told is not None else first.asked

@@ -42,6 +42,7 @@ PACKAGE: Mapping[str, tuple[str, ...]] = {
             decode_many decoder encode_many needed_by raised reported returned shape_of""",
         "registers": "Held agrees held_bytes held_parameters held_text whole",
         "reports": "Family Interface Movement Report Verdict",
+        "spi": "Pipeline",
         "steps": "Modify Poll Read Send Step Verify Wait writes",
     }.items()
 }
@@ -51,9 +52,10 @@ FACTS: Mapping[str, tuple[str, ...]] = {
     f"codewheel_runtime.{module}": tuple(names.split())
     for module, names in {
         "facts": """AboveMax Access Alarm Alignment BissFacts ByteOrder CableLength Characteristic Clock Connector
-            ConnectorKind Contact ControlField Crc DataIdFacts Document Edition Erratum FieldFacts Input Led LedState
-            LostFigure Manual MemoryAccess NamedValue Network Port PrintedTimeout Purpose Quantity Register
-            RegisterMeaning Revision Rs485Facts Severity SsiFacts Status Table Timeout TimeoutRule Timing""",
+            ConnectorKind Contact ControlField Crc DataIdFacts Document Edition Erratum Exchange FieldFacts Input
+            Led LedState LostFigure Manual MemoryAccess NamedValue Network Port PrintedTimeout Purpose Quantity
+            Register RegisterMeaning Revision Rs485Facts Severity SpiFacts SsiFacts Status Table Timeout TimeoutRule
+            Timing""",
         "order_codes": "OrderCode Part PartValue SpelledValue Spelling",
         "reports": "Interface ReadOnly Report Reports Verdict",
     }.items()
@@ -81,13 +83,13 @@ FUNCTIONS = ("cast", "index", *(name for names in PACKAGE.values() for name in n
 #: Names that every device module uses in addition to its imports.
 MODULE_NAMES = """ALARMS Address ArithmeticError BISS BissEncoder CHARACTERISTICS CONNECTORS CRCS DOCUMENTS
     ERRATA Ellipsis Exception FAMILY FRAMES Frame INPUTS LEDS LOST_FIGURES MANUAL NotImplemented
-    ORDER_CODE REGISTERS REPORTS RS485 Reply Request Rs485Encoder SSI SsiEncoder TABLES TIMINGS TypeError
+    ORDER_CODE REGISTERS REPORTS RS485 Reply Request Rs485Encoder SPI SSI SpiEncoder SsiEncoder TABLES TIMINGS TypeError
     VARIANTS ValueError Variant Warning annotations decode_reply decode_request identify isinstance len
     lookup type""".split()
 #: Names that the class of the variants uses.
 VARIANT_NAMES = """bytes cls code counts_per_turn decode decode_many degrees encode_many family frame_bits from_degrees
     from_millimetres from_radians from_turns highest interface metres micrometres millimetres modulus parts
-    radians self special special_code step_um tail try_decode turns unlisted unwrap with_registers
+    pipeline radians self special special_code step_um tail try_decode turns unlisted unwrap with_registers
     written_as_in""".split()
 #: Names that the generated classes and their methods use.
 CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode encode_many frame_bits index

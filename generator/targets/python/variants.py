@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from ...model import Interface, Measurement, Register, Variant
+from ...model import Interface, Measurement, Register, Spi, Variant
 from ...model.expressions import Expression
 from ...order_codes.labels import beginnings
 from ...plan.measurement import Cases, also_measured, by_interface, counts
@@ -107,6 +107,11 @@ class Variants:
     def names(self) -> list[str]:
         """Parameters whose values depend on the encoder."""
         return [self.context.parameters[item.name] for item in self.device.set_parameters]
+
+    @property
+    def with_requests(self) -> list[str]:
+        """Names of the interfaces over which requests have replies."""
+        return [item.name for item in self.device.interfaces if isinstance(item, Spi) and item.exchanges]
 
     @property
     def beginnings(self) -> tuple[str, ...]:

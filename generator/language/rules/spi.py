@@ -1,0 +1,91 @@
+"""Rules for SPI: requests with their replies, and the frames that access registers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ...model import Spi
+from ..problems import DocumentReport, Path, quoted, suggestion
+from .walk import Fields, Has, Spec, by_name, field_names, interface_of, items, mapping
+
+_HERE = ("interfaces", Spi.name)
+#: Fields of the requests, and of the reply, that access a register.
+_NEEDED = {"read": (("address",), ("data",)), "write": (("address", "data"), ())}
+
+
+def exchanges(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that each frame over SPI is a request or its reply, and that accesses have their fields."""
+    layouts = by_name(raw, *_HERE, "layouts")
+    if not mapping(spec, *_HERE):
+        return
+    senders = {sender: [n for n, item in layouts.items() if item.get("from") == sender] for sender in _KEYS}
+    found = list(items(spec, *_HERE, "exchanges"))
+    for sender, key in _KEYS.items():
+        for path, item in found:
+            if item[key] not in senders[sender]:
+                wrong = (
+                    f"there is no layout {quoted(item[key])} from the {sender}{suggestion(item[key], senders[sender])}"
+                )
+                report.add("undefined-reference", (*path, key), wrong)
+    requests = [item["request"] for _, item in found]
+    for index, (path, item) in enumerate(found):
+        if item["request"] in requests[:index]:
+            report.add("spi-exchange", (*path, "request"), f"{quoted(item['request'])} already has a reply; keep one")
+    for path, register in items(spec, "registers"):
+        if interface_of(register) == Spi.name and "byte_order" in register:
+            wrong = f"{quoted(register['name'])} is sent as one number; leave 'byte_order' out"
+            report.add("spi-exchange", (*path, "byte_order"), wrong, at_key=True)
+        for below, field in items(register, "fields"):
+            if interface_of(register) == Spi.name and "equals" in field:
+                wrong = "an encoder cannot be identified by its registers over SPI; use 'constant' or 'meaning'"
+                report.add("spi-exchange", (*path, *below, "equals"), wrong, at_key=True)
+    registers = by_name(raw, "registers")
+    for name, parameter in mapping(spec, "parameters").items():
+        if interface_of(registers.get(str(parameter.get("read_from")).partition(".")[0], {})) == Spi.name:
+            wrong = f"a parameter cannot be read from a register over SPI; leave 'read_from' out of {quoted(name)}"
+            report.add("spi-exchange", ("parameters", name, "read_from"), wrong, at_key=True)
+    _check_frames(layouts, found, report)
+    _check_accesses(raw, layouts, found, report)
+
+
+#: Senders with the key of their frames in an exchange.
+_KEYS = {"master": "request", "encoder": "reply"}
+
+
+def _check_frames(layouts: dict[str, Spec], found: list[tuple[Path, Spec]], report: DocumentReport) -> None:
+    """Check that each frame has a place in an exchange, or that there is only one frame."""
+    for path, layout in items({"layouts": list(layouts.values())}, "layouts"):
+        key = _KEYS.get(layout.get("from", ""), "")
+        used = [item[key] for _, item in found] if key else [layout["name"]]
+        if layout["name"] not in used and (found or key == "request" or path[-1] != 0):
+            wrong = f"no exchange has {quoted(layout['name'])} as its {key}; add one under 'exchanges'"
+            report.add("spi-exchange", (*_HERE, *path), wrong)
+        if layout.get("carried_as") == "bytes":
+            wrong = f"{quoted(layout['name'])} is a word of SPI, which is carried as bits; leave 'carried_as' out"
+            report.add("spi-exchange", (*_HERE, *path, "carried_as"), wrong)
+
+
+def _check_accesses(
+    raw: Spec, layouts: dict[str, Spec], found: list[tuple[Path, Spec]], report: DocumentReport
+) -> None:
+    groups = by_name(raw, "field_groups")
+
+    def fields(name: str) -> Iterator[str]:
+        return iter(field_names(Fields(Has.LAYOUT, layouts.get(name, {}), (), Spi.name), groups))
+
+    for purpose, needed in _NEEDED.items():
+        accesses = [(path, item) for path, item in found if item["purpose"] == purpose]
+        for names, key in zip(needed, _KEYS.values(), strict=True):
+            have = {name for _, item in accesses for name in fields(item[key])}
+            gone = next((name for name in names if name not in have), "")
+            if accesses and gone:
+                wrong = f"{quoted(accesses[0][1][key])} is for a register, so it needs the field {quoted(gone)}"
+                report.add("spi-exchange", (*accesses[0][0], key), wrong)
+        if purpose == "read" and len(accesses) > 1:
+            report.add("spi-exchange", (*accesses[1][0], "purpose"), "a second request reads registers; keep one")
+        missing = "write_only" if purpose == "read" else "read_only"
+        for path, register in items(raw, "registers"):
+            if interface_of(register) == Spi.name and not accesses and register.get("access") != missing:
+                wrong = f"no exchange has the purpose {purpose!r}, so {quoted(register.get('name', ''))} has no access"
+                report.add("spi-exchange", path, f"{wrong}; add one under 'exchanges'")
+                break

@@ -1,0 +1,51 @@
+"""``spi.h``: which request a word answers, and values of registers as bytes. Every line, with both kinds of replies."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+from c_harness import GCC, RUNTIME, SANITIZED
+
+pytestmark = pytest.mark.slow
+
+PROGRAM = """
+#include <stdio.h>
+#include "codewheel/spi.h"
+
+static void answered(uint32_t reply_words)
+{
+    cw_spi_pipeline line;
+    uint32_t request;
+    cw_spi_start(&line, reply_words);
+    for (request = 1U; request < 4U; request++) {
+        const cw_spi_asked found = cw_spi_exchange(&line, request, 0x10U + request);
+        printf("%u %u\\n", (unsigned)found.request, (unsigned)found.address);
+    }
+    cw_spi_start(&line, reply_words);
+    printf("%u\\n", (unsigned)cw_spi_exchange(&line, 9U, 0U).request);
+}
+
+int main(void)
+{
+    uint8_t bytes[3] = { 0xFFU, 0xFFU, 0xFFU };
+    answered(1U);
+    answered(0U);
+    cw_spi_bytes(0x12ABU, bytes, 2U);
+    printf("%02X %02X %02X\\n", bytes[0], bytes[1], bytes[2]);
+    printf("%llX %llX\\n", (unsigned long long)cw_spi_data(bytes, 3U), (unsigned long long)cw_spi_data(bytes, 0U));
+    return 0;
+}
+"""
+NEXT_WORD = ["0 0", "1 17", "2 18", "0"]
+SAME_WORD = ["1 17", "2 18", "3 19", "9"]
+
+
+def test_requests_and_values(tmp_path: Path) -> None:
+    source, program = tmp_path / "spi.c", tmp_path / "spi"
+    source.write_text(PROGRAM, encoding="ascii")
+    strict = ["-Wall", "-Wextra", "-Wconversion", "-Werror"]
+    subprocess.run([*GCC, *SANITIZED, *strict, f"-I{RUNTIME}", str(source), "-o", str(program)], check=True)
+    done = subprocess.run([program], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == [*NEXT_WORD, *SAME_WORD, "12 AB FF", "12ABFF 0"]

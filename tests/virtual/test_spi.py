@@ -1,0 +1,229 @@
+"""A virtual encoder with SPI, and programs in Python and C that keep a pipeline of one word."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from codewheel.commands.cli import main
+from codewheel.virtual import SpiLine, VirtualEncoder
+
+pytestmark = pytest.mark.slow
+
+ROOT = Path(__file__).parents[2]
+SPECS = ROOT / "examples" / "encoders"
+#: ``CODEWHEEL_POSITIONS=100000`` reads as many as the longer evidence asks for.
+POSITIONS = int(os.environ.get("CODEWHEEL_POSITIONS", "5000"))
+DIAAGC = {"diaagc": bytes.fromhex("0180")}
+
+
+def virtual() -> tuple[VirtualEncoder, SpiLine]:
+    encoder = VirtualEncoder("AS5047P", registers=DIAAGC, specs=[SPECS])
+    return encoder, SpiLine(encoder)
+
+
+def even(word: int) -> int:
+    """The word with bit 15 such that the number of ones is even."""
+    return word | (word.bit_count() & 1) << 15
+
+
+@pytest.fixture(scope="module")
+def outputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("spi")
+    specs = sorted(map(str, (SPECS / "ams").glob("*.yaml")))
+    assert main(["generate", *specs, "--target", "python", "--target", "c", "-o", str(folder)]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def package(outputs: Path) -> Iterator[Any]:
+    sys.path.insert(0, str(outputs / "python"))
+    yield importlib.import_module("ams_encoders")
+    sys.path.remove(str(outputs / "python"))
+
+
+def test_replies_come_with_the_next_word() -> None:
+    """The words are in the comments of a public driver: simplefoc/Arduino-FOC-drivers, AS5047.cpp."""
+    encoder, line = virtual()
+    encoder.position = 0x1234
+    line.exchange(0xFFFF)
+    encoder.position = 0x2345
+    assert line.exchange(0xFFFC) == even(0x1234)
+    assert line.exchange(0xFFFF) == even(0x0180)
+    assert line.exchange(0xC018) == even(0x2345)
+    assert line.exchange(0xFFFF) == even(0x0001), "the default of SETTINGS1"
+
+
+def test_a_register_is_written_in_two_words() -> None:
+    """SETTINGS1 at 18h: the reply to the address has the old value, and that to the data the new one."""
+    _, line = virtual()
+    line.exchange(0x0018)
+    assert line.exchange(even(0x0081)) == even(0x0001)
+    assert line.exchange(0xC018) == even(0x0081)
+    assert line.exchange(0xFFFF) == even(0x0081)
+
+
+@pytest.mark.parametrize("word", [0x7FFF, 0x0000 | 0x4002, 0x3FFC])
+def test_a_request_with_an_error_sets_the_error_flag(word: int) -> None:
+    """Wrong parity, an address without a register, and a write to a register that can only be read."""
+    _, line = virtual()
+    line.exchange(word)
+    reply = line.exchange(0x8000 if word == 0x3FFC else 0xFFFF)
+    reply = line.exchange(0xFFFF) if word == 0x3FFC else reply
+    assert reply & 0x4000
+
+
+def test_bytes_are_answered_by_as_many() -> None:
+    encoder, line = virtual()
+    encoder.position = 5
+    line.receive(bytes.fromhex("FF FF FF"))
+    assert line.send() == bytes(2)
+    line.receive(bytes.fromhex("FF"))
+    assert line.send() == bytes.fromhex("00 05")
+
+
+def test_python_loses_no_position(package: Any) -> None:
+    module = importlib.import_module("ams_encoders.as5047p")
+    encoder, line = virtual()
+    pipeline = package.lookup("AS5047P").pipeline()
+    seen = registers = words = 0
+    while seen < POSITIONS:
+        encoder.position = words - words // 101
+        reads = words % 101 == 100
+        word = pipeline.read(module.Diaagc) if reads else pipeline.ask(module.PositionRequest())
+        assert word == (0xFFFC if reads else 0xFFFF)
+        words += 1
+        answer = pipeline.take(line.exchange(word))
+        if answer is None:
+            assert words == 1
+        elif answer.register is not None:
+            assert (answer.register.agc, answer.register.offset_loop, answer.register.mag_low) == (0x80, True, False)
+            registers += 1
+        else:
+            assert answer.reply.usable_position == seen % 16384
+            seen += 1
+    assert registers >= (POSITIONS - 1) // 100
+
+
+def test_python_writes_a_register(package: Any) -> None:
+    module = importlib.import_module("ams_encoders.as5047p")
+    _, line = virtual()
+    pipeline = package.lookup("AS5047P").pipeline()
+    value = module.Settings1.decode(bytes.fromhex("00 01"))._replace(pwm_on=True)
+    sent, answers = [], []
+    for word in pipeline.write(value):
+        sent.append(word)
+        answers.append(pipeline.take(line.exchange(word)))
+    answers.append(pipeline.take(line.exchange(pipeline.read(module.Settings1))))
+    answers.append(pipeline.take(line.exchange(pipeline.read(module.Settings1))))
+    assert sent == [0x0018, even(0x0081)]
+    assert [answer and answer.register.pwm_on for answer in answers] == [None, False, True, True]
+
+
+def test_python_stays_in_step_after_a_damaged_word(package: Any) -> None:
+    module = importlib.import_module("ams_encoders.as5047p")
+    pipeline = package.lookup("AS5047P").pipeline()
+    pipeline.ask(module.PositionRequest())
+    assert pipeline.take(0) is None
+    with pytest.raises(RuntimeError, match="no request has been sent"):
+        pipeline.take(0)
+    pipeline.read(module.Mag)
+    with pytest.raises(RuntimeError, match="take the word"):
+        pipeline.ask(module.PositionRequest())
+    with pytest.raises(package.ConstantError):
+        pipeline.take(0x0001)
+    pipeline.ask(module.PositionRequest())
+    assert pipeline.take(even(0x0123)).register.magnitude == 0x0123
+    with pytest.raises(TypeError, match="AS5047P answers PositionRequest, ReadRequest, WriteRequest, WriteData, not"):
+        pipeline.ask(module.Position(False, 1))
+    with pytest.raises(TypeError, match="'int' is not a register over SPI"):
+        pipeline.read(int)
+    pipeline.restart()
+    pipeline.ask(module.PositionRequest())
+    assert pipeline.take(0) is None
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+def test_c_loses_no_position(outputs: Path, compiler: str, tmp_path: Path) -> None:
+    program = tmp_path / "positions"
+    checks = "-Wall -Wextra -Wconversion -Werror -O1 -fsanitize=undefined,address -fno-sanitize-recover=all".split()
+    source = str(Path(__file__).with_name("spi_positions.c"))
+    command = [compiler, "-std=c99", *checks, "-I", str(outputs / "c" / "include"), source, "-o", str(program)]
+    subprocess.run(command, check=True)
+    encoder, line = virtual()
+    words = 0
+    with subprocess.Popen([program, str(POSITIONS)], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        while word := process.stdout.read(2):
+            encoder.position = 7 * (words - words // 101)
+            words += 1
+            process.stdin.write(line.exchange(int.from_bytes(word, "big")).to_bytes(2, "big"))
+            process.stdin.flush()
+    assert process.returncode == 0
+    assert words > POSITIONS
+
+
+#: Frames with the bits that a valid word must have, as a mask and a value, and the member at its low end.
+FRAMES = {
+    "position_request": (0xFFFF, 0xFFFF, ""),
+    "read_request": (0x4000, 0x4000, "address"),
+    "write_request": (0x4000, 0x0000, "address"),
+    "write_data": (0x4000, 0x0000, "data"),
+    "position": (0, 0, "position"),
+    "register_reply": (0, 0, "data"),
+}
+
+
+def valid(name: str) -> list[int]:
+    """Each word of a frame that is valid: an even number of ones, and its constants."""
+    mask, value, _ = FRAMES[name]
+    return [word for word in range(1 << 16) if not word.bit_count() & 1 and word & mask == value]
+
+
+def test_c_accepts_exactly_the_valid_words(outputs: Path, tmp_path: Path) -> None:
+    """All 65,536 words as each of the frames. For valid words, the member is compared, and requests are encoded."""
+    lines = []
+    for name, (_, _, member) in FRAMES.items():
+        both = f"(unsigned)frame.{member}" if member else "0x3FFFU"
+        sent = f"ams_as5047p_spi_{name}"
+        encoded = f"if ({sent}_encode(encoder, &frame, &again) != CW_OK || again != word) return 1;"
+        lines += [
+            f"{{ {sent} frame; if ({sent}_decode(encoder, word, &frame) == CW_OK) {{",
+            f'{encoded} printf("{name} %u %u\\n", (unsigned)word, {both}); }} }}',
+        ]
+    source = tmp_path / "words.c"
+    source.write_text(
+        '#include <stdio.h>\n#include "ams/as5047p_spi_simulate.h"\n'
+        "static const ams_as5047p_spi *const encoder = &AMS_AS5047P_SPI_AS5047P;\n"
+        "int main(void)\n{\nuint64_t word, again;\nfor (word = 0U; word < 65536U; word++) {\n"
+        + "\n".join(lines)
+        + "\n}\nreturn 0;\n}\n",
+        encoding="ascii",
+    )
+    include = str(outputs / "c" / "include")
+    subprocess.run(["gcc", "-std=c99", "-O1", "-I", include, str(source), "-o", str(tmp_path / "words")], check=True)
+    found = subprocess.run([tmp_path / "words"], capture_output=True, text=True, check=True).stdout.splitlines()
+    wanted = [f"{name} {word} {word & 0x3FFF}" for name in FRAMES for word in valid(name)]
+    assert sorted(found) == sorted(wanted)
+
+
+def test_python_accepts_exactly_the_valid_words(package: Any) -> None:
+    module = importlib.import_module("ams_encoders.as5047p")
+    kinds = [module.PositionRequest, module.ReadRequest, module.WriteRequest, module.WriteData]
+    for kind, name in zip([*kinds, module.Position, module.RegisterReply], FRAMES, strict=True):
+        accepted = []
+        for word in range(1 << 16):
+            try:
+                frame = kind.decode(word)
+            except package.ConstantError:
+                continue
+            accepted.append(word)
+            assert frame.encode() == word
+        assert accepted == valid(name)
