@@ -617,9 +617,10 @@
     return { ...placed(found.family, layout, parametersOf(found, held, answers)), code: found.code };
   }
 
-  /** The frame in a text for an order code. */
-  function decodeFrame(found, sender, text, held, answers) {
-    const layouts = found.interface.frames.filter((item) => item.sender === sender);
+  /** The frame in a text for an order code; ``what`` is its sender, with the name of the frame where that is needed. */
+  function decodeFrame(found, what, text, held, answers) {
+    const [sender, name] = what.split(":");
+    const layouts = found.interface.frames.filter((item) => item.sender === sender && (!name || item.name === name));
     if (!layouts.length) {
       throw new FrameText(`the manual does not describe a frame from the ${sender} over ${found.interface.title}`);
     }
@@ -1212,12 +1213,12 @@
       state.found = found;
       const senders = [...new Set((found?.interface.frames ?? []).map((item) => item.sender))];
       const registers = found?.interface.registers ?? [];
-      const frames = senders.map((item) => option(item, `a frame from the ${item}`));
+      const frames = senders.flatMap((item) => framesOf(found.interface, item));
       const others = registers.map((item) => option(`=${item.name}`, `${item.title}, ${item.place}`));
       const group = others.length ? [element("optgroup", { label: "the bytes of a register" }, others)] : [];
       what.replaceChildren(...frames, ...group);
       const choices = [...frames, ...others].map((item) => item.value);
-      if (!choices.includes(state.what)) state.what = choices.includes("encoder") ? "encoder" : choices[0] ?? "encoder";
+      if (!choices.includes(state.what)) state.what = choices.find((one) => one.startsWith("encoder")) ?? choices[0] ?? "encoder";
       what.value = state.what;
       what.parentElement.hidden = choices.length < 2;
       whatChanged();
@@ -1373,9 +1374,17 @@
 
   const UNDECIDED = "The manual is ambiguous here. Choose above, because there is no default.";
 
+  /** The frames of a sender to choose from: one entry, or one for each frame of bits, which nothing tells apart. */
+  function framesOf(interface_, sender) {
+    const found = interface_.frames.filter((item) => item.sender === sender);
+    if (found.length < 2 || found[0].order) return [option(sender, `a frame from the ${sender}`)];
+    return found.map(({ name }) => option(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
+  }
+
   function commandFor(state, text) {
     const choose = Object.entries(state.answers).map(([name, answer]) => ` --choose ${name}=${answer}`).join("");
-    const from = state.what === "master" ? " --from master" : "";
+    const [sender, layout] = state.what.split(":");
+    const from = (sender === "master" ? " --from master" : "") + (layout ? ` --layout ${layout}` : "");
     const as = state.what.startsWith("=") ? ` --as ${state.what.slice(1)}` : "";
     return `codewheel decode ${state.found.code}${from}${as}${choose} "${text.trim().replace(/\s+/g, " ")}"`;
   }

@@ -105,8 +105,10 @@ def monitor(package: str, chosen: argparse.Namespace) -> None:
 
     encoder = encoder_of(package, chosen)
     if encoder.interface is not Interface.RS485:
+        is_spi = encoder.interface is Interface.SPI
+        how = "export the words that it finds, and use 'decode'" if is_spi else "use 'capture'"
         said = f"{encoder.code} has the interface {encoder.interface.title}, and a serial port cannot send its clock"
-        raise Failed(f"{said}: record it with a logic analyser, and use 'capture'", USAGE)
+        raise Failed(f"{said}: record it with a logic analyser, and {how}", USAGE)
     try:
         link: Any = import_module(f"{__package__}.link")
     except ImportError as error:

@@ -161,6 +161,9 @@ class _Opened(NamedTuple):
 def _opened(
     encoder: Encoder | BissLayout, source: Captured, probes: Probes, layout: str, answers: Mapping[str, Any]
 ) -> Generator[_Opened, None, None]:
+    if isinstance(encoder, Encoder) and encoder.interface is Interface.SPI:
+        how = "let the analyser's own SPI decoder export the words, and decode them as a file of frames"
+        raise UsageError(f"{encoder.code} has the interface SPI, whose captures are not read here: {how}")
     is_serial = isinstance(encoder, Encoder) and encoder.interface is Interface.RS485
     names = Names(None if is_serial else probes.clock, probes.data)
     name = "the array"

@@ -383,6 +383,46 @@ class BissFacts(NamedTuple):
     source: str = ""
 
 
+class Exchange(NamedTuple):
+    """Request over SPI, with the frame that answers it.
+
+    Attributes:
+        request: Frame that the master sends.
+        reply: Frame with which the encoder answers.
+        purpose: ``position``, ``read``, ``write`` or ``other``.
+        source: Source of the exchange.
+    """
+
+    request: str
+    reply: str
+    purpose: str
+    source: str = ""
+
+
+class SpiFacts(NamedTuple):
+    """Facts about the SPI interface.
+
+    Attributes:
+        clock: Clock frequency range. Its ``min_hz`` is 0 if no lower limit is known.
+        mode: SPI mode, 0 to 3.
+        word_bits: Number of bits of a word.
+        reply: Word in which the encoder answers, ``same_word`` or ``next_word``.
+        exchanges: Requests with their replies.
+        timings: Timings of this interface.
+        note: Additional information.
+        source: Source of the facts.
+    """
+
+    clock: Clock
+    mode: int
+    word_bits: int
+    reply: str
+    exchanges: tuple[Exchange, ...] = ()
+    timings: tuple[Timing, ...] = ()
+    note: str = ""
+    source: str = ""
+
+
 class Rs485Facts(NamedTuple):
     """Facts about the RS-485 interface."""
 

@@ -38,11 +38,12 @@ class Interface(Enum):
     SSI = "ssi"
     BISS = "biss"
     RS485 = "rs485"
+    SPI = "spi"
 
     @property
     def title(self) -> str:
         """Name as it is usually printed."""
-        return {"ssi": "SSI", "biss": "BiSS", "rs485": "RS-485"}[self.value]
+        return {"ssi": "SSI", "biss": "BiSS", "rs485": "RS-485", "spi": "SPI"}[self.value]
 
 
 class Movement(Enum):

@@ -1,0 +1,100 @@
+/** @file
+ * codewheel/spi.h - requests over SPI with their replies
+ *
+ * Part of the codewheel runtime. SPDX-License-Identifier: 0BSD
+ * This file is yours: use it, change it and pass it on as you like.
+ *
+ * Many encoders answer a request in the next word. For each word, in this order:
+ *
+ *     1. encode a request: ..._encode(encoder, &request, &word)
+ *     2. cw_spi_exchange(&line, ..._REQUEST_..., address) returns the request that is answered now
+ *     3. exchange the word on your bus
+ *     4. decode the word received as the reply to that request, or ignore it if it is CW_SPI_NONE
+ */
+#ifndef CODEWHEEL_SPI_H
+#define CODEWHEEL_SPI_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "version.h"
+
+#if (CW_RUNTIME_MAJOR != 1) || (CW_RUNTIME_MINOR != 0)
+#error "codewheel/spi.h 1.0 and version.h differ: take all of codewheel/ from one folder"
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define CW_SPI_NONE 0U /**< no request: the word received has no meaning */
+
+/** A request, with the address of its register if it accesses one. */
+typedef struct cw_spi_asked {
+    uint32_t request; /**< a ..._REQUEST_ macro of the encoder, or CW_SPI_NONE */
+    uint32_t address; /**< your value for this request, such as the address of a register */
+} cw_spi_asked;
+
+/** The requests of one encoder that wait for their replies. */
+typedef struct cw_spi_pipeline {
+    uint32_t reply_words; /**< 1 if a reply is in the word after its request, 0 if in the same */
+    cw_spi_asked before; /**< the last request */
+} cw_spi_pipeline;
+
+/**
+ * Forget all requests: at the start, and after the encoder was off or a word was lost.
+ *
+ * @param line The pipeline.
+ * @param reply_words The macro ..._REPLY_WORDS of the encoder.
+ */
+static inline void cw_spi_start(cw_spi_pipeline *line, uint32_t reply_words)
+{
+    line->reply_words = reply_words;
+    line->before.request = CW_SPI_NONE;
+    line->before.address = 0U;
+}
+
+/**
+ * Note the request that is sent now, and return the one that the word received meanwhile answers.
+ *
+ * @param line The pipeline.
+ * @param request A ..._REQUEST_ macro of the encoder.
+ * @param address Your value for this request, which is returned with its reply.
+ * @return The request that is answered. It is CW_SPI_NONE in the first word if replies are late.
+ */
+static inline cw_spi_asked cw_spi_exchange(
+    cw_spi_pipeline *line, uint32_t request, uint32_t address)
+{
+    const cw_spi_asked before = line->before;
+    line->before.request = request;
+    line->before.address = address;
+    return (line->reply_words != 0U) ? before : line->before;
+}
+
+/** Store the value of a register as its bytes, for the _decode function of the register. */
+static inline void cw_spi_bytes(uint64_t data, uint8_t *bytes, size_t length)
+{
+    uint64_t rest = data;
+    size_t left;
+    for (left = length; left > 0U; left--) {
+        bytes[left - 1U] = (uint8_t)(rest & 0xFFU);
+        rest >>= 8U;
+    }
+}
+
+/** Return the value of a register from its bytes, which the _encode function of it stored. */
+static inline uint64_t cw_spi_data(const uint8_t *bytes, size_t length)
+{
+    uint64_t data = 0U;
+    size_t at;
+    for (at = 0U; at < length; at++) {
+        data = (data << 8U) | bytes[at];
+    }
+    return data;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

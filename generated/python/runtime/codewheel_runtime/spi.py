@@ -1,0 +1,167 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Pairs requests over SPI with the replies of the encoder. It computes words and never drives pins."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, Protocol
+
+from .encoder import Encoder
+from .frames import ByEncoder, decoder, raised
+
+
+class Request(Protocol):
+    """Frame that a master sends over SPI."""
+
+    def encode(self) -> int:
+        """Return the word."""
+        ...
+
+
+class Value(Protocol):
+    """Value of a register."""
+
+    def encode(self) -> bytes:
+        """Return the bytes of the register."""
+        ...
+
+
+class Answer(NamedTuple):
+    """Request with its reply.
+
+    Attributes:
+        request: Frame that the master sent.
+        reply: Frame with which the encoder answered.
+        register: Value of the register if the request was made by ``read`` or ``write``, otherwise None.
+    """
+
+    request: Any
+    reply: Any
+    register: Any
+
+
+class Pipeline:
+    """Requests over SPI that wait for their replies. ``pipeline()`` of an encoder makes one.
+
+    For each word, call ``ask`` (or ``read`` or ``write``), exchange the word on your bus, and call ``take`` with the
+    word that you received.
+
+    Args:
+        encoder: The encoder.
+        replies: Class of the reply to each class of requests.
+        late: True if the encoder answers in the word after the request.
+        read: Class of the request that reads a register, if there is one.
+        write: Classes of the requests that write a register, one for each word.
+        registers: Address and number of bytes of each class of registers.
+    """
+
+    def __init__(
+        self,
+        encoder: Encoder,
+        replies: Mapping[type, Any],
+        *,
+        late: bool,
+        read: Any = None,
+        write: Sequence[Any] = (),
+        registers: Mapping[type, tuple[int, int]],
+    ) -> None:
+        self._encoder, self._late = encoder, late
+        self._replies = {kind: decoder(reply._decoder, encoder, raised) for kind, reply in replies.items()}
+        self._read, self._write, self._registers = read, tuple(write), registers
+        self._sent: tuple[Request, type | None] | None = None
+        self._before: tuple[Request, type | None] | None = None
+
+    def ask(self, request: Request) -> int:
+        """Return the word of a request, and remember the request until its reply arrives.
+
+        Args:
+            request: The frame. Its class must be one that the encoder answers.
+
+        Raises:
+            TypeError: The encoder does not answer frames of this class.
+            RangeError: A value does not fit its field.
+            RuntimeError: The word that was received with the previous request has not been taken.
+        """
+        return self._asked(request, None)
+
+    def read(self, register: type) -> int:
+        """Return the word that reads a register. Its answer has the value in ``register``.
+
+        Args:
+            register: Class of the register.
+
+        Raises:
+            TypeError: The encoder has no such register over SPI.
+            RuntimeError: The word that was received with the previous request has not been taken.
+        """
+        address, _ = self._place_of(register)
+        if self._read is None:
+            raise TypeError(f"{self._encoder.code} has no request that reads a register")
+        return self._asked(self._read(address=address), register)
+
+    def write(self, value: Value) -> Iterator[int]:
+        """Yield the words that write a register. Exchange and take each one before the next.
+
+        Args:
+            value: The value, an object of the register's class.
+
+        Raises:
+            TypeError: The encoder has no such register over SPI.
+            RangeError: The value does not fit.
+            RuntimeError: The word that was received with the previous request has not been taken.
+        """
+        address, _ = self._place_of(type(value))
+        given = {"address": address, "data": int.from_bytes(value.encode(), "big")}
+        if not self._write:
+            raise TypeError(f"{self._encoder.code} has no request that writes a register")
+        for kind in self._write:
+            yield self._asked(kind(**{name: given[name] for name in kind._fields if name in given}), type(value))
+
+    def take(self, word: int) -> Answer | None:
+        """Return the answer in a received word.
+
+        Args:
+            word: Word that was received while the last request was sent. Its most significant bit was first.
+
+        Returns:
+            The answer, or None if no request was sent before this word.
+
+        Raises:
+            FrameError: The word is damaged. The pipeline stays in step: take the next word as usual.
+            RuntimeError: No request has been sent since the last word was taken.
+        """
+        if self._sent is None:
+            raise RuntimeError("no request has been sent since the last word was taken")
+        answered = self._before if self._late else self._sent
+        self._before, self._sent = self._sent, None
+        if answered is None:
+            return None
+        request, register = answered
+        reply = self._replies[type(request)](word)
+        return Answer(request, reply, self._value(register, reply) if register is not None else None)
+
+    def restart(self) -> None:
+        """Forget all requests, after the encoder was switched off or a word was lost."""
+        self._sent = self._before = None
+
+    def _asked(self, request: Request, register: type | None) -> int:
+        if type(request) not in self._replies:
+            known = ", ".join(kind.__name__ for kind in self._replies)
+            raise TypeError(f"{self._encoder.code} answers {known}, not {type(request).__name__}")
+        if self._sent is not None:
+            raise RuntimeError("take the word that was received with the previous request first")
+        word = request.encode()
+        self._sent = request, register
+        return word
+
+    def _place_of(self, register: type) -> tuple[int, int]:
+        if register not in self._registers:
+            known = ", ".join(kind.__name__ for kind in self._registers) or "none"
+            raise TypeError(
+                f"'{getattr(register, '__name__', register)}' is not a register over SPI; these are: {known}"
+            )
+        return self._registers[register]
+
+    def _value(self, register: Any, reply: Any) -> Any:
+        data = reply.data.to_bytes(self._registers[register][1], "big")
+        return register.decode(data, self._encoder) if issubclass(register, ByEncoder) else register.decode(data)
