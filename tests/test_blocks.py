@@ -72,6 +72,10 @@ ELSEWHERE = {
         f"docs/questions-{name}.md": {": $ codewheel": "tests/docs/test_start_pages.py::test_its_commands"}
         for name in ("all-ones", "crc-always-wrong", "factor-of-two")
     },
+    "docs/check-in-ci.md": {
+        "yaml: ": "tests/changes/test_around_a_release.py::test_the_commands_of_the_page_are_right",
+    },
+    "docs/spi.md": {"python: ": "tests/virtual/test_spi.py::test_the_programs_of_the_pages"},
     "docs/rules.md": {"yaml: ": "tests/docs/test_rules_page.py::test_the_page_is_that_of_today"},
     **{
         f"docs/start-{name}.md": {
@@ -94,12 +98,14 @@ ELSEWHERE = {
     "generated/c/README.md": {
         "sh: cc ": "tests/verify/test_handover.py::test_a_plain_line",
         "c: ": "tests/c/test_c_headers.py::test_the_readme_compiles_and_prints",
+        "cpp: ": "tests/c/test_cpp.py::test_the_readme",
     },
     "generated/browser/README.md": {
         "html: ": "tests/browser/test_browser_page.py::test_a_box_has_the_order_code_of_its_element",
     },
     "generated/python/runtime/README.md": {
         "python: ": "tests/python/test_two_manufacturers.py::test_the_readme_of_the_runtime",
+        "text: ": "tests/virtual/test_spi.py::test_the_programs_of_the_pages",
     },
     "generated/python/README.md": {
         "python: >>> ": "tests/python/test_amm5.py::test_readme_examples",
@@ -124,6 +130,8 @@ EXCEPTIONS = {
     ("generated/browser/README.md", ": decode.html"): "the address of a page; test_browser_page.py opens such ones",
     ("README.md", ": make generate"): "each line sets up an environment or takes minutes",
     ("CONTRIBUTING.md", ": spec "): "a drawing of the packages. tests/test_house_rules.py compares the map with them",
+    ("docs/spi.md", "yaml: "): "has ... for the layouts; the file that it names is checked",
+    ("docs/spi.md", "c: "): "has ... for calls; test_spi.py compiles and runs the program that it names",
     ("docs/spec-language.md", "yaml: # yaml-language-server"): "a line for editors alone",
     ("docs/why-a-crc-fails.md", ": mistake "): "measured over 20,000 frames; test_why.py holds a short run against it",
     ("generated/python/README.md", ": pip install"): "fetches nothing but changes the reader's own environment",

@@ -190,4 +190,4 @@ def test_an_erratum_says_what_is_used_where_data_is_at_stake(c_devices: tuple[De
     for name in ("EEPROM_WRITE_REQUEST", "EEPROM_READ_REQUEST"):
         before = header.partition(f"typedef struct lika_amm5_rs485_{name.lower()} ")[0].rpartition("/*")[2]
         assert "Used: Either position is possible. The user must choose, and there is no default" in before
-        assert "a write destroys other data" in before
+        assert "a write overwrites other data" in before

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 import shutil
 import subprocess
 from collections.abc import Iterator
@@ -158,6 +159,14 @@ def test_a_mistake_does_not_compile(command: str, right: str, wrong: str, includ
     status, said = compiled(command, text.replace(right, wrong), include, tmp_path)
     assert status != 0
     assert "error:" in said
+
+
+@pytest.mark.parametrize("command", COMPILERS[::2])
+def test_the_readme(command: str, include: Path, tmp_path: Path) -> None:
+    readme = (Path(__file__).parents[2] / "generated" / "c" / "README.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```cpp\n(.*?)```", readme, re.DOTALL)
+    given = "#include <cstdint>\nvoid move_to(uint64_t position);\nvoid ask_again();\nvoid received(uint64_t word);\n"
+    assert compiled(command, given + block, include, tmp_path) == (0, "")
 
 
 @pytest.mark.parametrize("command", COMPILERS[::2])

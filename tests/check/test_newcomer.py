@@ -67,7 +67,9 @@ MISTAKES = {
         "max: 2^singleturn_bits - 1", "max: (1 << singleturn_bits) - 1", "127", "bad-expression", "write 2^single",
     ),
     "capital letter": ("name: preset\n", "name: Preset\n", "117", "bad-pattern", ANY_NAME),
-    "another interface": ("  biss:\n", "  spi:\n", "81", "unknown-key", "codewheel supports only ssi, biss and rs485"),
+    "another interface": (
+        "  biss:\n", "  endat:\n", "81", "unknown-key", "codewheel supports only ssi, biss, spi and rs485",
+    ),
 }  # fmt: skip
 
 
@@ -97,8 +99,8 @@ def test_a_frame_without_its_crc_is_reported(tmp_path: Path, crc: str) -> None:
 
 
 def test_an_unknown_interface_used_everywhere_is_one_problem(tmp_path: Path) -> None:
-    text = device_text("my_encoder", "example", "d.json").replace("biss:\n", "spi:\n")
-    text = text.replace("interface: biss", "interface: spi")
+    text = device_text("my_encoder", "example", "d.json").replace("biss:\n", "endat:\n")
+    text = text.replace("interface: biss", "interface: endat")
     assert [item[:2] for item in problems(tmp_path, text)] == [("81", "unknown-key")]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -86,6 +87,31 @@ def test_bytes_are_answered_by_as_many() -> None:
     assert line.send() == bytes(2)
     line.receive(bytes.fromhex("FF"))
     assert line.send() == bytes.fromhex("00 05")
+
+
+def test_the_programs_of_the_pages(package: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    module = importlib.import_module("ams_encoders.as5047p")
+    encoder, line = virtual()
+    encoder.position = 77
+    names = {"lookup": package.lookup, "as5047p": module, "exchange": line.exchange}
+    (program,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "spi.md").read_text(encoding="utf-8"), re.DOTALL)
+    exec(program, names)
+    assert names["answer"].reply.usable_position == 77
+
+    def five_times(word: int) -> int:
+        nonlocal words
+        words -= 1
+        if words < 0:
+            raise EOFError
+        return line.exchange(word)
+
+    words = 5
+    readme = (ROOT / "runtime" / "python" / "README.md").read_text(encoding="utf-8")
+    (program,) = (item for item in re.findall(r"```text\n(.*?)```", readme, re.DOTALL) if "pipeline" in item)
+    names = {"encoder": package.lookup("AS5047P"), "PositionRequest": module.PositionRequest, "exchange": five_times}
+    with pytest.raises(EOFError):
+        exec(program, names)
+    assert capsys.readouterr().out == "77\n" * 4
 
 
 def test_python_loses_no_position(package: Any) -> None:

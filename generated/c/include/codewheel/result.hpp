@@ -4,8 +4,8 @@
  * Part of the codewheel runtime. SPDX-License-Identifier: 0BSD
  * This file is yours: use it, change it and pass it on as you like.
  *
- * The header of each interface for C++17 uses these types: lika/amm5_biss.hpp next to
- * lika/amm5_biss.h, for example. All of them work at compile time. They need no library, no
+ * The header of each interface for C++17 uses these types: acme/x1_biss.hpp next to
+ * acme/x1_biss.h, for example. All of them work at compile time. They need no library, no
  * exceptions and no allocation.
  */
 #ifndef CODEWHEEL_RESULT_HPP
