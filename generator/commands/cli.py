@@ -69,6 +69,10 @@ def _run(arguments: Sequence[str] | None) -> int:
         return int(stop.code or 0)
 
 
+#: An entry of the cache that has another form than ours is no result. The command then does its work.
+_OTHER_FORM = suppress(LookupError, TypeError, AttributeError, ValueError)
+
+
 def _cache(chosen: argparse.Namespace) -> Cache:
     from ..cache import Cache, default_folder
 
@@ -88,9 +92,10 @@ def _generate(chosen: argparse.Namespace) -> int:
     before = earlier(_cache(chosen), "generate", paths, options)
     known = None if chosen.templates is not None or chosen.biss_dtd is not None else before.get()
     if known is not None:
-        read = look_up.read_line(paths, known["families"], before.report(known["files"]))
-        if is_unchanged(chosen, known["hashes"], read):
-            return 0
+        with _OTHER_FORM:
+            read = look_up.read_line(paths, known["families"], before.report(known["files"]))
+            if is_unchanged(chosen, known["hashes"], read):
+                return 0
     from ..parts import Kept
     from ..targets import Library
     from ..write import hashes
@@ -132,10 +137,11 @@ def _check(chosen: argparse.Namespace) -> int:
     before = earlier(_cache(chosen), "check", paths)
     known = None if chosen.coverage or chosen.target else before.get()
     if known is not None:
-        report = before.report(known["files"])
-        data = {"version": JSON_VERSION} | as_data(report)
-        _print(chosen.json, lambda: data, lambda: as_text(known["families"], report, paths, chosen.format))
-        return 0
+        with _OTHER_FORM:
+            report = before.report(known["files"])
+            data = {"version": JSON_VERSION} | as_data(report)
+            _print(chosen.json, lambda: data, lambda: as_text(known["families"], report, paths, chosen.format))
+            return 0
     from ..targets.registry import WITH_PROBLEMS
     from . import check, coverage
     from .outputs import are_built_in, targets_named
@@ -161,9 +167,12 @@ def _list(chosen: argparse.Namespace) -> int:
 
     before = earlier(_cache(chosen), "list", chosen.specs)
     families = before.get()
-    if families is None:
-        families = rows(look_up.load(chosen.specs))
-        before.put(families)
+    if families:
+        with _OTHER_FORM:
+            _print(chosen.json, lambda: as_data(families), lambda: as_text(families))
+            return 0
+    families = rows(look_up.load(chosen.specs))
+    before.put(families)
     _print(chosen.json, lambda: as_data(families), lambda: as_text(families))
     return 0
 

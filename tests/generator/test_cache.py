@@ -140,6 +140,23 @@ def test_a_damaged_entry_is_ignored_and_replaced(kept: tuple[Cache, Path]) -> No
         assert cache.get("number", ["a"]) == "again"
 
 
+OTHER_FORMS = (5, "text", [5], {}, {"families": 5, "files": 5, "hashes": 5}, [{"family": 5}], {"families": []})
+
+
+@pytest.mark.parametrize("wrong", OTHER_FORMS)
+def test_an_entry_of_another_form_is_no_result(
+    wrong: object, folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its hash and its key are right, so another program of the same user wrote it."""
+    written = ("generate", str(TV62), "--target", "biss", "-o", str(tmp_path / "out"))
+    commands = [*COMMANDS, written]
+    for command in commands:
+        said(capsys, *command)
+    without = [said(capsys, *command) for command in commands]
+    monkeypatch.setattr(Cache, "get", lambda *_: wrong)
+    assert [said(capsys, *command) for command in commands] == without
+
+
 def test_an_entry_of_another_key_is_ignored(kept: tuple[Cache, Path]) -> None:
     cache, place = kept
     shutil.copy(place, place.with_name(key_of("number", ["b"])))
