@@ -203,7 +203,7 @@ def _write(folder: Path, key: str, content: bytes) -> None:
 
 
 def _keep_limits(folder: Path) -> None:
-    """Remove the oldest entries above the limits, down to half of these, and unfinished files."""
+    """Remove unfinished files and, if a limit is exceeded, the oldest entries until half of it is used."""
     entries: list[tuple[float, int, str]] = []
     with os.scandir(folder) as found:
         for entry in found:

@@ -48,7 +48,7 @@ def read_accepted(place: Path) -> list[Accepted]:
         raise NotAccepted(report.problems[0].format().splitlines()[0])
     entries = document.data.get("accepted")
     if set(document.data) != {"accepted"} or not isinstance(entries, list):
-        raise NotAccepted(f"{place}:1: the file has one key, 'accepted', with a list of accepted changes")
+        raise NotAccepted(f"{place}:1: the file must have only the key 'accepted', with a list of accepted changes")
     return [_entry(document, index, item) for index, item in enumerate(entries)]
 
 

@@ -69,7 +69,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         return int(stop.code or 0)
 
 
-#: An entry of the cache that has another form than ours is no result. The command then does its work.
+#: An entry of the cache with another form than ours is ignored, and the command does its work.
 _OTHER_FORM = suppress(LookupError, TypeError, AttributeError, ValueError)
 
 

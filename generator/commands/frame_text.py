@@ -97,7 +97,7 @@ def frame_bytes(text: str) -> bytes:
 
 
 def frame_number(placed: PlacedLayout, text: str) -> BitText:
-    """Return one number given as ``0b`` with every digit, or as ``0x`` or hex bytes, which imply leading zeros.
+    """Return one number given as ``0b`` with all leading zeros, or as ``0x`` or hex bytes, which imply them.
 
     Raises:
         FrameTextError: The text has another form.

@@ -27,7 +27,7 @@ device: @NAME@                            # the same as the file's name
 manufacturer: @MANUFACTURER@
 title: @CODE@ absolute encoder
 movement: @MOVEMENT@
-# What the facts below rest on. The other grades are for encoders whose manual was not read as a whole.
+# The sources of the facts below. The other grades are for encoders whose manual was not read as a whole.
 evidence: {grade: manual, documents: {manual: all pages}}
 
 manual:

@@ -171,7 +171,7 @@ def _add_decode(commands: _Commands) -> None:
     parser.add_argument(
         "--layout",
         metavar="NAME",
-        help="the frame's layout, one of those listed by show, if the frame does not identify it (such as another BiSS"
+        help="layout of the frame, as listed by show, if the frame does not identify it (such as another BiSS"
         " data channel)",
     )
     parser.add_argument(

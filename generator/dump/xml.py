@@ -9,7 +9,7 @@ Schema determines the form of each:
 * A map is an element that contains named ``entry`` elements.
 * A number of the form ``hexadecimal`` in the schema, and a hexadecimal parameter, is written as ``0x11``. Any other
   number is decimal.
-* Null, empty texts, empty lists and default values of the schema are omitted.
+* Null, empty strings, empty lists and schema defaults are omitted.
 * ``source`` elements cite the manual. An element without its own sources inherits those of its parent.
 
 ``dump/xsd.py`` derives the XML Schema from the same definition.

@@ -29,8 +29,8 @@ _NOT_NEEDED = frozenset(("manufacturer",))
 #: Parts that only a second reading has.
 ONLY_SECOND: dict[str, dict[str, Any]] = {
     "sections": {
-        "description": "Sections of the manual, each with the paths of the facts that come from there. A path holds for"
-        " everything under it that no longer path names.",
+        "description": "Sections of the manual, each with the paths of the facts that come from there. A path applies"
+        " to everything under it, unless a more specific path is listed.",
         "type": "object",
         "additionalProperties": {"type": "array", "minItems": 1, "items": {"type": "string", "maxLength": 200}},
     },

@@ -97,7 +97,7 @@ class Mended:
             return
         if self._key_after_next() not in item.keys:
             return
-        wrong = f"the keys of this item repeat: {quoted(key.value)} is already on line {item.keys[key.value]}"
+        wrong = f"this item has a key twice: {quoted(key.value)} is already on line {item.keys[key.value]}"
         message = f"{wrong}; put '-' before it if a new item begins here"
         self._complain(key, "duplicate-key", message)
         item.keys.clear()

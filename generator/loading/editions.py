@@ -177,7 +177,9 @@ def check_editions(raw: Raw, device: Device, report: DocumentReport) -> None:
         if any(other["revision"] == name for other in raw["editions"][:index]):
             report.add("duplicate-name", (*path, "revision"), f"the edition {quoted(name)} already exists")
         if "before" in item and name not in past[1:]:
-            wrong = f"{quoted(name)} can have 'before' only if it is in the history, after the first and up to {own}"
+            wrong = (
+                f"{quoted(name)} can have 'before' only if it is in the history, after the first and not after {own}"
+            )
             report.add("edition-order", (*path, "before"), wrong, at_key=True)
         if "then" in item and name in past:
             wrong = f"{quoted(name)} is not after {own}, which this file transcribes; use 'before' for it"

@@ -120,7 +120,7 @@ class CodePart:
 
 @dataclass(frozen=True, slots=True)
 class SpelledValue:
-    """Text that a spelling uses for one listed value of a part."""
+    """How another spelling of the order code writes one listed value of a part."""
 
     part: str
     text: str

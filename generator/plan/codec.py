@@ -277,7 +277,7 @@ class Codec:
 
     @property
     def keeps_others(self) -> bool:
-        """True if bits that belong to no field are kept, which are register bits that the manual does not define."""
+        """True if bits outside all fields are kept: register bits that the manual does not define."""
         return self.layout.gaps == "unspecified" and not self.layout.sender
 
     @property

@@ -59,7 +59,7 @@ def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
 
     @cache
     def cheapest(left: int) -> tuple[int, int, int, tuple[int, ...]]:
-        """Return the number of steps, how many of them leave more than 32 bits, the sum of powers, and the powers."""
+        """Return the number of steps, of those with results above 32 bits, the exponents' sum, and the exponents."""
         if left <= width:
             return 0, 0, 0, ()
         plans = []

@@ -63,7 +63,7 @@ def _change(item: Erratum) -> Said:
         label = f"Before edition {item.edition.removeprefix('before ')}"
     # Next to code, a hint that another edition differs is enough, since the code is correct for this edition.
     differs = "may differ" if item.used == NOT_KNOWN else "differs"
-    brief = f"{differs}, see the page of the encoder." if item.edition else None
+    brief = f"{differs}. See the encoder's page." if item.edition else None
     return Said((), label, item.source, brief, tuple(_labelled(*changed(item), ("Why", item.why))))
 
 

@@ -63,7 +63,7 @@ def _numbered(sources: Sources) -> str:
 
 
 def html(value: object) -> str:
-    """Return one line of text for an HTML element or attribute, with Markdown marks as entities."""
+    """Return one line of text for an HTML element or attribute, with Markdown characters escaped as entities."""
     return escape(plain(value)).translate(_ENTITIES)
 
 

@@ -63,7 +63,7 @@ values nor access files outside their folder, modules or other programs. Each fi
 of loops, calls and printed values. A template that needs more steps is stopped with a message. See [what is
 trusted](../SECURITY.md).
 
-All templates have the filters of Jinja and these:
+All templates can use Jinja's filters and these:
 """
 
 

@@ -49,7 +49,7 @@ function bytesIn(text) {
   });
 }
 
-/** One number of ``size`` bits: 0b with every digit, or 0x or hex bytes, which imply leading zeros. */
+/** One number of ``size`` bits: 0b with all leading zeros, or 0x or hex bytes, which imply them. */
 function numberIn(text, size) {
   let compact = text.replace(/[\s_]/g, "");
   if (/^0b[01]+$/i.test(compact)) return { number: BigInt(compact), bits: compact.length - 2, exact: true };

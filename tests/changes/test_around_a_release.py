@@ -121,7 +121,7 @@ def test_a_change_is_accepted_until_a_date(
         ("accepted:\n  - {rule: clock-narrower}\n", "accepted.yaml:2: an accepted change has the keys family, rule"),
         (f"accepted:\n  - {ENTRY.replace('narrower', 'narower')}2030-01-01}}\n", "did you mean 'clock-narrower'?"),
         (f"accepted:\n  - {ENTRY}soon}}\n", "accepted.yaml:2: 'until' is a date such as 2027-03-31, not 'soon'"),
-        ("other: 1\n", "accepted.yaml:1: the file has one key, 'accepted'"),
+        ("other: 1\n", "accepted.yaml:1: the file must have only the key 'accepted'"),
         ("accepted: [\n", "yaml-syntax"),
     ],
 )

@@ -1263,7 +1263,7 @@ class SingleturnBitsUsed(FixedRegister, _SingleturnBitsUsed):
     Attributes:
         bits: Width of the singleturn part of the position. Unit: bits.
 
-    Bits of the singleturn resolution, as set by Information per revolution.
+    Singleturn resolution in bits, as set by Information per revolution.
 
     Default: ``14``.
 

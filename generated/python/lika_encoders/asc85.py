@@ -1395,8 +1395,8 @@ def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: The encoder works with the configuration from the EEPROM.
 
     The wait follows from the meaning of the status bit. The manual gives no time, and it does not say that the bit goes
-    to 0 first. If the CRC check of the configuration fails, the interface restarts with the SSI protocol and answers no
-    register access. Stop polling after a while.
+    to 0 first. If the CRC check of the configuration fails, the interface restarts with the SSI protocol and does not
+    respond to register accesses. Stop polling after a while.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

@@ -2427,7 +2427,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 
     Errata (full text in ERRATA):
         reset_interval (open, omission): No other request is sent in between.
-        rs485_reset_duration (open, omission): The generated files give no waiting time.
+        rs485_reset_duration (open, omission): The generated files specify no wait time.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -2460,7 +2460,7 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     Errata (full text in ERRATA):
         zero_setting_rs485 (open, wrong limit): Data ID F is used as described in 7.3.1 and 7.3.3.2.
         reset_interval (open, omission): No other request is sent in between.
-        rs485_reset_duration (open, omission): The generated files give no waiting time.
+        rs485_reset_duration (open, omission): The generated files specify no wait time.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

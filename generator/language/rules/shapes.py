@@ -256,7 +256,8 @@ def _check_repeated(path: Path, step: Spec, report: DocumentReport) -> None:
     between = next((key for key in ("in_succession", "every_at_least_us") if step.get(key)), None)
     if step["do"] == "send" and between is not None and step.get("times", 1) == 1:
         found = "sends one" if "times" in step else "has no 'times'"
-        wrong = f"{quoted(between)} is for several requests, but the step {found}; give 'times', or leave it out"
+        key = quoted(between)
+        wrong = f"{key} applies to several requests, but the step {found}; add 'times', or remove {key}"
         report.add("step-shape", (*path, between), wrong, at_key=True)
 
 

@@ -45,7 +45,7 @@ class Expected:
 
 @dataclass(frozen=True, slots=True)
 class FrameCheck:
-    """A frame or register that decodes to the expected values and encodes to the same, or fails with ``fault``."""
+    """A frame or register that decodes to the expected values and encodes to the same bits, or fails with ``fault``."""
 
     codec: StructCodec
     variant: str

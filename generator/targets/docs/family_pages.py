@@ -36,7 +36,7 @@ class FamilyPage(TypedDict):
     spelling_rows: Annotated[Rows, "other spellings on labels"]
     measurement_rows: Annotated[Rows, "unit of the position"]
     has_masters: Annotated[bool, "true if there is a page of master settings"]
-    changes_page: Annotated[str, "page of the changes in each version"]
+    changes_page: Annotated[str, "page that lists the changes in each version"]
 
 
 class HardwarePage(TypedDict):

@@ -32,7 +32,7 @@ class AllErrataPage(TypedDict):
 
 
 class OnPage:
-    """Errata on one page: in one line at the first fact that they affect, and as links after that."""
+    """Errata on one page: a line at the first fact that an erratum affects, then links to it."""
 
     def __init__(self, device: Device, folder: str = "") -> None:
         self._device, self._page, self._told = device, f"{folder}{ERRATA}", set[str]()

@@ -16,7 +16,7 @@ from .wide_pictures import wide_picture
 
 @dataclass(frozen=True)
 class Picture:
-    """Picture file in the folder of the family, with its text alternative."""
+    """Image file in the family's folder, with its alt text."""
 
     name: str
     text: str

@@ -118,7 +118,7 @@ def camel(name: str) -> str:
 
 
 def encoder_name(kind: str) -> str:
-    """Return the class of the encoders with an interface."""
+    """Return the encoder class for an interface."""
     return f"{kind.capitalize()}Encoder"
 
 

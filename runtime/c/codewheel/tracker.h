@@ -132,9 +132,9 @@ static inline void cw_tracker_start(
 }
 
 /**
- * Return the difference of two positions, taking the shorter way around. Half of the modulus counts
- * as backwards. Negative differences are in two's complement. Adding or subtracting the modulus
- * once is enough, so no division is needed.
+ * Return the difference of two positions, taking the shorter way around. A step of half the
+ * modulus counts as backwards. Negative differences are in two's complement. Adding or subtracting
+ * the modulus once is enough, so no division is needed.
  */
 static inline uint64_t cw_tracker_shorter(uint64_t difference, uint64_t modulus)
 {

@@ -197,7 +197,7 @@ def _bench(name: str, package: str, chosen: argparse.Namespace) -> int | None:
 
 
 def import_bench(package: str) -> Any:
-    """Return the module of the commands for the bench, which needs NumPy."""
+    """Return the module with the bench commands, which needs NumPy."""
     try:
         return import_module(f"{__package__}.bench")
     except ImportError as error:
@@ -423,7 +423,7 @@ def _plain(value: Any) -> str:
 
 
 def _with_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, str]) -> Any:
-    """Return the frame or its error. Answers to open questions are given by their names."""
+    """Return the frame or its error. Answers to open questions are keyword arguments."""
     given: dict[str, Any] = {}
     hints = get_type_hints(encoder.try_decode)
     for name, answer in answers.items():

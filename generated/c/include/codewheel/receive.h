@@ -497,7 +497,7 @@ typedef struct cw_rs485_line {
  * Start waiting for the reply to a request. Call it just before you send the request.
  *
  * @param line  the reply and its state
- * @param control  control byte of the request, with which the reply begins
+ * @param control  control byte of the request, which is also the first byte of the reply
  * @param length  number of bytes in the reply
  * @param echo  number of request bytes that the receiver receives before the reply, or 0 if it
  *              receives none

@@ -121,8 +121,8 @@ extern "C" {
  * Erratum revolutions_4096 (open, wrong limit).
  * Erratum scd_length_at_run_time (open, omission).
  * Erratum revolution_bits_rounding (open, omission).
- * In edition 1.1: differs, see the page of the encoder.
- * In edition 1.1: may differ, see the page of the encoder.
+ * In edition 1.1: differs. See the encoder's page.
+ * In edition 1.1: may differ. See the encoder's page.
  */
 
 /** An order code: the values that differ between the order codes of this interface. */
@@ -238,8 +238,8 @@ typedef enum lika_am36_biss_report {
  * the complete structure.
  * Erratum revolutions_4096 (open, wrong limit).
  * Erratum biss_timeout_length (open, omission).
- * In edition 1.1: differs, see the page of the encoder.
- * In edition 1.1: may differ, see the page of the encoder.
+ * In edition 1.1: differs. See the encoder's page.
+ * In edition 1.1: may differ. See the encoder's page.
  */
 #define LIKA_AM36_BISS_CLOCK_MIN_HZ 200000U /**< Clock: 200 kHz to 10 MHz [6.6 p.32]. */
 #define LIKA_AM36_BISS_CLOCK_MAX_HZ 10000000U /**< highest clock in Hz */

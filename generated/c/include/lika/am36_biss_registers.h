@@ -41,7 +41,7 @@ extern "C" {
  * 0-24".
  * Erratum profile_id_variant (open, wrong data): Used: The value is 00 00. The generated files do
  * not derive a data length from it.
- * In edition 1.1: may differ, see the page of the encoder.
+ * In edition 1.1: may differ. See the encoder's page.
  *   bits 15:0  profile
  */
 typedef struct lika_am36_biss_reg_profile_id {
@@ -132,7 +132,7 @@ static inline cw_result lika_am36_biss_read_profile_id(
  * Byte order: high byte first, at 44h.
  * Erratum serial_number_coding (open, wrong data): Used: The values are plain binary numbers. The
  * year is the plain value of its byte. 46h is the high byte of the serial number.
- * In edition 1.1: may differ, see the page of the encoder.
+ * In edition 1.1: may differ. See the encoder's page.
  */
 typedef struct lika_am36_biss_reg_serial_number {
     uint8_t year; /**< Year of production, register 44h. */
@@ -207,7 +207,7 @@ static inline cw_result lika_am36_biss_read_serial_number(
  * are set together, the command Save parameters and activate Preset stores the resolution but sets
  * the preset to zero. The preset must then be written again.
  * Erratum preset_cleared_when (open, omission).
- * In edition 1.1: may differ, see the page of the encoder.
+ * In edition 1.1: may differ. See the encoder's page.
  * Function.
  */
 #define LIKA_AM36_BISS_REG_COMMAND_ADDRESS 0x48U
@@ -306,7 +306,7 @@ typedef enum lika_am36_biss_enable_preset {
  * Erratum enable_preset_polarity (settled, wrong data).
  * Erratum example_bit_8 (settled, wrong data).
  * Erratum preset_example_bit (settled, wrong data).
- * In edition 1.1: differs, see the page of the encoder.
+ * In edition 1.1: differs. See the encoder's page.
  *   bit 7     -                   Always zero.
  *   bit 6     counting_direction
  *   bit 5     output_code
@@ -757,7 +757,7 @@ static inline cw_result lika_am36_biss_write_preset(
 /**
  * Device type, register 55h, read only, over BiSS C-mode [6.5 p.31].
  * Type of the device.
- * In edition 1.1: may differ, see the page of the encoder.
+ * In edition 1.1: may differ. See the encoder's page.
  * 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which identifies the encoder. The
  * decoder also accepts other values.
  */
@@ -786,7 +786,7 @@ static inline cw_result lika_am36_biss_read_device_type(
 
 /**
  * No. of bits used for singleturn resolution, register 56h, read only, over BiSS C-mode [6.5 p.31].
- * Bits of the singleturn resolution, as set by Information per revolution.
+ * Singleturn resolution in bits, as set by Information per revolution.
  * Erratum biss_singleturn_resolution (open, wrong data): Used: The widths come from registers 56h
  * and 57h, with their printed defaults, regardless of the order code.
  * Erratum scd_length_at_run_time (open, omission).
@@ -859,7 +859,7 @@ static inline cw_result lika_am36_biss_read_multiturn_bits_used(
  * Byte order: high byte first, at 78h.
  * Erratum order_code_17 (settled, wrong limit).
  * Erratum device_id_shared (open, omission).
- * In edition 1.1: may differ, see the page of the encoder.
+ * In edition 1.1: may differ. See the encoder's page.
  *   bits 47:32  model
  *   bits 31:16  interface_code
  *   bits 15:8   enclosure
@@ -971,7 +971,7 @@ static inline cw_result lika_am36_biss_read_device_id(
  * Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.5 p.32].
  * Manufacturer.
  * Byte order: high byte first, at 7Eh.
- * In edition 1.1: may differ, see the page of the encoder.
+ * In edition 1.1: may differ. See the encoder's page.
  *   bits 15:0  name
  */
 typedef struct lika_am36_biss_reg_manufacturer_id {

@@ -117,8 +117,8 @@ extern "C" {
  * and 57h, with their printed defaults, regardless of the order code.
  * Erratum revolutions_4096 (open, wrong limit).
  * Erratum ssi_positions_28_bits (settled, wrong limit).
- * In edition 1.1: differs, see the page of the encoder.
- * In edition 1.1: may differ, see the page of the encoder.
+ * In edition 1.1: differs. See the encoder's page.
+ * In edition 1.1: may differ. See the encoder's page.
  */
 
 /** An order code: the values that differ between the order codes of this interface. */
@@ -173,7 +173,7 @@ static inline uint32_t lika_am36_ssi_position_bits(const lika_am36_ssi *variant)
  * Erratum ssi_cable_400_m (open, wrong limit).
  * Erratum ssi_cable_50_m (open, wrong limit).
  * Erratum ssi_pause (open, wrong limit).
- * In edition 1.1: may differ, see the page of the encoder.
+ * In edition 1.1: may differ. See the encoder's page.
  */
 #define LIKA_AM36_SSI_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 3 MHz [5.3]. */
 #define LIKA_AM36_SSI_CLOCK_MAX_HZ 3000000U /**< highest clock in Hz */

@@ -30,8 +30,8 @@
  *
  * Differences from other editions of the manual are noted inline. For the files of another edition,
  * use codewheel generate --edition amm5=1.0.
- * Before edition 1.4: may differ, see the page of the encoder.
- * Before edition 1.3: may differ, see the page of the encoder.
+ * Before edition 1.4: may differ. See the encoder's page.
+ * Before edition 1.3: may differ. See the encoder's page.
  *
  * Other documents, cited by the word before the colon:
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
@@ -100,8 +100,8 @@ extern "C" {
  * electrically. It may come with its own documentation for special connections (Technical Info).
  * Erratum heading_g1 (settled, wrong limit).
  * Erratum ssi_table_65kkg1 (settled, wrong limit).
- * Before edition 1.8: differs, see the page of the encoder.
- * Before edition 1.6: differs, see the page of the encoder.
+ * Before edition 1.8: differs. See the encoder's page.
+ * Before edition 1.6: differs. See the encoder's page.
  */
 
 /** An order code: the values that differ between the order codes of this interface. */
@@ -201,7 +201,7 @@ typedef enum lika_amm5_biss_report {
  * the complete structure.
  * Erratum profile_id_missing (open, omission).
  * Erratum biss_min_clock (open, wrong limit).
- * Before edition 1.4: may differ, see the page of the encoder.
+ * Before edition 1.4: may differ. See the encoder's page.
  */
 #define LIKA_AMM5_BISS_CLOCK_MIN_HZ 50000U /**< Clock: 50 kHz to 10 MHz [6.5 p.40]. */
 #define LIKA_AMM5_BISS_CLOCK_MAX_HZ 10000000U /**< highest clock in Hz */

@@ -259,7 +259,7 @@ static inline cw_result lika_amm5_biss_write_preset_setting_enable(
  * Year and week of production and a serial number, as the decimal digits of one binary number.
  * Byte order: high byte first, at 44h.
  * Erratum serial_number_order (open, wrong data): Used: The high byte comes first, as printed.
- * Before edition 1.7: may differ, see the page of the encoder.
+ * Before edition 1.7: may differ. See the encoder's page.
  *   bits 31:0  serial
  */
 typedef struct lika_amm5_biss_reg_serial_number {
@@ -371,7 +371,7 @@ static inline cw_result lika_amm5_biss_read_serial_number(
  * Wait at least 30 ms between a write and the next command.
  * Automatically returns to its default after a write.
  * After a command, the register automatically returns to 00.
- * Before edition 1.4: may differ, see the page of the encoder.
+ * Before edition 1.4: may differ. See the encoder's page.
  * Function.
  */
 #define LIKA_AMM5_BISS_REG_COMMAND_ADDRESS 0x77U
@@ -418,7 +418,7 @@ static inline cw_result lika_amm5_biss_write_command(
  * Name of the device and its hardware-software release.
  * Byte order: high byte first, at 78h.
  * Erratum device_id_shared (open, omission).
- * Before edition 1.7: may differ, see the page of the encoder.
+ * Before edition 1.7: may differ. See the encoder's page.
  *   bits 47:16  name
  *   bits 15:0   release
  */

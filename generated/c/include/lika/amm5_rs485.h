@@ -31,8 +31,8 @@
  *
  * Differences from other editions of the manual are noted inline. For the files of another edition,
  * use codewheel generate --edition amm5=1.0.
- * Before edition 1.4: may differ, see the page of the encoder.
- * Before edition 1.3: may differ, see the page of the encoder.
+ * Before edition 1.4: may differ. See the encoder's page.
+ * Before edition 1.3: may differ. See the encoder's page.
  *
  * Other documents, cited by the word before the colon:
  *   ti_sdk: TexasInstruments/motor-control-sdk, T-format and BiSS drivers -
@@ -98,8 +98,8 @@ extern "C" {
  * electrically. It may come with its own documentation for special connections (Technical Info).
  * Erratum heading_g1 (settled, wrong limit).
  * Erratum ssi_table_65kkg1 (settled, wrong limit).
- * Before edition 1.8: differs, see the page of the encoder.
- * Before edition 1.6: differs, see the page of the encoder.
+ * Before edition 1.8: differs. See the encoder's page.
+ * Before edition 1.6: differs. See the encoder's page.
  */
 
 /** An order code: the values that differ between the order codes of this interface. */
@@ -257,7 +257,7 @@ typedef enum lika_amm5_rs485_report {
  * Erratum reset_interval (open, omission).
  * Erratum busy_clear (open, omission).
  * Erratum rs485_reply_time (open, omission).
- * Before edition 1.6: differs, see the page of the encoder.
+ * Before edition 1.6: differs. See the encoder's page.
  */
 /** Baud rate: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.41]. */
 #define LIKA_AMM5_RS485_BAUD 2500000U

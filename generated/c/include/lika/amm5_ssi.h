@@ -35,8 +35,8 @@
  *
  * Differences from other editions of the manual are noted inline. For the files of another edition,
  * use codewheel generate --edition amm5=1.0.
- * Before edition 1.4: may differ, see the page of the encoder.
- * Before edition 1.3: may differ, see the page of the encoder.
+ * Before edition 1.4: may differ. See the encoder's page.
+ * Before edition 1.3: may differ. See the encoder's page.
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
  * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
@@ -98,8 +98,8 @@ extern "C" {
  * electrically. It may come with its own documentation for special connections (Technical Info).
  * Erratum heading_g1 (settled, wrong limit).
  * Erratum ssi_table_65kkg1 (settled, wrong limit).
- * Before edition 1.8: differs, see the page of the encoder.
- * Before edition 1.6: differs, see the page of the encoder.
+ * Before edition 1.8: differs. See the encoder's page.
+ * Before edition 1.6: differs. See the encoder's page.
  */
 
 /** An order code: the values that differ between the order codes of this interface. */
@@ -161,7 +161,7 @@ static inline uint32_t lika_amm5_ssi_revolutions(const lika_amm5_ssi *variant)
  * Erratum ssi_cable_400_m (open, wrong limit).
  * Erratum ssi_cable_50_m (open, wrong limit).
  * Erratum ssi_pause (open, wrong limit).
- * Before edition 1.6: differs, see the page of the encoder.
+ * Before edition 1.6: differs. See the encoder's page.
  */
 #define LIKA_AMM5_SSI_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 4 MHz [5.3 p.29]. */
 #define LIKA_AMM5_SSI_CLOCK_MAX_HZ 4000000U /**< highest clock in Hz */

@@ -218,7 +218,8 @@ typedef struct lika_asc85_biss_software_reset_read {
  * Result: The encoder works with the configuration from the EEPROM.
  * The wait follows from the meaning of the status bit. The manual gives no time, and it does not
  * say that the bit goes to 0 first. If the CRC check of the configuration fails, the interface
- * restarts with the SSI protocol and answers no register access. Stop polling after a while.
+ * restarts with the SSI protocol and does not respond to register accesses. Stop polling after a
+ * while.
  * Reset the encoder, over BiSS C-mode. The transport needs read_registers, write_registers and
  * wait_us.
  */

@@ -30,7 +30,7 @@
  *
  * Differences from other editions of the manual are noted inline. For the files of another edition,
  * use codewheel generate --edition sma21=1.0.
- * Before edition 1.1: may differ, see the page of the encoder.
+ * Before edition 1.1: may differ. See the encoder's page.
  *
  * Other documents, cited by the word before the colon:
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus

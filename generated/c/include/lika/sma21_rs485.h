@@ -31,7 +31,7 @@
  *
  * Differences from other editions of the manual are noted inline. For the files of another edition,
  * use codewheel generate --edition sma21=1.0.
- * Before edition 1.1: may differ, see the page of the encoder.
+ * Before edition 1.1: may differ. See the encoder's page.
  *
  * Other documents, cited by the word before the colon:
  *   a4: Panasonic A4 series manual, answers of serial communication -
@@ -177,9 +177,9 @@ typedef enum lika_sma21_rs485_report {
  * Erratum reset_interval (open, omission).
  * Erratum error_bit_level (settled, wrong data).
  * Erratum rs485_reply_time (open, omission).
- * Before edition 1.1: differs, see the page of the encoder.
- * Before edition 1.1: differs, see the page of the encoder.
- * Before edition 1.1: differs, see the page of the encoder.
+ * Before edition 1.1: differs. See the encoder's page.
+ * Before edition 1.1: differs. See the encoder's page.
+ * Before edition 1.1: differs. See the encoder's page.
  */
 /** Baud rate: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.37]. */
 #define LIKA_SMA21_RS485_BAUD 2500000U

@@ -35,7 +35,7 @@
  *
  * Differences from other editions of the manual are noted inline. For the files of another edition,
  * use codewheel generate --edition sma21=1.0.
- * Before edition 1.1: may differ, see the page of the encoder.
+ * Before edition 1.1: may differ. See the encoder's page.
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
  * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's

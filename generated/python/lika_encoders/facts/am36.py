@@ -610,7 +610,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
             default=b"\x14",
             fields=(FieldFacts(name="bits", meaning="Width of the singleturn part of the position", unit="bits"),),
-            meaning="Bits of the singleturn resolution, as set by Information per revolution",
+            meaning="Singleturn resolution in bits, as set by Information per revolution",
             source="6.5 p.31",
         ),
         "multiturn_bits_used": Register(

@@ -1150,7 +1150,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "The table has rows for six pins of the M12 and of the M23 connector, and two rows \"not connected\" with "
             "a dash for both connectors"
         ),
-        used="Pins 7 and 8 of M12 and 5 to 10 of M23 are omitted.",
+        used="Pins 7 and 8 of the M12 connector and pins 5 to 10 of the M23 connector are omitted.",
         why=(
             "The connectors have 8 and 12 pins. The other pins are probably not connected, but the manual says so "
             "only of two wires of the cable."

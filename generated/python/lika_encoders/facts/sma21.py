@@ -2541,7 +2541,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "Send no request until the initialization is over. No request is accepted while the position is being "
             "reset. No time is given."
         ),
-        used="The generated files give no waiting time.",
+        used="The generated files specify no wait time.",
         why=(
             "The AMM5 manual has 2 ms and 18 ms for its resets. This manual does not say that they apply to this "
             "encoder."
