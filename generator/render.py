@@ -122,7 +122,7 @@ class Templates:
         folder: Folder of the files. In your own package, this is ``Path(__file__).parent / "templates"``.
         values: For each template that is rendered by name, the ``TypedDict`` of its values, each value ``Annotated``
             with a one-line description. This is used only for the page about templates.
-        filters: Filters by name, in addition to those of Jinja, ``plain`` and ``wrapped``. Text from a spec can be
+        filters: Filters by name, in addition to ``plain``, ``wrapped`` and Jinja's own. Text from a spec can be
             anything, and filters make it harmless in the output's language. The page shows their docstrings' first
             lines.
         functions: Functions by name, which every template can call. The page shows them in the same way.

@@ -343,7 +343,7 @@ def _ours(folder: Path, target: str) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class _Stage:
-    """Folder for assembling the new content of a target's folder: ``folder`` with a mark, and ``new`` in it.
+    """Folder in which the new content of a target's folder is assembled: ``folder``, marked as ours, contains ``new``.
 
     The old content ends up in ``new``, or in ``old`` if two folders cannot be exchanged in one step.
     """

@@ -1,4 +1,4 @@
-"""Compare expressions by their values, for all order codes and for settings of registers and answers."""
+"""Compare expressions by value, for all order codes, register settings and answers."""
 
 from __future__ import annotations
 

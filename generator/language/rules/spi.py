@@ -61,7 +61,7 @@ def _check_frames(layouts: dict[str, Spec], found: list[tuple[Path, Spec]], repo
             wrong = f"no exchange has {quoted(layout['name'])} as its {key}; add one under 'exchanges'"
             report.add("spi-exchange", (*_HERE, *path), wrong)
         if layout.get("carried_as") == "bytes":
-            wrong = f"{quoted(layout['name'])} is a word of SPI, which is carried as bits; leave 'carried_as' out"
+            wrong = f"{quoted(layout['name'])} is an SPI word, which is always carried as bits; remove 'carried_as'"
             report.add("spi-exchange", (*_HERE, *path, "carried_as"), wrong)
 
 

@@ -57,7 +57,7 @@ class CrcCode:
 
     @property
     def is_reflected(self) -> bool:
-        """True if the register of the table has its bits in reverse order."""
+        """True if the table is for a shift register with its bits in reverse order."""
         return self.by_bits and self.in_bytes and self.crc.refin
 
     @property

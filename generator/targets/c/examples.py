@@ -100,7 +100,7 @@ class Sampled:
 
 
 class ExampleCode:
-    """Values that the template of a program prints. ``memory`` is the initial content of the simulated registers.
+    """Values for the template of an example program. ``memory`` is the initial content of the simulated registers.
 
     Raises:
         NoFrame: There is no frame to show.

@@ -52,7 +52,7 @@ class ManualPage(TypedDict):
     edition_rows: Annotated[Rows, "selectable editions, and their differences"]
     edition_tests: Annotated[list[str], "registers that identify an encoder of an older edition"]
     lost_rows: Annotated[Rows, "the figures that were not available"]
-    document_rows: Annotated[Rows, "the documents that sources name"]
+    document_rows: Annotated[Rows, "the documents that sources cite"]
     history_rows: Annotated[Rows, "the revisions of the manual"]
 
 

@@ -57,7 +57,7 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Wave:
-    """Lines, one below the other, with times below them.
+    """Stacked signal lines, with a row of times below them.
 
     ``told`` is the text alternative, and ``drawn_from`` lists the sources of the picture.
     """

@@ -219,7 +219,7 @@ def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> No
 
 
 def _tell_faults(source: Any, limbs: list[Any], where: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
-    """Write the errors of the frames at ``where``. The position of a frame with an error is not usable."""
+    """Write the errors of the frames with the indexes ``where``. A frame with an error has no usable position."""
     fault[where] = _faults(source, limbs, shape)
     if shape.otherwise is not None:
         worth: Any = out["verdict"]

@@ -297,7 +297,7 @@ class Session:
             received += more
 
     def _reply_in(self, received: bytes, asked: _Asked) -> bytes:
-        """Return the reply in the bytes that arrived, or nothing. Only repetitions of the reply may follow it."""
+        """Return the reply found in the received bytes, or nothing. Only repetitions of the reply may follow it."""
         length = asked.kind.length
         # The last one comes first, because an echo and a reply can look like a reply and one more byte.
         for start in range(len(received) - length, -1, -1):
