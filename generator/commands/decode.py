@@ -62,9 +62,11 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
                 f"the manual describes no frame from the {sender} over {device.interface(variant.interface).title}"
             )
         if placed is None:
+            known = ", ".join(item.name for item in layouts)
+            others = device.interface(variant.interface).layouts
+            from_other = next((f" (add --from {item.sender})" for item in others if item.name == layout), "")
             raise FrameTextError(
-                f"{variant.code} has no layout '{layout}' from the {sender}; it has: "
-                + ", ".join(item.name for item in layouts)
+                f"{variant.code} has no layout '{layout}' from the {sender}{from_other}; it has: {known}"
             )
         if not placed.layout.in_bytes:
             return _decode_bits(device, placed, text)

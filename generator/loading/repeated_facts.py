@@ -117,14 +117,16 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
 
 def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
     """Check that counts and revolutions in the meaning of a value match a quantity of its order codes."""
+    interfaces = {item.name for item in device.interfaces}
+    variants = [variant for variant in device.variants if variant.interface in interfaces]
     for index, part in enumerate(raw["order_code"]["parts"]):
         for text, value in part["values"].items():
             named = [int(number.replace(",", "")) for number in _COUNTED.findall((value or {}).get("meaning", ""))]
             named = [number for number in named if number >= _LEAST]
             if not named or not (value or {}).get("sets"):
                 continue
-            codes = [variant for variant in device.variants if variant.parts.get(part["name"]) == text]
-            if not any(number in _quantities(device, variant) for variant in codes for number in named):
+            codes = [variant for variant in variants if variant.parts.get(part["name"]) == text]
+            if codes and not any(number in _quantities(device, variant) for variant in codes for number in named):
                 sets = ", ".join(f"{name} = {number}" for name, number in value["sets"].items())
                 wrong = (
                     f"the meaning of '{text}' contains {named[0]:,}, but with {sets}, its order codes do not have this"

@@ -85,7 +85,8 @@ function box(root) {
     const layout = rows.find((one) => one.found?.at)?.found.at.layout ?? register();
     ask(layout);
     const missing = undecided(layout);
-    result.replaceChildren(...notes(), ...(rows.length > 1 ? many(rows, missing) : rows.flatMap(single)));
+    const evidence = part("p", "note", state.found.family.evidence);
+    result.replaceChildren(...notes(), ...(rows.length > 1 ? many(rows, missing) : rows.flatMap(single)), evidence);
     if (rows.length === 1 && rows[0].found && !isForm && !missing.length) state.fill?.(rows[0].found);
   }
 

@@ -27,6 +27,7 @@ COMPUTED = {
     "Layout": {"fold", "widest"},
     "Crc": {"form"},
     "Constant": {"fills_gap"},
+    "Parity": {"constants", "turned"},
     "Device": {"times_read", "releases", "samples"},
 }
 COMPUTED_AS = {
@@ -35,6 +36,8 @@ COMPUTED_AS = {
     "widest": 0,
     "form": "",
     "fills_gap": False,
+    "constants": (),
+    "turned": False,
     "times_read": None,
     "releases": (),
     "samples": (),

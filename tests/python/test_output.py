@@ -221,6 +221,8 @@ def _poison(data: Any, text: str) -> None:
         "data",
     }
     if isinstance(data, dict):
+        if any(isinstance(item, dict) and "quantity" in item for item in data.get("values") or ()):
+            del data["values"]  # The text must give them.
         for key, value in data.items():
             if key in texts and isinstance(value, str) and not (key == "value" and "register" in data):
                 # What counts steps still does: remedies name it.

@@ -48,6 +48,8 @@ def exchanges(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     _check_accesses(raw, layouts, found, report)
 
 
+#: Keys of fields whose values follow from the spec or from other fields.
+_DECIDED = frozenset(("constant", "unused", "parity_of", "crc", "use"))
 #: Senders with the key of their frames in an exchange.
 _KEYS = {"master": "request", "encoder": "reply"}
 
@@ -63,6 +65,13 @@ def _check_frames(layouts: dict[str, Spec], found: list[tuple[Path, Spec]], repo
         if layout.get("carried_as") == "bytes":
             wrong = f"{quoted(layout['name'])} is an SPI word, which is always carried as bits; remove 'carried_as'"
             report.add("spi-exchange", (*_HERE, *path, "carried_as"), wrong)
+
+
+def _free(layout: Spec) -> Iterator[str]:
+    """Yield the fields of a request whose values a user chooses."""
+    for _, field in items(layout, "fields"):
+        if _DECIDED.isdisjoint(field) and "name" in field:
+            yield field["name"]
 
 
 def _check_accesses(
@@ -81,6 +90,11 @@ def _check_accesses(
             if accesses and gone:
                 wrong = f"{quoted(accesses[0][1][key])} is for a register, so it needs the field {quoted(gone)}"
                 report.add("spi-exchange", (*accesses[0][0], key), wrong)
+            for path, item in accesses if key == "request" and not gone else ():
+                free = next((name for name in _free(layouts.get(item[key], {})) if name not in names), "")
+                if free:
+                    wrong = f"an access to a register gives no value for {quoted(free)} in {quoted(item[key])}"
+                    report.add("spi-exchange", (*path, key), f"{wrong}; use 'constant' or 'unused' there")
         if purpose == "read" and len(accesses) > 1:
             report.add("spi-exchange", (*accesses[1][0], "purpose"), "a second request reads registers; keep one")
         missing = "write_only" if purpose == "read" else "read_only"

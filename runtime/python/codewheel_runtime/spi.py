@@ -32,7 +32,8 @@ class Answer(NamedTuple):
     Attributes:
         request: Frame that the master sent.
         reply: Frame with which the encoder answered.
-        register: Value of the register if the request was made by ``read`` or ``write``, otherwise None.
+        register: Value of the register if the request was made by ``read`` or ``write`` and the reply contains it,
+            otherwise None.
     """
 
     request: Any
@@ -138,7 +139,9 @@ class Pipeline:
             return None
         request, register = answered
         reply = self._replies[type(request)](word)
-        return Answer(request, reply, self._value(register, reply) if register is not None else None)
+        # Some encoders answer a write without its value.
+        has_value = register is not None and "data" in reply._fields
+        return Answer(request, reply, self._value(register, reply) if has_value else None)
 
     def restart(self) -> None:
         """Forget all requests, after the encoder was switched off or a word was lost."""
@@ -164,4 +167,5 @@ class Pipeline:
 
     def _value(self, register: Any, reply: Any) -> Any:
         data = reply.data.to_bytes(self._registers[register][1], "big")
-        return register.decode(data, self._encoder) if issubclass(register, ByEncoder) else register.decode(data)
+        decode: Any = register.decode
+        return decode(data, self._encoder) if issubclass(register, ByEncoder) else decode(data)
