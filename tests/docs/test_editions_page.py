@@ -385,7 +385,7 @@ SLIPS = {
     "not in the history": (
         'revision: "1.7"\n    before',
         'revision: "0.7"\n    before',
-        "edition-order: '0.7' may have 'before' only if it is in the history, after the first and not after 1.9",
+        "edition-order: '0.7' can have 'before' only if it is in the history, after the first and not after 1.9",
     ),
     "twice": ('- revision: "1.6"\n    before', '- revision: "1.7"\n    before', "the edition '1.7' already exists"),
     "then": (
