@@ -293,7 +293,7 @@ def _last_words(decoded: codec.Decoded, said: Findings) -> list[str]:
         lines = ["the encoder reports:", *(wrapped(_reported(item), WIDTH, " " * 6, "  - ") for item in said.reports)]
         return [*lines, f"so {WORTH[said.verdict]}"] if said.verdict else lines
     is_frame = decoded.layout is not None and decoded.layout.layout.sender != ""
-    words = ["no other error" if said.differences else "no frame error" if is_frame else "no error"]
+    words = ["no other error" if said.differences else "no frame error" if is_frame else "the value is valid"]
     words += ["this frame has no CRC"] if is_frame and decoded.crc is None else []
     words += [WORTH[said.verdict]] if said.verdict is not None else []
     return [wrapped("; ".join(words), WIDTH, "  ", "")]

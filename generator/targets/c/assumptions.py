@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, TypedDict
 
-from ...model import Crc, Device, Layout, Manufacturer, choices
+from ...model import Crc, Device, Layout, Manufacturer, Parity, choices
 from ...plan.crc_residual import Residual, residual
 from ...say.name import words
 from .. import Library
@@ -27,6 +27,8 @@ class Assumptions(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
     frames: Annotated[list[Frames], "the frames with a CRC, by CRC and length"]
     silent: Annotated[list[str], "the frames with a position that have no status bit"]
+    interfaces: Annotated[set[str], "names of the interfaces"]
+    parity: Annotated[list[str], "the frames with a position that have a parity bit and no CRC"]
 
 
 def assumptions_files(
@@ -34,7 +36,13 @@ def assumptions_files(
 ) -> Iterator[tuple[str, str]]:
     """Yield the page of each manufacturer, by its path in the C folder."""
     for maker, devices in library.by_manufacturer():
-        values: Assumptions = {"maker": maker, "frames": list(_frames(devices)), "silent": list(_silent(devices))}
+        values: Assumptions = {
+            "maker": maker,
+            "frames": list(_frames(devices)),
+            "silent": list(_silent(devices)),
+            "interfaces": {item.name for device in devices for item in device.interfaces},
+            "parity": list(_with_parity(devices)),
+        }
         yield f"ASSUMPTIONS-{maker.name}.md", render(TEMPLATE, values)
 
 
@@ -64,6 +72,14 @@ def _silent(devices: tuple[Device, ...]) -> Iterator[str]:
     for device in devices:
         for interface, layout in device.layouts():
             if device.tells_position(interface.name, layout) and not layout.status_fields:
+                yield _name(device, interface.title, layout)
+
+
+def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
+    for device in devices:
+        for interface, layout in device.layouts():
+            has_parity = any(isinstance(item.kind, Parity) for item in layout.fields)
+            if has_parity and device.crc_of(layout) is None and device.tells_position(interface.name, layout):
                 yield _name(device, interface.title, layout)
 
 
