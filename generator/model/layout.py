@@ -269,6 +269,10 @@ class Layout:
     def crc_field(self) -> Field | None:
         return next((item for item in self.fields if isinstance(item.kind, CrcValue)), None)
 
+    @property
+    def has_parity(self) -> bool:
+        return any(isinstance(item.kind, Parity) for item in self.fields)
+
     def place(self, parameters: Mapping[str, int]) -> PlacedLayout:
         """Return the layout for one order code, without zero-width fields. Flags of other codes are unexplained."""
         every = (

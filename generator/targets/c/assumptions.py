@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, TypedDict
 
-from ...model import Crc, Device, Layout, Manufacturer, Parity, choices
+from ...model import Crc, Device, Layout, Manufacturer, Ssi, choices
 from ...plan.crc_residual import Residual, residual
 from ...say.name import words
 from .. import Library
@@ -27,7 +27,7 @@ class Assumptions(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
     frames: Annotated[list[Frames], "the frames with a CRC, by CRC and length"]
     silent: Annotated[list[str], "the frames with a position that have no status bit"]
-    interfaces: Annotated[set[str], "names of the interfaces"]
+    has_ssi: Annotated[bool, "whether an encoder has SSI"]
     parity: Annotated[list[str], "the frames with a position that have a parity bit and no CRC"]
 
 
@@ -40,7 +40,7 @@ def assumptions_files(
             "maker": maker,
             "frames": list(_frames(devices)),
             "silent": list(_silent(devices)),
-            "interfaces": {item.name for device in devices for item in device.interfaces},
+            "has_ssi": any(isinstance(item, Ssi) for device in devices for item in device.interfaces),
             "parity": list(_with_parity(devices)),
         }
         yield f"ASSUMPTIONS-{maker.name}.md", render(TEMPLATE, values)
@@ -78,8 +78,8 @@ def _silent(devices: tuple[Device, ...]) -> Iterator[str]:
 def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
     for device in devices:
         for interface, layout in device.layouts():
-            has_parity = any(isinstance(item.kind, Parity) for item in layout.fields)
-            if has_parity and device.crc_of(layout) is None and device.tells_position(interface.name, layout):
+            is_alone = layout.has_parity and device.crc_of(layout) is None
+            if is_alone and device.tells_position(interface.name, layout):
                 yield _name(device, interface.title, layout)
 
 
