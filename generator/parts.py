@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import os
 import signal
-import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -142,8 +141,8 @@ def _made(tasks: Sequence[_Task], make: Callable[[_Task], Any], tell: Callable[[
 
 def _processes(tasks: int) -> int:
     """Return the number of processes for a number of tasks, this one included."""
-    # Only a process with one thread can be copied safely, and on macOS not even that.
-    if tasks < _FEWEST or not hasattr(os, "fork") or sys.platform == "darwin" or threading.active_count() > 1:
+    # Only a process with one thread can be copied safely, and on macOS, which lacks this function, not even that.
+    if tasks < _FEWEST or not hasattr(os, "sched_getaffinity") or threading.active_count() > 1:
         return 1
     free = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") if hasattr(os, "sysconf") else 0
     return max(1, min(_MOST_PROCESSES, len(os.sched_getaffinity(0)), free // _MEMORY))

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 DONE, FAULT, NO_FRAME, NOT_USABLE = 0, 1, 2, 3
 #: Exit codes, most severe first. With several frames, the exit code is that of the worst one.
 _WORST_FIRST = (NO_FRAME, FAULT, NOT_USABLE)
-#: Number of frames after which the user is told about the command for many frames.
+#: Number of frames after which a message names the command for many frames.
 MANY = 10_000
 _ONE_LINE = json.JSONEncoder(ensure_ascii=False)
 

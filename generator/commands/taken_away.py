@@ -17,7 +17,6 @@ _APART = frozenset("manual errata examples editions documents lost_figures print
 #: Maps of named items.
 _MAPS = frozenset(("interfaces", "parameters", "values"))
 _WIDTH = 10_000
-_AS_IS: dict[str, Any] = {"sort_keys": False, "allow_unicode": True}
 
 
 class _Hexadecimal(int):

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate
+
+ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
 
 
 def rows(page: str) -> list[list[str]]:
@@ -29,6 +34,17 @@ def test_frames_without_status(c_devices: tuple[Device, ...]) -> None:
     page = generate(Library(c_devices))["c/ASSUMPTIONS-lika.md"]
     (line,) = (line for line in page.splitlines() if "always `CW_UNKNOWN`" in line)
     assert "AM36 SSI: SSI word, AMM5 SSI: SSI word, ASC85 SSI: SSI word." in line
+
+
+def test_words_with_parity() -> None:
+    """The AS5047P has a parity bit, no CRC and no SSI: jonas-merkle/AS5047P, SPI_ReadData_Frame_t."""
+    devices, report = load_library([ENCODERS / "ams"])
+    assert not report
+    page = generate(Library(devices))["c/ASSUMPTIONS-ams.md"]
+    assert "No frame has a CRC." in page
+    (line,) = (line for line in page.splitlines() if line.startswith("- A parity bit does not detect two wrong bits"))
+    assert "AS5047P SPI: position" in line
+    assert "SSI" not in page
 
 
 def test_a_page_for_each_manufacturer(every_device: dict[str, Device]) -> None:

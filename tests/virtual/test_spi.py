@@ -152,6 +152,35 @@ def test_python_writes_a_register(package: Any) -> None:
     assert [answer and answer.register.pwm_on for answer in answers] == [None, False, True, True]
 
 
+def test_a_write_may_be_answered_without_its_value(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Some encoders send zeros after a write, as the TMAG5170 does."""
+    spec = (SPECS / "ams" / "as5047p.yaml").read_text(encoding="utf-8")
+    spec = spec.replace("{request: write_data, reply: register_reply", "{request: write_data, reply: zeros")
+    zeros = (
+        '      - {name: zeros, from: encoder, source: "jm: a; zt: b", fields: [{name: data, bits: 16, unused: 0}]}\n'
+    )
+    (tmp_path / "as5047p.yaml").write_text(spec.replace("\nregisters:", f"{zeros}\nregisters:", 1), encoding="utf-8")
+    maker = "codewheel: 1\nmanufacturer: ams\ntitle: ams\nsource: test\npython_package: zeros_encoders\n"
+    (tmp_path / "manufacturer.yaml").write_text(maker, encoding="utf-8")
+    assert main(["generate", str(tmp_path / "as5047p.yaml"), "--target", "python", "-o", str(tmp_path / "out")]) == 0
+    monkeypatch.syspath_prepend(str(tmp_path / "out" / "python"))
+    package: Any = importlib.import_module("zeros_encoders")
+    pipeline = package.lookup("AS5047P").pipeline()
+    words = [0, even(0x0001), 0]
+    sent = pipeline.write(package.as5047p.Settings1(*(0 for _ in package.as5047p.Settings1._fields)))
+    answers = [pipeline.take(words.pop(0)) for _ in sent]
+    pipeline.ask(package.as5047p.PositionRequest())
+    answers.append(pipeline.take(words.pop(0)))
+    assert [answer and answer.register is not None for answer in answers] == [None, True, False]
+
+
+def test_a_layout_of_the_other_sender_is_suggested(capsys: pytest.CaptureFixture[str]) -> None:
+    command = ["decode", "AS5047P", "--specs", str(SPECS), "--layout", "read_request", "0xFFFC"]
+    assert main(command) == 2
+    assert "no layout 'read_request' from the encoder (add --from master); it has:" in capsys.readouterr().err
+    assert main([*command, "--from", "master"]) == 0
+
+
 def test_python_stays_in_step_after_a_damaged_word(package: Any) -> None:
     module = importlib.import_module("ams_encoders.as5047p")
     pipeline = package.lookup("AS5047P").pipeline()
