@@ -231,8 +231,8 @@ class _Dump:
                 return "constant", {"constant": value, "padding_of": padding_of}
             case Unused(value, verdict):
                 return "unused", {"unused": value, "makes_position": verdict.value}
-            case CrcValue(crc):
-                return "crc", {"crc": crc}
+            case CrcValue(crc, of):
+                return "crc", {"crc": crc, "crc_of": list(of)}
             case Parity() as parity:
                 sense = "odd" if parity.is_odd else "even"
                 return "parity", {"parity_of": list(parity.covers), "parity": sense, "over": parity.over}

@@ -128,7 +128,7 @@ def kind(raw: Raw, context: Context, interface: str, width: Expression) -> Kind:
     if "values_of" in raw:
         return Choice(_data_ids(context.data_ids.get(interface, ())))
     if "crc" in raw:
-        return CrcValue(raw["crc"])
+        return CrcValue(raw["crc"], tuple(raw.get("crc_of", ())))
     if "parity_of" in raw:
         names, is_odd = raw["parity_of"], raw.get("parity") == "odd"
         return Parity((names,) if isinstance(names, str) else tuple(names), is_odd, raw.get("over", ""))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 
 from ..model import (
     Choice,
@@ -121,5 +123,24 @@ def _check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None
             "crc-not-last",
             f"'{field.name}' covers everything sent before it, so it must be the last field of '{layout.name}'",
         )
+    for wrong in _no_run(layout, kind):
+        site.report("crc-of", wrong, "crc_of")
     if layout.in_bytes and crc.width % 8:
         site.report("width-mismatch", f"a frame of whole bytes cannot end with a CRC of {crc.width} bits")
+
+
+def _no_run(layout: Layout, kind: CrcValue) -> Iterator[str]:
+    """Yield the reasons that the fields of a CRC are not one run of bits at a fixed place."""
+    fields = {item.name: item for item in layout.fields}
+    of = [fields[name] for name in kind.of if name in fields]
+    if of and layout.in_bytes:
+        yield f"'crc_of' needs a frame of bits, and '{layout.name}' is sent as bytes; leave it out"
+        return
+    moving = next((item for item in of if not item.is_fixed), None)
+    if moving is not None:
+        yield f"'{moving.name}' has another place or width for other order codes, so 'crc_of' cannot list it"
+        return
+    for above, below in pairwise(of):
+        if below.low + below.width != above.low:
+            yield f"'{above.name}' and '{below.name}' are not adjacent; list all fields of one run, in the order sent"
+            return

@@ -115,9 +115,10 @@ class Unused:
 
 @dataclass(frozen=True, slots=True)
 class CrcValue:
-    """The bits of the named CRC."""
+    """The bits of the named CRC. It covers the adjacent fields ``of`` or, without them, everything sent before it."""
 
     crc: str
+    of: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -305,6 +305,22 @@ class PlacedLayout:
     def field(self, name: str) -> PlacedField | None:
         return next((item for item in self.fields if item.name == name), None)
 
+    @property
+    def crc_covers(self) -> tuple[int, int]:
+        """Lowest bit and number of bits that the CRC of a frame of bits covers. (0, 0) without a CRC."""
+        end = self.layout.crc_field
+        if end is None or not isinstance(end.kind, CrcValue):
+            return (0, 0)
+        width = end.width.constant
+        run = [item for item in map(self.field, end.kind.of) if item is not None]
+        return (run[-1].low, run[0].high + 1 - run[-1].low) if run else (width, self.bits - width)
+
+    @property
+    def covers_part(self) -> bool:
+        """True if the CRC does not cover everything before it."""
+        end = self.layout.crc_field
+        return end is not None and isinstance(end.kind, CrcValue) and bool(end.kind.of)
+
     def place_of(self, name: str) -> tuple[int, int]:
         """Return lowest bit and width of a field, or of a join of adjacent fields. An absent field has width 0."""
         parts = [item for item in map(self.field, self.layout.names_in(name)) if item is not None]

@@ -11,7 +11,7 @@ from ..model import Alternative, Crc, Device, Digits, Fault, Field, Join, Layout
 from ..model.expressions import Expression
 from ..model.kinds import Constant, CrcValue, Flag, Parity, Text, Unused
 from .crc_tables import FoldStep
-from .crcs import divides, fold_steps
+from .crcs import covers_part, divides, fold_steps
 from .values import Meaning, meaning_of
 
 
@@ -123,9 +123,10 @@ Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost
 
 @dataclass(frozen=True, slots=True)
 class FrameCrc:
-    """The CRC at the end of a frame, which covers everything before it.
+    """The CRC at the end of a frame.
 
-    ``covered`` is the number of bits that it covers. ``divides`` is true if the polynomial divides every valid word
+    It covers ``covered`` bits, starting at bit ``low``, which is everything before the CRC unless ``is_part`` is true.
+    ``divides`` is true if the polynomial divides every valid word
     once the final XOR is removed. ``steps``, if any, then reduce the word without a table.
     """
 
@@ -133,8 +134,15 @@ class FrameCrc:
     field: Field
     bits: Bits
     covered: Expression
+    low: int
+    is_part: bool
     divides: bool
     steps: tuple[FoldStep, ...]
+
+    @property
+    def gap(self) -> int:
+        """Number of bits between those that it covers and the CRC."""
+        return self.low - self.crc.width
 
     @property
     def inverted(self) -> int:
@@ -378,9 +386,14 @@ def _crc(device: Device, layout: Layout) -> FrameCrc | None:
     if item is None or not isinstance(item.kind, CrcValue):
         return None
     crc = device.crc(item.kind.crc)
-    covered = layout.bits - Expression(crc.width)
-    steps = fold_steps(crc, layout.widest)
-    return FrameCrc(crc, item, bits_of(layout, item), covered, divides(crc, layout), steps)
+    bits, covered = bits_of(layout, item), layout.bits - Expression(crc.width)
+    if item.kind.of:
+        first, last = layout.field(item.kind.of[0]), layout.field(item.kind.of[-1])
+        covered = first.low + first.width - last.low
+        return FrameCrc(crc, item, bits, covered, last.low.constant, True, False, ())
+    if covers_part(device, crc):
+        return FrameCrc(crc, item, bits, covered, crc.width, False, False, ())
+    return FrameCrc(crc, item, bits, covered, crc.width, False, divides(crc, layout), fold_steps(crc, layout.widest))
 
 
 def _gray(layout: Layout) -> Gray | None:

@@ -72,7 +72,8 @@ def crc_functions(device: Device) -> Iterator[CrcFunction]:
         found = carriers(device, crc)
         in_words = any(not layout.in_bytes and _ends_in(layout, crc) for _, layout in device.layouts())
         for carrier in found:
-            yield CrcFunction(crc, carrier, form_of(crc, carrier), len(found) == 1, in_words)
+            form = Form.TABLE if covers_part(device, crc) else form_of(crc, carrier)
+            yield CrcFunction(crc, carrier, form, len(found) == 1, in_words)
 
 
 def function_of(device: Device, layout: Layout) -> CrcFunction | None:
@@ -107,3 +108,9 @@ def form_of(crc: Crc, carrier: Carrier) -> Form:
 
 def _ends_in(layout: Layout, crc: Crc) -> bool:
     return any(isinstance(item.kind, CrcValue) and item.kind.crc == crc.name for item in layout.fields)
+
+
+def covers_part(device: Device, crc: Crc) -> bool:
+    """Return whether the CRC covers only a part of some frame."""
+    fields = (item for _, layout in device.layouts() for item in layout.fields)
+    return any(isinstance(item.kind, CrcValue) and item.kind.crc == crc.name and item.kind.of for item in fields)

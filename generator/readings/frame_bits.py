@@ -84,8 +84,9 @@ def _part(kind: Kind, item: PlacedField, placed: PlacedLayout) -> str:
             return "constant"
         case Unused():
             return "unused"
-        case CrcValue():
-            return "the CRC"
+        case CrcValue(_, of):
+            low, count = placed.crc_covers
+            return f"the CRC of {bits(low + count - 1, low)}" if of else "the CRC"
         case Parity(of, odd, over):
             others = ((name, placed.field(name)) for name in of)
             where = [bits(other.high, other.low) if other is not None else name for name, other in others]

@@ -318,7 +318,8 @@ def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:
     if placed.layout.in_bytes:
         data = number_to_bytes(placed.layout, number, placed.bits)
         return compute_bytes(crc, data[: -(crc.width // 8)])
-    return compute_bits(crc, number >> crc.width, placed.bits - crc.width)
+    low, bits = placed.crc_covers
+    return compute_bits(crc, number >> low, bits)
 
 
 def encode(device: Device, placed: PlacedLayout, values: Values) -> int:

@@ -78,8 +78,9 @@ def _kind(device: Device, item: Field) -> Iterator[Said]:
                 yield said("Frames with other values are still decoded, with the verdict ", Code(verdict.value))
             else:
                 yield said("Other values are still decoded")
-        case CrcValue(crc):
-            yield said("CRC ", Ref("crc", crc, crc), " over everything before it")
+        case CrcValue(crc, of):
+            over = parted((Code(name),) for name in of) if of else ("everything before it",)
+            yield said("CRC ", Ref("crc", crc, crc), " over ", *over)
         case Parity() as parity:
             covered = parted((Code(name),) for name in parity.covers)
             bits = f"{parity.over.replace('_', ' ')} of " if parity.over else ""

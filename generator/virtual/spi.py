@@ -62,12 +62,14 @@ class SpiLine:
         item, values = found
         layout = self._layout(item.reply)
         access: dict[str, int] = {name: int(values[name]) for name in ("address", "data") if name in values}
+        # A reply can repeat fields of its request.
+        echo = {field.name: values[field.name] for field in layout.data_fields if field.name in values}
         if item.purpose not in ("read", "write"):
-            return self.encoder.frame(layout)
+            return self.encoder.frame(layout, echo)
         if item.purpose == "write":
             self._written |= access
         data = self._access(item.purpose, access)
-        return self._error() if data is None else self.encoder.frame(layout, {"data": data})
+        return self._error() if data is None else self.encoder.frame(layout, {**echo, "data": data})
 
     def _access(self, purpose: str, access: dict[str, int]) -> int | None:
         """Carry out an access, and return the value of the register afterwards, or None if there is no access."""

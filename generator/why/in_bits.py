@@ -95,6 +95,7 @@ SLIPS = (
 def tries(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
     """Yield every single mistake that could have turned a valid frame into ``text``.
 
+    If the CRC covers only a part of the frame, only other parameters of the CRC and inverted frames are tried.
     ``placed`` is the layout of the expected frame. A number without leading zeros may have any length from its first 1
     on. If it can have the right length, other lengths are tried only if they lead to another frame.
     """
@@ -104,6 +105,8 @@ def tries(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text
     if expected in lengths:
         yield from _computed_otherwise(placed, crc, text.number)
         yield from _whole(placed, crc, text.number)
+    if placed.covers_part:
+        return
     for length in sorted(lengths, reverse=True):
         yield from (
             _slipped(placed, crc, slip, text.number, length) for slip in SLIPS if slip.longer == length - expected
@@ -133,8 +136,7 @@ def read_as(
         kind,
         words,
         crc,
-        number >> crc.width,
-        placed.bits - crc.width,
+        *_covered(placed, number),
         received,
         crc.width - lost,
         demanded=demanded + fixed,
@@ -149,8 +151,14 @@ def read_as(
 def as_sent(placed: PlacedLayout, crc: Crc, number: int) -> Try:
     """Return a try of the frame as sent, to which the caller adds the mistake."""
     fixed, right = fixed_bits(placed, number)
-    same = Try("", "", crc, number >> crc.width, placed.bits - crc.width, number & crc.mask, crc.width)
+    same = Try("", "", crc, *_covered(placed, number), number & crc.mask, crc.width)
     return replace(same, fixed=fixed if right else 0, usual=usual(placed, number))
+
+
+def _covered(placed: PlacedLayout, number: int) -> tuple[int, int]:
+    """Return the bits that the CRC covers, and how many they are."""
+    low, bits = placed.crc_covers
+    return number >> low & (1 << bits) - 1, bits
 
 
 def _slipped(placed: PlacedLayout, crc: Crc, slip: Slip, number: int, length: int) -> Try:
@@ -166,6 +174,8 @@ def _computed_otherwise(placed: PlacedLayout, crc: Crc, number: int) -> Iterator
     """Yield tries of the frame as sent with another CRC."""
     same = as_sent(placed, crc, number)
     yield from (replace(same, kind=kind, text=words, crc=other) for kind, words, other in other_crcs(crc))
+    if placed.covers_part:
+        return
     yield from _status_otherwise(same, placed, number)
     yield from _position_otherwise(same, placed, number)
     yield from _start_bits_in_crc(same)

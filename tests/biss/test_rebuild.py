@@ -65,6 +65,7 @@ RENAMED = {
     "FrameExample": {"sender": "from"},
     "Register": {"volatile": "lost_unless_saved"},
     "Constant": {"value": "constant"},
+    "CrcValue": {"of": "crc_of"},
     "Unused": {"value": "unused"},
     "Parity": {"of": "parity_of"},
     "Decimal": {"runs": "digits"},

@@ -119,6 +119,9 @@ def _frame_faults(
         if name in _FLAGS and field.get("active") == "high":
             wrong = f"{quoted(name)} is active high, but in BiSS it is active low; write 'active: low'"
             yield (*path, "active"), f"{where}.{name}", wrong
+        if "crc_of" in field:
+            wrong = f"{quoted(name)} has 'crc_of', but in BiSS the CRC covers everything before it; leave 'crc_of' out"
+            yield (*path, "crc_of"), f"{where}.{name}", wrong
         crc = crcs.get(field["crc"], {}) if "crc" in field else {}
         if crc.get("xorout") == 0 and isinstance(width := crc.get("width"), int):
             wrong = f"the CRC {quoted(field['crc'])} has 'xorout' 0, but BiSS sends the CRC inverted"

@@ -105,6 +105,7 @@ def field_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             known.refer_by("crc", path, field, "CRC")
             siblings = [name for name in names if name != field.get("name")]
             known.refer_by("parity_of", path, field, "other field", [*siblings, *joins])
+            known.refer_by("crc_of", path, field, "other field", siblings)
             if (
                 "values_of" in field
                 and fields.kind is not Has.GROUP

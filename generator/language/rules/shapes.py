@@ -109,6 +109,9 @@ def _check_kind(path: Path, field: Spec, report: DocumentReport) -> None:
                 " field"
             )
             report.add("layout-keys", (*path, key), wrong, at_key=True)
+    if "crc_of" in field and "crc" not in field:
+        wrong = f"'crc_of' is only for CRCs; to make {name} a CRC, add 'crc' with its name"
+        report.add("layout-keys", (*path, "crc_of"), wrong, at_key=True)
     if isinstance(field.get("equals"), int) and "text" in field:
         report.add("layout-keys", (*path, "equals"), f"{name} is text; put the value in quotes")
 

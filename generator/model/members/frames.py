@@ -105,9 +105,17 @@ FRAMES = (
         Member(
             "crc",
             "name",
-            "Name of the CRC that the field holds, computed over everything sent before it.",
+            "Name of the CRC that the field holds.",
             "field-reads-otherwise",
             refers_to="crc",
+        ),
+        Member(
+            "crc_of",
+            "[name]",
+            "Fields that the CRC covers. Empty: everything sent before it.",
+            "field-reads-otherwise",
+            refers_to="fields",
+            of="of",
         ),
         Member(
             "parity_of",

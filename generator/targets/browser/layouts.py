@@ -89,6 +89,7 @@ def _layout(device: Device, codec: Codec, of: Description) -> Data:
         fields=[*_fields(codec, of)],
         checks=[described(item) | _message(codec.layout, op) for item, op in zip(of.checks, codec.checks, strict=True)],
         crc=of.crc.crc.name if of.crc is not None else "",
+        crc_of=[of.crc.low, of.crc.covered.constant] if of.crc is not None and of.crc.is_part else [],
         asks=[item.name for item in codec.alternatives],
         held=_held(device, codec.layout, codec),
     )

@@ -93,7 +93,7 @@ class Decoder:
         crc = self.codec.crc
         if crc is None or self.codec.in_bytes:
             return None
-        if not crc.crc.init:
+        if not crc.crc.init and not crc.is_part:
             return number(self.codec.layout.widest - crc.crc.width)
         answered = self.scope.answered if isinstance(self.scope, Once) else frozenset()
         return Scope(self.scope.names).of(crc.covered) if answered.isdisjoint(crc.covered.parameters) else None

@@ -77,7 +77,8 @@ class Shape:
             made["differs"] = Code(f"of_bytes({coder.crc_name}, {place})")
             made |= {"xorout": crc.xorout, "is_xor": True} if crc.is_xor else {}
         else:
-            made["differs"] = Code(f"of_bits({coder.crc_name}, {coder.number(of.covered)}, {crc.width})")
+            gap = f", {of.gap}" if of.gap else ""
+            made["differs"] = Code(f"of_bits({coder.crc_name}, {coder.number(of.covered)}, {crc.width}{gap})")
             folds = tuple(call("Fold", step.shift, Code(f"0x{step.mask:02X}"), step.back) for step in of.steps)
             made |= {"xorout": crc.xorout, "steps": folds} if folds else {}
         return Call("CrcOf", tuple(made.items()))
