@@ -21,8 +21,10 @@ TESTED = {
     "amt22": "cui_amt22_spi",
     "amt22_multiturn": "cui_amt22_multiturn_spi",
     "icmu": "ichaus_icmu_biss",
+    "mt6835": "magntek_mt6835_spi",
     "resolute": "renishaw_resolute_biss",
     "resolute_linear": "renishaw_resolute_linear_biss",
+    "tle5012b": "infineon_tle5012b_spi",
     "ts5700": "tamagawa_ts5700_rs485",
 }
 #: Decodes a frame with a generated package. The arguments are package, order code, frame, and the expected values.
@@ -82,5 +84,5 @@ def test_each_grade_names_vectors_that_exist() -> None:
     counts = {item.name: len(item.evidence.vectors) for item in devices}
     assert counts == {
         "aksim2": 0, "amt22": 1, "amt22_multiturn": 0, "as5047p": 0, "as5048a": 0, "icmu": 3, "kcd": 0, "la11": 0,
-        "resolute": 11, "resolute_linear": 11, "ts5700": 12, "wdga": 0,
+        "mt6835": 0, "resolute": 11, "resolute_linear": 11, "tle5012b": 0, "ts5700": 12, "wdga": 0,
     }  # fmt: skip
