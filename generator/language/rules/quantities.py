@@ -118,9 +118,7 @@ def quantity_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                         report.add("quantity-repeated", (*place, key), f"{wrong}; one of the two is wrong")
 
 
-def _compare_supply(
-    found: tuple[int, int], ranges: list[tuple[Any, Any]], path: Path, report: DocumentReport
-) -> None:
+def _compare_supply(found: tuple[int, int], ranges: list[tuple[Any, Any]], path: Path, report: DocumentReport) -> None:
     """Report a supply that is not one of these ranges in millivolts, if there are any."""
     if ranges and found not in ranges:
         known = listed([f"{low} to {high} mV" for low, high in ranges], "or")

@@ -38,7 +38,9 @@ def repeated_text(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for found in registers.values():
         _compare(found, "printed_name", report)
     for fields in field_lists(spec):
-        _compare(((path, item) for path, item in fields if not {"constant", "unused"} & {*item}), "printed_name", report)
+        _compare(
+            ((path, item) for path, item in fields if not {"constant", "unused"} & {*item}), "printed_name", report
+        )
         for path, field in fields:
             values = [((*path, "values", name), value) for name, value in mapping(field, "values").items()]
             _compare(values, "printed_name", report)
