@@ -62,7 +62,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     Parts that could not be built are missing from the result. It can be used only if nothing was reported.
     """
     definitions = _definitions(raw)
-    order_code = _order_code(raw["order_code"])
+    order_code = code_grammar(raw["order_code"])
     alternatives = tuple(_alternative(item) for item in raw.get("alternatives", ()))
     first = {name: value for item in alternatives for name, value in item.answers[0].sets.items()}
     variants = _variants(order_code, definitions, {**held_in_registers(raw, report), **first})
@@ -147,7 +147,8 @@ def _definitions(raw: Raw) -> Mapping[str, Expression]:
     return MappingProxyType(found)
 
 
-def _order_code(raw: Raw) -> OrderCode:
+def code_grammar(raw: Raw) -> OrderCode:
+    """Return the grammar of order codes from its checked data."""
     parts = (
         record(
             CodePart,
