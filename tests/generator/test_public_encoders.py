@@ -76,7 +76,7 @@ def test_python_decodes_their_frames(made: Path) -> None:
 
 
 def test_each_grade_names_vectors_that_exist() -> None:
-    """All vectors of the encoders are found, as they were published: 12 replies, 11 frames twice, an EEPROM, a frame and a table."""
+    """All published vectors are found: 12 replies, 11 frames twice, an EEPROM, a frame and a table."""
     devices, _ = load_library([ENCODERS])
     counts = {item.name: len(item.evidence.vectors) for item in devices}
     assert counts == {
