@@ -11,6 +11,7 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import FrameExample
+from codewheel.order_codes.run_time import RegisterError, with_registers
 
 pytestmark = pytest.mark.slow
 
@@ -77,12 +78,31 @@ def test_python_decodes_their_frames(made: Path) -> None:
     assert frames >= 9
 
 
+def test_the_registers_of_an_ic_mhm_select_its_frame() -> None:
+    """The example of iC-Haus for its library reads 12 + 1 + 1 + 6 bits; the data sheet has 20 bits in a field of 24."""
+    devices, _ = load_library([ENCODERS])
+    device = next(item for item in devices if item.name == "icmhm")
+    (variant,) = device.variants
+    (layout,) = device.interface("biss").layouts
+
+    def widths(held: dict[int, int]) -> dict[str, int]:
+        placed = layout.place(with_registers(device, variant, held).parameters)
+        return {item.name: item.width for item in placed.fields}
+
+    assert sum(widths({0x01: 0x40}).values()) == 20
+    code_6 = {"singleturn": 10, "zeros_below": 2, "error": 1, "warning": 1, "crc": 6}
+    assert widths({0x01: 0x60}) == code_6
+    assert widths({0x01: 0x65, 0x0A: 0x40}) == {"zeros_above": 4, "multiturn": 20, **code_6, "life_counter": 6}
+    with pytest.raises(RegisterError, match="does not hold a code of multiturn_bits; the codes are 0, 2, 4, 5, 6, 7"):
+        widths({0x01: 0x01})
+
+
 def test_each_grade_names_vectors_that_exist() -> None:
     """All published vectors are found: 12 replies, 11 frames twice, an EEPROM, a frame, a table, and check bits."""
     devices, _ = load_library([ENCODERS])
     counts = {item.name: len(item.evidence.vectors) for item in devices}
     assert counts == {
-        "aksim2": 1, "amt22": 1, "amt22_multiturn": 0, "as38": 0, "as5047p": 0, "as5048a": 0, "as5147": 0, "icmu": 3,
-        "kcd": 0, "la11": 0, "ma732": 0, "ma732_parity": 3, "mt6701": 0, "orbis": 0, "resolute": 11,
+        "aksim2": 1, "amt22": 1, "amt22_multiturn": 0, "as38": 0, "as5047p": 0, "as5048a": 0, "as5147": 0, "icmhm": 0,
+        "icmu": 3, "kcd": 0, "la11": 0, "ma732": 0, "ma732_parity": 3, "mt6701": 0, "orbis": 0, "resolute": 11,
         "resolute_linear": 11, "ts5700": 12, "wdga": 0,
     }  # fmt: skip

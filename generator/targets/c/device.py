@@ -18,6 +18,7 @@ from ...plan.values import TwosComplement
 from ...say.erratum import errata, erratum
 from ...say.evidence import grade
 from ...say.origin import origin, other_editions, taken_away
+from ...say.parameter import initial
 from .. import TargetError
 from .access import state_registers
 from .chosen import chosen_variant
@@ -98,6 +99,7 @@ class DeviceView:
         self.crcs = [item for item in made if item.is_called or item.table]
         codes = {item.register.name: item for item in self.registers}
         self.takers = [Taker(context, item, codes[item.register.name].access) for item in held_parameters(device)]
+        self.initial = initial(device)
         self.read_state = f"{self.prefix}_read_state" if state_registers(device) else ""
         self.identities = list(identity_codes(context, codes))
         self.procedures = [

@@ -12,6 +12,7 @@ from ...order_codes.labels import beginnings
 from ...plan.measurement import Cases, also_measured, by_interface, counts
 from ...plan.run_time_parameters import Held, held_parameters
 from ...plan.values import meaning_of
+from ...say.parameter import initial
 from . import text
 from .codec import Coder
 from .context import Asked, Context, byte_order
@@ -221,6 +222,11 @@ class Variants:
         ]
 
     @property
+    def initial(self) -> str:
+        """Kind of the values that they have until they are read."""
+        return initial(self.device)
+
+    @property
     def holding(self) -> str:
         """Registers that hold them."""
         registers = (item.register for item in held_parameters(self.device))
@@ -239,4 +245,8 @@ class Variants:
             "min": parameter.min or 0,
             "max": parameter.max if parameter.max is not None else held.most,
         }
-        return record("Held", needed, **of_number(meaning_of(held.field)))
+        if parameter.by_code:
+            needed["codes"] = tuple((item.code, item.value) for item in parameter.by_code)
+        if register.default is None:
+            needed["by_order_code"] = True
+        return record("Held", needed, **({} if parameter.by_code else of_number(meaning_of(held.field))))
