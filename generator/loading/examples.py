@@ -119,7 +119,7 @@ def _check_measure(device: Device, example: MeasureExample) -> Iterator[Wrong]:
     variant = example_variant(device, example)
     measurement = device.measurement_of(variant.interface)
     if measurement is None or measurement.step_um is None:
-        yield (), "the device does not measure a length"
+        yield (), "the device does not measure a length in micrometres"
         return
     made = measurement.step_um.value(variant.parameters) * example.counts
     if made != example.micrometres:

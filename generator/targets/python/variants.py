@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ...model import Interface, Measurement, Register, Spi, Variant
@@ -172,6 +172,16 @@ class Variants:
         return self._cases(lambda item: self._of(item.step_um))
 
     @cached_property
+    def step_nm(self) -> Cases[Expr]:
+        return self._cases(lambda item: self._of(item.step_nm))
+
+    @cached_property
+    def per_counts(self) -> Cases[Expr]:
+        """Number of counts to which ``step_nm`` applies, if it is not one everywhere."""
+        found = self._cases(lambda item: self._of(item.per_counts or Expression(1)) if item.step_nm else None)
+        return found if any(value != number(1) for value, _ in found.cases) else replace(found, cases=())
+
+    @cached_property
     def modulus(self) -> Cases[Expr]:
         """Number of counts after which the position wraps around."""
 
@@ -191,7 +201,8 @@ class Variants:
     @property
     def bases(self) -> list[str]:
         """Classes of the runtime that convert and unwrap its positions, or that of any encoder."""
-        cases = {"Rotary": self.counts_per_turn, "Linear": self.step_um, "Wrapping": self.modulus}
+        cases = {"Rotary": self.counts_per_turn, "Linear": self.step_um, "FineLinear": self.step_nm}
+        cases["Wrapping"] = self.modulus
         return [name for name, found in cases.items() if found.cases] or ["Encoder"]
 
     @cached_property
