@@ -24,6 +24,7 @@ from . import (
     references,
     repeated,
     shapes,
+    rs485,
     spi,
     values,
 )
@@ -83,6 +84,7 @@ RULES: tuple[Rule, ...] = (
     biss.biss_control,
     references.unused_crc,
     spi.exchanges,
+    rs485.requests,
     procedures.step_access,
     procedures.step_waits,
     procedures.step_opens,
