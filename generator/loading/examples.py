@@ -176,7 +176,7 @@ def decode_example(device: Device, example: FrameExample, variant: Variant) -> c
 
 
 def _selected(device: Device, sender: str) -> frozenset[str]:
-    """Return the names of the layouts of a sender that a field identifies, with the one that serves all other values."""
+    """Return the names of the layouts of a sender that a field identifies, or that serve all other values."""
     found = (item.layouts for item in device.interfaces if any(one.selector for one in item.layouts))
     return frozenset(one.name for layouts in found for one in layouts if one.sender == sender)
 

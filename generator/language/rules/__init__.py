@@ -23,8 +23,8 @@ from . import (
     quantities,
     references,
     repeated,
-    shapes,
     rs485,
+    shapes,
     spi,
     values,
 )

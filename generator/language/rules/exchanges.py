@@ -11,7 +11,9 @@ from .walk import Spec, by_name, items
 KEYS: Mapping[str, str] = {"master": "request", "encoder": "reply"}
 
 
-def check_exchanges(spec: Spec, raw: Spec, interface: str, rule: str, report: DocumentReport) -> list[tuple[Path, Spec]]:
+def check_exchanges(
+    spec: Spec, raw: Spec, interface: str, rule: str, report: DocumentReport
+) -> list[tuple[Path, Spec]]:
     """Check that the frames of exchanges exist, and that each request is in one of them. Return the exchanges."""
     here = ("interfaces", interface)
     layouts = by_name(raw, *here, "layouts")
