@@ -17,10 +17,12 @@ pytestmark = pytest.mark.slow
 ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
 #: Encoders with examples, each with its self-test in C.
 TESTED = {
+    "amt21": "cui_amt21_rs485",
     "aksim2": "rls_aksim2_biss",
     "icmu": "ichaus_icmu_biss",
     "resolute": "renishaw_resolute_biss",
     "resolute_linear": "renishaw_resolute_linear_biss",
+    "skm36": "sick_skm36_rs485",
     "ts5700": "tamagawa_ts5700_rs485",
 }
 #: Decodes a frame with a generated package. The arguments are package, order code, frame, and the expected values.
@@ -75,10 +77,10 @@ def test_python_decodes_their_frames(made: Path) -> None:
 
 
 def test_each_grade_names_vectors_that_exist() -> None:
-    """All vectors of the encoders are found, as they were published: 12 replies, 11 frames twice, and an EEPROM."""
+    """All vectors are found, as they were published: 12 and 9 replies, 11 frames twice, and an EEPROM."""
     devices, _ = load_library([ENCODERS])
     counts = {item.name: len(item.evidence.vectors) for item in devices}
     assert counts == {
-        "aksim2": 0, "as5047p": 0, "as5048a": 0, "icmu": 3, "kcd": 0, "la11": 0, "resolute": 11, "resolute_linear": 11,
-        "ts5700": 12, "wdga": 0,
+        "aksim2": 0, "amt21": 0, "as5047p": 0, "as5048a": 0, "icmu": 3, "kcd": 0, "la11": 0, "resolute": 11,
+        "resolute_linear": 11, "skm36": 9, "ts5700": 12, "wdga": 0,
     }  # fmt: skip
