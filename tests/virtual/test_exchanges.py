@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import random
+import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -17,6 +18,7 @@ from codewheel.virtual import Rs485Line, VirtualEncoder
 pytestmark = pytest.mark.slow
 
 SPECS = Path(__file__).parents[2] / "examples" / "encoders"
+PAGE = SPECS.parents[1] / "docs" / "rs485.md"
 #: The example in the data sheet of the AMT21, and a reply that HPMicro logged from an SKM36.
 AMT21, SKM36 = bytes.fromhex("AB 61"), bytes.fromhex("40 42 00 27 25 51 51")
 ASK = {"AMT212B": b"\x54", "SKM36": bytes.fromhex("40 42 02")}
@@ -141,6 +143,30 @@ def test_a_virtual_encoder_answers(code: str, counts: int, modules: dict[str, An
         line.receive(bytes([byte]))
     assert line.send() == reply
     assert modules[code].lookup(code).decode(reply).position == 1
+
+
+def test_the_program_of_the_page(modules: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
+    module = modules["SKM36"]
+    answers = {0x42: module.PositionReply, 0x52: module.TypeLabelReply}
+
+    def reply(data: bytes) -> bytes:
+        values = (626, 1361) if data[1] == 0x42 else (0xE4FF8001,)
+        return b"" if data[1] == 0x53 else bytes(answers[data[1]](data[0], *values).encode())
+
+    line = link(module, "SKM36", reply)
+    (program,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    exec(program, {"open_encoder": lambda port, code: line, "skm36": module})
+    sent = ["40 42 02", "41 42 03", "40 52 12", "40 53 13"]
+    assert [item.hex(" ") for item in line.transport.sent] == sent
+    assert capsys.readouterr().out.splitlines()[:2] == 2 * [str(626 << 12 | 1361)]
+
+
+def test_the_command_of_the_page(capsys: pytest.CaptureFixture[str]) -> None:
+    (shown,) = re.findall(r"```console\n\$ codewheel (.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    command, output = shown.split("\n", 1)
+    specs = [str(SPECS) if item == "examples/encoders" else item for item in command.split()]
+    assert main(specs) == 0
+    assert capsys.readouterr().out == output
 
 
 PROGRAM = r"""
