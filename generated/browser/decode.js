@@ -91,9 +91,10 @@
     return order === "little" ? lowFirst : lowFirst.reverse();
   }
 
-  /** The parity of the bits of a number at these places. */
-  function parityOf(number, places, odd) {
-    const found = places.map(({ low, width }) => bits(number, low, width).toString(2)).join("");
+  /** The parity of the bits of a number at these places, or of those bits at each place that are in the mask. */
+  function parityOf(number, places, { odd, mask }) {
+    const counted = mask ? big(mask) : -1n;
+    const found = places.map(({ low, width }) => (bits(number, low, width) & counted).toString(2)).join("");
     return BigInt((found.split("1").length - 1 + (odd ?? 0)) % 2);
   }
 
@@ -240,7 +241,7 @@
   function problemOf(item, number, plain) {
     const { check, low, width, of } = item;
     const found = bits(of ? number : plain, low, width);
-    const right = of ? [parityOf(number, of, check.odd)]
+    const right = of ? [parityOf(number, of, check)]
       : (check.values ?? []).map((one) => big(one) & ones(width));
     const holds = check.limit === undefined ? right.includes(found) : found <= big(check.limit);
     if (holds) return [];
@@ -311,7 +312,7 @@
     let number = at.fields.reduce((sum, item) => sum | (rawOf(item, values) << BigInt(item.low)), 0n);
     parities.forEach((item) => {
       const of = at.fields.filter((one) => item.field.parity.includes(one.name));
-      number |= parityOf(number, of, item.field.odd) << BigInt(item.low);
+      number |= parityOf(number, of, item.field) << BigInt(item.low);
     });
     number = toGray(at, number);
     if (at.layout.crc) number |= computedBy(at.family.crcs[at.layout.crc], at, number) << BigInt(crcField(at).low);
