@@ -19,6 +19,8 @@ ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
 TESTED = {
     "amt21": "cui_amt21_rs485",
     "aksim2": "rls_aksim2_biss",
+    "amt22": "cui_amt22_spi",
+    "amt22_multiturn": "cui_amt22_multiturn_spi",
     "icmu": "ichaus_icmu_biss",
     "resolute": "renishaw_resolute_biss",
     "resolute_linear": "renishaw_resolute_linear_biss",
@@ -77,10 +79,10 @@ def test_python_decodes_their_frames(made: Path) -> None:
 
 
 def test_each_grade_names_vectors_that_exist() -> None:
-    """All vectors are found, as they were published: 12 and 9 replies, 11 frames twice, and an EEPROM."""
+    """All vectors are found: 12 and 9 replies, 11 frames twice, an EEPROM, and check bits."""
     devices, _ = load_library([ENCODERS])
     counts = {item.name: len(item.evidence.vectors) for item in devices}
     assert counts == {
-        "aksim2": 0, "amt21": 0, "as5047p": 0, "as5048a": 0, "icmu": 3, "kcd": 0, "la11": 0, "resolute": 11,
-        "resolute_linear": 11, "skm36": 9, "ts5700": 12, "wdga": 0,
+        "aksim2": 0, "amt21": 0, "amt22": 1, "amt22_multiturn": 0, "as5047p": 0, "as5048a": 0, "icmu": 3, "kcd": 0,
+        "la11": 0, "resolute": 11, "resolute_linear": 11, "skm36": 9, "ts5700": 12, "wdga": 0,
     }  # fmt: skip
