@@ -28,7 +28,7 @@ from .context import Context
 from .crcs import crc_code
 from .facts import AlarmCode
 from .identity import identity_codes
-from .interfaces import InterfaceCode
+from .interfaces import Asking, InterfaceCode
 from .lengths import LengthCode
 from .macros import timing_macros
 from .names import Declared, Names
@@ -51,13 +51,15 @@ class _Declaring(Protocol):
 class Usage:
     """The names for reading a position: the frame, its verdict function, the member, and the request for the frame.
 
-    ``twice`` is true if no CRC protects the frame, so that two frames must agree.
+    The request is a macro, or a frame of its own, ``asking``. ``twice`` is true if no CRC protects the frame, so that
+    two frames must agree.
     """
 
     frame: StructCodec
     verdict: str
     member: str
     request: str
+    asking: Asking | None
     twice: bool
 
 
@@ -226,7 +228,8 @@ class DeviceView:
                 of = [part.meaning for part in item.plan.parts if part.field.name == measurement.of]
                 signed = any(isinstance(meaning, TwosComplement) for meaning in of)
                 request = self.interface.request_of(item.struct.layout)
-                return Usage(item, told, c_name(measurement.of), request, twice and not signed)
+                asking = self.interface.asking(item.struct.layout)
+                return Usage(item, told, c_name(measurement.of), request, asking, twice and not signed)
         return None
 
     def errata(self, *paths: str) -> list[Paragraph]:
