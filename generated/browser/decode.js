@@ -244,10 +244,11 @@
     return { crc, field: field.name, received, computed: computedBy(crc, at, number) };
   }
 
-  /** The CRC with these parameters over the bits before the CRC of a frame. */
+  /** The CRC with these parameters over the bits of a frame that its CRC covers. */
   function computedBy(crc, at, number) {
     const { width } = crcField(at);
-    if (!at.layout.order) return crcOfBits(crc, number >> BigInt(width), at.bits - width);
+    const [low, count] = at.layout.crc_of ?? [width, at.bits - width];
+    if (!at.layout.order) return crcOfBits(crc, number >> BigInt(low), count);
     return crcOfBytes(crc, bytesOf(at.layout.order, number, at.bits / 8).slice(0, -width / 8));
   }
 

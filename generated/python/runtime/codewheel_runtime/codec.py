@@ -333,13 +333,17 @@ def crc_by_xor(data: Data, xorout: int = 0) -> int:
 
 
 @cache
-def crc_tables(crc: Callable[[int, int], int], covered: int, width: int, count: int) -> tuple[Sequence[int], ...]:
+def crc_tables(
+    crc: Callable[[int, int], int], covered: int, width: int, count: int, gap: int = 0
+) -> tuple[Sequence[int], ...]:
     """Return one table per 16 bits of a word. The XOR of the entries for the word is 0 if its CRC is correct.
 
-    ``crc`` computes the CRC over the first ``covered`` bits of the word. Its ``width`` bits follow them.
+    ``crc`` computes the CRC over ``covered`` bits of the word. ``gap`` bits are between them and the ``width`` bits of
+    the CRC, which are the last ones of the word.
     """
     none = crc(0, covered)
-    changes = [*(1 << place for place in range(width)), *(crc(1 << place, covered) ^ none for place in range(covered))]
+    changes = [*(1 << place for place in range(width)), *([0] * gap)]
+    changes += [crc(1 << place, covered) ^ none for place in range(covered)]
     changes += [0] * (16 * count - len(changes))
     tables: list[Sequence[int]] = []
     for low in range(0, 16 * count, 16):

@@ -89,9 +89,13 @@ def of_bytes(
     return differs
 
 
-def of_bits(function: Callable[[int, int], int], covered: int, width: int) -> Callable[[int], int]:
-    """Return a function that finds the wrong bits of the CRC in the last ``width`` bits of a number."""
-    return lambda number: function(number >> width, covered) ^ number & ((1 << width) - 1)
+def of_bits(function: Callable[[int, int], int], covered: int, width: int, gap: int = 0) -> Callable[[int], int]:
+    """Return a function that finds the wrong bits of the CRC in the last ``width`` bits of a number.
+
+    The CRC covers ``covered`` bits, and ``gap`` bits are between them and the CRC.
+    """
+    ones = (1 << covered) - 1
+    return lambda number: function(number >> width + gap & ones, covered) ^ number & ((1 << width) - 1)
 
 
 class Join(NamedTuple):
