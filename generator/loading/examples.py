@@ -119,7 +119,7 @@ def _check_measure(device: Device, example: MeasureExample) -> Iterator[Wrong]:
     variant = example_variant(device, example)
     measurement = device.measurement_of(variant.interface)
     if measurement is None or measurement.step_um is None:
-        yield (), "the device does not measure a length"
+        yield (), "the device does not measure a length in micrometres"
         return
     made = measurement.step_um.value(variant.parameters) * example.counts
     if made != example.micrometres:
@@ -197,10 +197,18 @@ def _data(example: Example) -> Path:
 
 def decode_example(device: Device, example: FrameExample, variant: Variant) -> codec.Decoded:
     """Decode the frame of an example with the model."""
-    if not example.bits:
+    if not example.bits and (not example.layout or example.layout in _selected(device, example.sender)):
         return codec.decode_bytes(device, variant, example.sender, example.bytes)
     placed = device.layout(example.layout).place(variant.parameters)
+    if not example.bits:
+        return codec.decode_placed(device, placed, example.bytes)
     return codec.decode_bits(device, placed, int(example.bits, 2), len(example.bits))
+
+
+def _selected(device: Device, sender: str) -> frozenset[str]:
+    """Return the names of the layouts of a sender that a field identifies, or that serve all other values."""
+    found = (item.layouts for item in device.interfaces if any(one.selector for one in item.layouts))
+    return frozenset(one.name for layouts in found for one in layouts if one.sender == sender)
 
 
 def _compare(decoded: codec.Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:

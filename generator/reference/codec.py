@@ -222,7 +222,7 @@ def _documented(item: PlacedField) -> int:
 def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
     """Return the parity bit that matches the other bits of ``number``."""
     fields = (placed.field(name) for name in parity.of)
-    ones = sum((number >> of.low & of.mask).bit_count() for of in fields if of is not None)
+    ones = sum((number >> of.low & of.mask & parity.mask).bit_count() for of in fields if of is not None)
     return (ones + parity.odd) & 1
 
 

@@ -17,6 +17,8 @@ _SETS = frozenset(
 )
 #: Maps of lists that are sets.
 _MAPS_OF_SETS = frozenset(("only_with", "open_only_with"))
+#: Keys of fields without data. Each word of a frame can have its own check bits with the same names.
+_NOT_DATA = frozenset(("constant", "unused", "crc", "parity_of"))
 
 
 def repeated_item(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -38,9 +40,7 @@ def repeated_text(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for found in registers.values():
         _compare(found, "printed_name", report)
     for fields in field_lists(spec):
-        _compare(
-            ((path, item) for path, item in fields if not {"constant", "unused"} & {*item}), "printed_name", report
-        )
+        _compare(((path, item) for path, item in fields if not _NOT_DATA & {*item}), "printed_name", report)
         for path, field in fields:
             values = [((*path, "values", name), value) for name, value in mapping(field, "values").items()]
             _compare(values, "printed_name", report)

@@ -132,6 +132,12 @@ FRAMES = (
             of="odd",
         ),
         Member(
+            "over",
+            "|odd_bits|even_bits",
+            "For a parity bit: the bits of each of those fields that count. Empty: all bits.",
+            "field-reads-otherwise",
+        ),
+        Member(
             "digits",
             "[digits]",
             "Parts into which the decimal digits of the number are split, most significant first.",
