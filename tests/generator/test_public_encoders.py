@@ -17,10 +17,11 @@ pytestmark = pytest.mark.slow
 ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
 #: Encoders with examples, each with its self-test in C.
 TESTED = {
-    "aksim2": "rls_aksim2_biss",
+    "aksim2": "rls_aksim2_spi",
     "amt22": "cui_amt22_spi",
     "amt22_multiturn": "cui_amt22_multiturn_spi",
     "icmu": "ichaus_icmu_biss",
+    "ma732_parity": "mps_ma732_parity_spi",
     "resolute": "renishaw_resolute_biss",
     "resolute_linear": "renishaw_resolute_linear_biss",
     "ts5700": "tamagawa_ts5700_rs485",
@@ -77,10 +78,10 @@ def test_python_decodes_their_frames(made: Path) -> None:
 
 
 def test_each_grade_names_vectors_that_exist() -> None:
-    """All vectors of the encoders are found, as published: 12 replies, 11 frames twice, an EEPROM, and check bits."""
+    """All published vectors are found: 12 replies, 11 frames twice, an EEPROM, a frame, a table, check bits."""
     devices, _ = load_library([ENCODERS])
     counts = {item.name: len(item.evidence.vectors) for item in devices}
     assert counts == {
-        "aksim2": 0, "amt22": 1, "amt22_multiturn": 0, "as5047p": 0, "as5048a": 0, "icmu": 3, "kcd": 0, "la11": 0,
-        "resolute": 11, "resolute_linear": 11, "ts5700": 12, "wdga": 0,
+        "aksim2": 1, "amt22": 1, "amt22_multiturn": 0, "as38": 0, "as5047p": 0, "as5048a": 0, "as5147": 0, "icmu": 3,
+        "kcd": 0, "la11": 0, "ma732": 0, "ma732_parity": 3, "mt6701": 0, "orbis": 0, "resolute": 11, "resolute_linear": 11, "ts5700": 12, "wdga": 0,
     }  # fmt: skip
