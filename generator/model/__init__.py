@@ -68,9 +68,9 @@ from .facts import (
 from .fault import Fault
 from .interfaces import INTERFACES, Fact, Interface
 from .interfaces.biss import BankSelect, Biss, ControlField, DescriptionFile, Network, PrintedTimeout, Profile, Timeout
-from .interfaces.common import Clock, Signals
+from .interfaces.common import Clock, Exchange, Signals
 from .interfaces.rs485 import DataId, MemoryAccess, Port, Rs485
-from .interfaces.spi import Exchange, Spi, WordFormat
+from .interfaces.spi import Spi, WordFormat
 from .interfaces.ssi import Alignment, CableLength, OutputCode, Ssi
 from .kinds import (
     UNEXPLAINED,

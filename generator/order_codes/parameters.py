@@ -102,7 +102,7 @@ def _of_measurement(measurement: Measurement) -> Iterator[Expression]:
     found = (
         measurement.counts_per_turn,
         measurement.turns,
-        measurement.step_um,
+        *measurement.steps,
         measurement.modulus,
         measurement.highest,
     )

@@ -18,10 +18,15 @@ pytestmark = pytest.mark.slow
 ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
 #: Encoders with examples, each with its self-test in C.
 TESTED = {
-    "aksim2": "rls_aksim2_biss",
+    "amt21": "cui_amt21_rs485",
+    "aksim2": "rls_aksim2_spi",
+    "amt22": "cui_amt22_spi",
+    "amt22_multiturn": "cui_amt22_multiturn_spi",
     "icmu": "ichaus_icmu_biss",
+    "ma732_parity": "mps_ma732_parity_spi",
     "resolute": "renishaw_resolute_biss",
     "resolute_linear": "renishaw_resolute_linear_biss",
+    "skm36": "sick_skm36_rs485",
     "ts5700": "tamagawa_ts5700_rs485",
 }
 #: Decodes a frame with a generated package. The arguments are package, order code, frame, and the expected values.
@@ -95,10 +100,11 @@ def test_the_registers_of_an_ic_mhm_select_its_frame() -> None:
 
 
 def test_each_grade_names_vectors_that_exist() -> None:
-    """All vectors of the encoders are found, as they were published: 12 replies, 11 frames twice, and an EEPROM."""
+    """All published vectors are found: 12 and 9 replies, 11 frames twice, an EEPROM, a frame, a table, check bits."""
     devices, _ = load_library([ENCODERS])
     counts = {item.name: len(item.evidence.vectors) for item in devices}
     assert counts == {
-        "aksim2": 0, "as5047p": 0, "as5048a": 0, "icmhm": 0, "icmu": 3, "kcd": 0, "la11": 0, "resolute": 11,
-        "resolute_linear": 11, "ts5700": 12, "wdga": 0,
+        "aksim2": 1, "amt21": 0, "amt22": 1, "amt22_multiturn": 0, "as38": 0, "as5047p": 0, "as5048a": 0, "as5147": 0,
+        "icmhm": 0, "icmu": 3, "kcd": 0, "la11": 0, "ma732": 0, "ma732_parity": 3, "mt6701": 0, "orbis": 0,
+        "resolute": 11, "resolute_linear": 11, "skm36": 9, "ts5700": 12, "wdga": 0,
     }  # fmt: skip

@@ -24,7 +24,8 @@ from .walk import (
 _KINDS = {
     "bits": ("bit", "bits"),
     "micrometres": ("um", "µm", "μm", "micrometre", "micrometres", "micrometer", "micrometers", "micron", "microns"),
-    "another length": ("nm", "mm", "cm", "m", "millimetre", "millimetres", "millimeters", "inch", "inches"),
+    "nanometres": ("nm", "nanometre", "nanometres", "nanometer", "nanometers"),
+    "another length": ("mm", "cm", "m", "millimetre", "millimetres", "millimeters", "inch", "inches"),
     "revolutions": ("revolution", "revolutions", "turn", "turns", "rev", "revs"),
     "counts": ("count", "counts", "step", "steps", "position", "positions", "increments"),
 }
@@ -35,6 +36,8 @@ _MEASURED = {
     "counts_per_turn": "counts",
     "turns": "revolutions",
     "step_um": "micrometres",
+    "step_nm": "nanometres",
+    "per_counts": "counts",
     "modulus": "counts",
     "highest": "counts",
 }

@@ -100,8 +100,10 @@ def _measure(device: Device, interface: Interface) -> Data:
         return {}
     joins = (join for layout in interface.layouts for join in layout.joins if join.name == found.of)
     part = next((join.fields[-1] for join in joins), "")
-    step, turn, turns = map(bound, (found.step_um, found.counts_per_turn, found.turns))
-    return kept(of=found.of, part=part, step_um=step, counts_per_turn=turn, turns=turns)
+    step, fine, counts = map(bound, (found.step_um, found.step_nm, found.per_counts))
+    turn, turns = map(bound, (found.counts_per_turn, found.turns))
+    length = {"step_um": step, "step_nm": fine, "per_counts": counts}
+    return kept(of=found.of, part=part, **length, counts_per_turn=turn, turns=turns)
 
 
 def _dispatch(interface: Interface, item: Dispatch) -> Data:
