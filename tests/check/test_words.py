@@ -21,6 +21,7 @@ WHOLE = "lika"
 ALONE = {
     "biss.bank_select": "banks are part of BiSS, and iC-Haus documents two more chips with them",
     "register.bank": "as bank_select",
+    "parameter.by_code": "codes for widths in four iC-Haus chips, and in LENZ encoders without a public document",
     "evidence.grade.quoted": "a grade of the issue on evidence",
     "field.makes_position.usable": "one of three verdicts",
     "field.over": "check bits over every other bit, of the AMT21 and the AMT22. No second manufacturer is known",
