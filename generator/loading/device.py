@@ -39,7 +39,7 @@ from ..model import (
 from ..model.expressions import Expression, ExpressionError
 from ..model.limits import bounded, bounded_width, bounds, representable
 from ..order_codes.labels import combinations
-from ..order_codes.run_time import corners, resolve_parameters
+from ..order_codes.run_time import State, corners, resolve_parameters
 from ..reference import codec
 from .editions import editions
 from .examples import build_examples, check_examples
@@ -53,7 +53,7 @@ from .measurement_rules import check_measurements
 from .only import check_alarms, check_only, only_while, set_parameters
 from .procedures import build_procedures
 from .repeated_facts import check_agreement
-from .run_time_parameters import held_in_registers
+from .run_time_parameters import coded_values, extreme_states, held_in_registers
 from .samples import samples
 from .valid_parts import sound_so_far
 
@@ -64,7 +64,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     Parts that could not be built are missing from the result. It can be used only if nothing was reported.
     """
     definitions = _definitions(raw)
-    order_code = _order_code(raw["order_code"])
+    order_code = code_grammar(raw["order_code"])
     alternatives = tuple(_alternative(item) for item in raw.get("alternatives", ()))
     first = {name: value for item in alternatives for name, value in item.answers[0].sets.items()}
     variants = _variants(order_code, definitions, {**held_in_registers(raw, report), **first})
@@ -150,7 +150,8 @@ def _definitions(raw: Raw) -> Mapping[str, Expression]:
     return MappingProxyType(found)
 
 
-def _order_code(raw: Raw) -> OrderCode:
+def code_grammar(raw: Raw) -> OrderCode:
+    """Return the grammar of order codes from its checked data."""
     parts = (
         record(
             CodePart,
@@ -207,14 +208,10 @@ def _parameter_sets(
         return MappingProxyType({kind: ({},) for kind in kinds})
     found: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in kinds}
     answers: list[Mapping[str, int]] = [{}, *(answer.sets for item in alternatives for answer in item.answers[1:])]
-    bounds = {
-        name: [item[key] for key in ("min", "max") if key in item]
-        for name, item in raw["parameters"].items()
-        if "read_from" in item
-    }
+    fields = extreme_states(raw)
     # One by one first, so that messages name as few parameters as possible.
-    singles = ({name: value} for name, values in bounds.items() for value in values)
-    held = [{}, *singles, *(corners(bounds) if len(bounds) > 1 else ())]
+    singles = (state for states in fields for state in states)
+    held: list[State] = [{}, *singles, *(corners(fields) if len(fields) > 1 else ())]
     seen: set[tuple[str, tuple[int, ...]]] = set()
     for variant in variants:
         known = found.setdefault(variant.interface, [])
@@ -233,7 +230,11 @@ def _parameter_sets(
 
 def _parameter(name: str, raw: Raw, context: Context) -> Parameter:
     values = (parameters.get(name, 0) for sets in context.parameter_sets.values() for parameters in sets)
-    return record(Parameter, raw, name=name, equals=context.definitions.get(name), largest=max(values, default=0))
+    codes = coded_values(raw)
+    limits = {"min": min(raw["by_code"].values()), "max": max(raw["by_code"].values())} if codes else {}
+    largest = max(values, default=0)
+    equals = context.definitions.get(name)
+    return record(Parameter, {**raw, **limits}, name=name, equals=equals, largest=largest, by_code=codes)
 
 
 def _crc(raw: Raw) -> Crc:

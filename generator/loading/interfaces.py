@@ -62,7 +62,7 @@ def build_measurement(raw: Raw, context: Context) -> Measurement | None:
     found = raw["measurement"]
     parts = {
         key: context.expression(found[key]) if key in found else None
-        for key in ("counts_per_turn", "turns", "step_um", "modulus", "highest")
+        for key in ("counts_per_turn", "turns", "step_um", "step_nm", "per_counts", "modulus", "highest")
     }
     return Measurement(of=found["of"], source=sources(found), **parts)
 

@@ -8,6 +8,7 @@ integer whose byte order is in the layout.
 from .device import (
     Alternative,
     Answer,
+    CodedValue,
     CodePart,
     CodeValue,
     Device,
@@ -121,6 +122,7 @@ __all__ = [
     "Clock",
     "CodePart",
     "CodeValue",
+    "CodedValue",
     "Connector",
     "Constant",
     "Contact",

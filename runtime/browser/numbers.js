@@ -16,6 +16,19 @@ const filled = (text, ...values) => text.replace(/\{(\d)\}/g, (_, place) => valu
 const said = (name, ...values) => filled(TABLE.said[name], ...values);
 const bitLength = (number) => (number ? number.toString(2).length : 0);
 
+/** A fraction with all its decimals, or with six of them after ≈ if they never end. */
+function decimal(numerator, denominator) {
+  const [size, places] = [numerator < 0n ? -numerator : numerator, denominator.toString(2).length];
+  let exact = 0;
+  while (exact <= places && (size * 10n ** BigInt(exact)) % denominator) exact += 1;
+  const digits = exact > places ? 6 : exact;
+  const power = 10n ** BigInt(digits);
+  const scaled = (2n * size * power + denominator) / (2n * denominator);
+  const part = digits ? `.${(scaled % power).toString().padStart(digits, "0")}` : "";
+  const text = `${numerator < 0n ? "-" : ""}${(scaled / power).toLocaleString("en")}${part}`;
+  return exact > places ? `≈ ${text}` : text;
+}
+
 /** The value of an expression, which is a number and terms of sign and factors. */
 function value(item, parameters) {
   if (!Array.isArray(item)) return big(item);

@@ -146,6 +146,8 @@ def states(family: Family, variant: Variant) -> Iterator[tuple[Variant, Any]]:
             before = register.default or 0
             before &= ~(((1 << field.widest) - 1) << place)
             raw = value if value != field.number.zero_means else 0
+            if item.by_code:
+                raw = next(one.code for one in item.by_code if one.value == value or kind == "random")
             data = number_to_bytes(register.layout, before | raw << place, 8 * register.length)
             held |= {register.address + index: byte for index, byte in enumerate(data)}
         changed, changed_made = with_registers(device, variant, held), made.with_registers(held)

@@ -120,4 +120,5 @@ RULES: tuple[Rule, ...] = (
     quantities.quantity_text,
     quantities.quantity_repeated,
     quantities.column_units,
+    repeated.repeated_text,
 )

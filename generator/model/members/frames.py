@@ -100,7 +100,14 @@ FRAMES = (
         ),
         Member("only_while", "string", "For a flag with 'only': the parameter that is 0 for the other order codes."),
         Member("remedy", "text", "For a flag: instructions for clearing it, if no alarm gives them.", "words"),
-        Member("by_hand", "[name]", "Steps carried out by a person: names of characteristics.", "words"),
+        Member(
+            "by_hand",
+            "[name]",
+            "Steps carried out by a person: names of characteristics.",
+            "words",
+            read="alarm",
+            noun="steps by hand",
+        ),
         Member("values", "[value]", "Named values."),
         Member(
             "crc",
@@ -537,6 +544,7 @@ FRAMES = (
             "Steps carried out by a person: names of characteristics.",
             "alarm-rule",
             "manual steps",
+            read="alarm",
         ),
         identity="register field",
     ),

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import chain
@@ -17,6 +18,7 @@ from ...plan.values import TwosComplement
 from ...say.erratum import errata, erratum
 from ...say.evidence import grade
 from ...say.origin import origin, other_editions, taken_away
+from ...say.parameter import initial
 from .. import TargetError
 from .access import state_registers
 from .chosen import chosen_variant
@@ -99,6 +101,7 @@ class DeviceView:
         self.crcs = [item for item in made if item.is_called or item.table]
         codes = {item.register.name: item for item in self.registers}
         self.takers = [Taker(context, item, codes[item.register.name].access) for item in held_parameters(device)]
+        self.initial = initial(device)
         self.read_state = f"{self.prefix}_read_state" if state_registers(device) else ""
         self.identities = list(identity_codes(context, codes))
         self.procedures = [
@@ -233,8 +236,24 @@ class DeviceView:
         return [S.sentence(erratum(item)) for item in errata(self.device, *paths)]
 
 
-def views_of(device: Device) -> Iterator[DeviceView]:
-    """Yield each interface of a family, in the order of the spec."""
+def views_of(device: Device) -> Sequence[DeviceView]:
+    """Return the interfaces of a family, in the order of the spec. The last families are remembered.
+
+    Raises:
+        TargetError: C cannot express an interface.
+    """
+    found = next((views for known, views in _LATEST if known is device), None)
+    if found is None:
+        found = tuple(_views_of(device))
+        _LATEST.append((device, found))
+    return found
+
+
+#: Families are compared by identity, because comparing their members takes longer than making their views.
+_LATEST: deque[tuple[Device, Sequence[DeviceView]]] = deque(maxlen=8)
+
+
+def _views_of(device: Device) -> Iterator[DeviceView]:
     for interface in device.interfaces:
         here = for_codes(device, {item.code for item in device.variants if item.interface == interface.name})
         # A register that only another interface reaches cannot update a parameter.

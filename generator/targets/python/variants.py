@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ...model import Interface, Measurement, Register, Spi, Variant
@@ -13,6 +13,7 @@ from ...plan.measurement import Cases, also_measured, by_interface, counts
 from ...plan.replies import Exchanged, exchanges
 from ...plan.run_time_parameters import Held, held_parameters
 from ...plan.values import meaning_of
+from ...say.parameter import initial
 from . import text
 from .codec import Coder
 from .context import Asked, Context, byte_order
@@ -181,6 +182,16 @@ class Variants:
         return self._cases(lambda item: self._of(item.step_um))
 
     @cached_property
+    def step_nm(self) -> Cases[Expr]:
+        return self._cases(lambda item: self._of(item.step_nm))
+
+    @cached_property
+    def per_counts(self) -> Cases[Expr]:
+        """Number of counts to which ``step_nm`` applies, if it is not one everywhere."""
+        found = self._cases(lambda item: self._of(item.per_counts or Expression(1)) if item.step_nm else None)
+        return found if any(value != number(1) for value, _ in found.cases) else replace(found, cases=())
+
+    @cached_property
     def modulus(self) -> Cases[Expr]:
         """Number of counts after which the position wraps around."""
 
@@ -200,7 +211,8 @@ class Variants:
     @property
     def bases(self) -> list[str]:
         """Classes of the runtime that convert and unwrap its positions, or that of any encoder."""
-        cases = {"Rotary": self.counts_per_turn, "Linear": self.step_um, "Wrapping": self.modulus}
+        cases = {"Rotary": self.counts_per_turn, "Linear": self.step_um, "FineLinear": self.step_nm}
+        cases["Wrapping"] = self.modulus
         return [name for name, found in cases.items() if found.cases] or ["Encoder"]
 
     @cached_property
@@ -231,6 +243,11 @@ class Variants:
         ]
 
     @property
+    def initial(self) -> str:
+        """Kind of the values that they have until they are read."""
+        return initial(self.device)
+
+    @property
     def holding(self) -> str:
         """Registers that hold them."""
         registers = (item.register for item in held_parameters(self.device))
@@ -249,4 +266,8 @@ class Variants:
             "min": parameter.min or 0,
             "max": parameter.max if parameter.max is not None else held.most,
         }
-        return record("Held", needed, **of_number(meaning_of(held.field)))
+        if parameter.by_code:
+            needed["codes"] = tuple((item.code, item.value) for item in parameter.by_code)
+        if register.default is None:
+            needed["by_order_code"] = True
+        return record("Held", needed, **({} if parameter.by_code else of_number(meaning_of(held.field))))
