@@ -68,7 +68,7 @@ def keep(cache: Cache, content: Sequence[bytes | str], device: model.Device) -> 
 
 
 def digest_of(device: model.Device) -> str:
-    """Return a hash of everything in a model, for the keys of results that depend on nothing else.
+    """Return a hash of everything in a model, for the keys of results that depend only on the model.
 
     Models from the same spec with other comments have the same digest. It is empty if the model cannot be stored.
     """

@@ -21,8 +21,15 @@ WHOLE = "lika"
 ALONE = {
     "biss.bank_select": "banks are part of BiSS, and iC-Haus documents two more chips with them",
     "register.bank": "as bank_select",
+    "parameter.by_code": "codes for widths in four iC-Haus chips, and in LENZ encoders without a public document",
     "evidence.grade.quoted": "a grade of the issue on evidence",
     "field.makes_position.usable": "one of three verdicts",
+    "field.over": "check bits over every other bit, of the AMT21 and the AMT22. No second manufacturer is known",
+    "field.over.even_bits": "as over",
+    "field.over.odd_bits": "as over",
+    "field.parity": "odd parity, for a UART or an encoder with odd parity",
+    "field.parity.odd": "as parity",
+    "spi.exchanges.purpose.other": "requests that neither read nor write",
     "ssi.alignment.lsb_right": "the opposite of msb_left",
 }
 #: Words that no encoder uses, with the reason to keep them.
@@ -62,13 +69,10 @@ UNUSED = {
         ),
         "completes a list, or is the same key as in other places",
     ),
-    "field.parity": "odd parity, for a UART or an encoder with odd parity",
     "field.parity.even": "the opposite of odd",
-    "field.parity.odd": "as parity",
     "field.others": "values that a manual reserves. No encoder's spec uses it yet",
     "field.others.reserved": "as others",
     "spi.clock.min_hz": "the same key as in other interfaces",
-    "spi.exchanges.purpose.other": "requests that neither read nor write",
 }
 #: Units and quantities are names of physics, not words of the language.
 PHYSICS = re.compile(r"quantity\.(unit|quantity)\.")

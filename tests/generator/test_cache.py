@@ -599,7 +599,7 @@ def test_generate_with_one_change_writes_the_same_with_and_without_the_cache(
     spec.write_text(text.replace("TV63", "TV64"), encoding="utf-8")
     same()
     # Parts that are not what targets made, although size, hash and key are right.
-    monster = {"data": {"c/../../x": "y", "files": 5}}
+    monster = {"data": {"part": {"c/../../x": "y", "files": 5}}}
     for place in entries(folder):
         data = json.loads(place.read_bytes()[64:])["data"]
         if not isinstance(data, dict) or "families" in data:
