@@ -52,7 +52,8 @@ def run(chosen: argparse.Namespace) -> int:
     facts = citing(family.document)
     by_words = same_language(old, new)
     passages = changed(old, new) if by_words else numbers_changed(old, new)
-    touched = [_touched(passage, facts, old) for passage in passages]
+    without_number = _without_number(family)
+    touched = [_touched(passage, facts, old, without_number) for passage in passages]
     if chosen.json:
         print(json.dumps(_as_data(family, touched, by_words), indent=2, ensure_ascii=False))
     else:
@@ -78,8 +79,15 @@ def _family(specs: Sequence[Path], name: str | None, old: Manual) -> Family:
     return found[0]
 
 
-def _touched(passage: Passage, facts: Sequence[Citing], old: Manual) -> _Touched:
+def _without_number(family: Family) -> Mapping[int, str]:
+    """Return the sections without a number by their pages, because their titles depend on the language."""
+    contents = family.document.data["manual"].get("contents", {})
+    return {item["page"]: title for title, item in contents.items() if not title[0].isdigit() and "page" in item}
+
+
+def _touched(passage: Passage, facts: Sequence[Citing], old: Manual, without_number: Mapping[int, str]) -> _Touched:
     sections = {passage.section.number} | old.without_heading_after(passage.section.number)
+    sections.add(without_number.get(passage.section.page or 0, passage.section.number))
     here = [fact for fact in facts if fact.sections & sections]
     return _Touched(passage, ranked(here, passage), len(here))
 

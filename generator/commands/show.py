@@ -16,7 +16,7 @@ from ..say.measurement import measurement
 from ..say.numbers import decimal
 from ..say.order_code import open_values, spelling
 from ..say.origin import origin as says_origin
-from ..say.parameter import parameter, value
+from ..say.parameter import initial, parameter, value
 from ..say.text import BY_NAME
 from ..say.words import language
 from .decode import label_differences
@@ -83,7 +83,7 @@ def _parameters(device: Device, variant: Variant) -> list[str]:
     held = [item for item in shown if item.name in at_run_time]
     lines = ["", "Parameters", *_values(device, fixed, variant)] if fixed else []
     if held:
-        lines += ["", "Held in registers (factory defaults)", *_values(device, held, variant)]
+        lines += ["", f"Held in registers ({initial(device)})", *_values(device, held, variant)]
         addresses = dict.fromkeys(device.register(item.register).address for item in held if item.read_from)
         example = f"--register 0x{next(iter(addresses)):02X}=0x.."
         lines.append(wrapped(f"decode accepts other values, one byte at a time: {example}", WIDTH, "  ", "  "))

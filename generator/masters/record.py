@@ -32,6 +32,7 @@ from ..model import (
 )
 from ..order_codes.parameters import needed_parameters
 from ..order_codes.run_time import decided
+from ..say.parameter import initial
 from ..say.place import addresses
 from ..say.words import hertz, timeout_words
 from .cable import CableRow, CableTable, cable_table
@@ -363,7 +364,7 @@ def _notes(
         names_of = (item.register for item in device.run_time_parameters if item.name in needed)
         deciding = ", ".join(dict.fromkeys(_deciding(device, name) for name in names_of))
         if deciding:
-            given = "their factory defaults. Other values need other settings" if as_delivered else "the given values"
+            given = f"their {initial(device)}. Other values need other settings" if as_delivered else "the given values"
             yield f"The {what} on registers: {deciding}. These settings are for {given}."
     fixed = [part.name for part in parts if part.role == "status" and not part.active]
     if fixed:

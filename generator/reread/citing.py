@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,10 +18,18 @@ from .sections import WORD, plain
 
 #: Keys that hold no fact of their own.
 _NO_FACTS = frozenset({"source", "name", "erratum"})
+#: Keys of the words that a manual prints next to a value.
+_LABELS = ("name", "printed_name", "title", "symbol", "contact", "signal")
 #: Words that manuals print for values of the spec language.
 _SHORT = {"read_only": ("ro", "r"), "read_write": ("rw",), "write_only": ("wo", "w")}
-#: Weight of the words that differ. All words near them weigh as much as 2.
-_DIFFERS = 6.0
+#: Weights of the words that differ, and of those close to them. All words near them weigh as much as 2.
+_DIFFERS, _CLOSE = 6.0, 2.0
+#: Weight of the words of an insertion, which no fact of the old edition holds.
+_INSERTED = 1.0
+#: A number with its unit, printed without a space.
+_WITH_UNIT = re.compile(r"(\d[\d.]*)[kmµn]?(?:hz|vdc|v|a|s|m)")
+#: An order code that ends in a number, such as the resolution.
+_ORDER_CODE = re.compile(r"[a-z]{2}\w*?(\d\d)")
 
 
 @dataclass(frozen=True)
@@ -43,7 +52,7 @@ class Citing:
     @cached_property
     def words(self) -> frozenset[str]:
         """The words of the value as a manual may print them."""
-        return frozenset(_printed(self.value))
+        return frozenset(_printed(self.value)) | _with_top_bit(self.value if self.path.endswith(".poly") else None)
 
     @cached_property
     def named(self) -> frozenset[str]:
@@ -72,6 +81,16 @@ def _printed(value: object) -> Iterator[str]:
         yield from _SHORT.get(str(value), ())
 
 
+def _with_top_bit(poly: object) -> frozenset[str]:
+    """Return a polynomial as manuals print it with its top bit, in hexadecimal or binary, for any width."""
+    if not isinstance(poly, int):
+        return frozenset()
+    numbers = [poly | 1 << width for width in range(max(poly.bit_length(), 3), 33)]
+    return frozenset(
+        text for number in numbers for text in (f"{number:x}", f"{number:x}h", f"0x{number:x}", f"{number:b}")
+    )
+
+
 def citing(document: Document) -> list[Citing]:
     """Return the facts of a spec with what they cite. A fact without a source has the source of the item around it."""
     return list(_below(document, document.data, (), (), ()))
@@ -83,7 +102,9 @@ def _below(
     if isinstance(data, dict):
         if isinstance(data.get("source"), str):
             source = parse_sources(data["source"])
-        labels = (data.get(key) for key in ("name", "printed_name", "title", "symbol"))
+        labels = [data.get(key) for key in _LABELS]
+        in_languages = data.get("names")
+        labels += in_languages.values() if isinstance(in_languages, dict) else ()
         names = (*names, *(label for label in labels if isinstance(label, str)))
         for key, item in data.items():
             own = data.get(f"{key}_source")
@@ -111,24 +132,34 @@ def ranked(facts: Sequence[Citing], passage: Passage) -> list[Citing]:
 
     A word counts more if fewer of the facts have it, and more in the old words than in those near them.
     """
-    differ = {word.casefold() for word in passage.old or passage.new}
-    near = {word.casefold() for word in passage.around}
-    section = near | {word.casefold() for word in passage.section.words}
+    differ, close, near = (_compared(words) for words in (passage.old or passage.new, passage.close, passage.around))
+    section = near | _compared(passage.section.words)
+    weight = _DIFFERS if passage.old else _INSERTED
     frequent = Counter(word for fact in facts for word in fact.words | fact.named)
-    scores = {id(fact): _score(fact, differ, near, section, frequent) for fact in facts}
-    found = [fact for fact in facts if scores[id(fact)] > 0]
+    scores: dict[int, float] = {}
+    for fact in facts:
+        changed = sum(1 / frequent[word] for word in fact.words & differ)
+        changed += sum(1 / frequent[word] for word in fact.named & differ) / 2
+        named, valued = _share(fact.named, near, section, frequent), _share(fact.words, near, section, frequent)
+        if changed or valued or fact.named & section <= near:
+            here = _share(fact.named, close, section, frequent)
+            if fact.words & differ:
+                changed += here
+            here += _share(fact.words, close, section, frequent)
+            scores[id(fact)] = weight * changed + _CLOSE * here + named + valued
+    found = [fact for fact in facts if scores.get(id(fact), 0) > 0]
     return sorted(found, key=lambda fact: (-scores[id(fact)], fact.line))
 
 
-def _score(fact: Citing, differ: set[str], near: set[str], section: set[str], frequent: Mapping[str, int]) -> float:
-    """Return the weight of a fact for a passage, or 0 if neither its value nor its name occurs there."""
-    changed = sum(1 / frequent[word] for word in fact.words & differ)
-    changed += sum(1 / frequent[word] for word in fact.named & differ) / 2
-    named, valued = _share(fact.named, near, section), _share(fact.words, near, section)
-    return _DIFFERS * changed + named + valued if changed or named == 1 or valued else 0
+def _compared(words: Iterable[str]) -> set[str]:
+    """Return printed words as they are compared: with a decimal point, and numbers also without their unit."""
+    found = {word.casefold() for word in words}
+    found |= {word.replace(",", ".") for word in found}
+    patterns = (_WITH_UNIT, _ORDER_CODE)
+    return found | {match[1] for word in found for each in patterns if (match := each.fullmatch(word))}
 
 
-def _share(words: frozenset[str], near: set[str], section: set[str]) -> float:
+def _share(words: frozenset[str], near: set[str], section: set[str], frequent: Mapping[str, int]) -> float:
     """Return the share of the words that occur near a passage, among those that occur in its section."""
-    printed = words & section
-    return len(printed & near) / len(printed) if printed else 0
+    printed = sum(1 / frequent[word] for word in words & section)
+    return sum(1 / frequent[word] for word in words & section & near) / printed if printed else 0

@@ -13,6 +13,8 @@ from .sections import Manual, Section, aligned
 _TOGETHER = 6
 #: Words before and after a difference that belong to its passage. The name of a register is often far above.
 _BEFORE, _AFTER = 60, 20
+#: Words before and after a difference that are close to it, such as the rest of a row.
+_CLOSE = 8
 #: Words shown before and after a difference.
 _SHOWN = 5
 #: Least share of common words for texts in the same language.
@@ -23,13 +25,14 @@ _SAME_LANGUAGE = 0.5
 class Passage:
     """A difference: its ``section`` in the old edition, or in the new one if it is new.
 
-    ``old`` and ``new`` contain the words that differ, ``around`` those near them in both editions, and ``shown`` the
-    two texts for display.
+    ``old`` and ``new`` contain the words that differ, ``close`` and ``around`` those within a row and within a
+    paragraph of them in both editions, and ``shown`` the two texts for display.
     """
 
     section: Section
     old: tuple[str, ...]
     new: tuple[str, ...]
+    close: tuple[str, ...]
     around: tuple[str, ...]
     shown: tuple[str, str]
 
@@ -54,6 +57,7 @@ def changed(old: Manual, new: Manual) -> Iterator[Passage]:
                 words if gone else (),
                 () if gone else words,
                 words,
+                words,
                 (shown if gone else "", "" if gone else shown),
             )
         elif before.words != after.words:
@@ -65,9 +69,12 @@ def _in_section(section: Section, new: Sequence[str]) -> Iterator[Passage]:
     for low, high, new_low, new_high in _groups(old, new):
         if "".join(old[low:high]) == "".join(new[new_low:new_high]):
             continue  # the same letters, divided otherwise at the end of a line
-        near = (*old[max(low - _BEFORE, 0) : high + _AFTER], *new[max(new_low - _BEFORE, 0) : new_high + _AFTER])
+        close, near = (
+            (*old[max(low - before, 0) : high + after], *new[max(new_low - before, 0) : new_high + after])
+            for before, after in ((_CLOSE, _CLOSE), (_BEFORE, _AFTER))
+        )
         shown = (_text(old, low, high), _text(new, new_low, new_high))
-        yield Passage(section, tuple(old[low:high]), tuple(new[new_low:new_high]), near, shown)
+        yield Passage(section, tuple(old[low:high]), tuple(new[new_low:new_high]), close, near, shown)
 
 
 def _groups(old: Sequence[str], new: Sequence[str]) -> Iterator[tuple[int, int, int, int]]:
@@ -102,7 +109,8 @@ def numbers_changed(old: Manual, new: Manual) -> Iterator[Passage]:
         )
         gone, added = (tuple((a - b).elements()) for a, b in ((first, second), (second, first)))
         if gone or added:
-            yield Passage(before, gone, added, (*gone, *added), (", ".join(gone), ", ".join(added)))
+            both = (*gone, *added)
+            yield Passage(before, gone, added, both, both, (", ".join(gone), ", ".join(added)))
 
 
 def _is_number(word: str) -> bool:

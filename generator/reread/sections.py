@@ -17,7 +17,7 @@ MOST_BYTES = 20_000_000
 COVER = "Cover"
 _MARKUP = re.compile(r"</?\w+>|[#*_`•▪●■]+|\[(?P<shown>[^]]*)\]\([^)]*\)")
 _HEADING = re.compile(r"(?P<number>\d{1,2}(?:\.\d{1,2}){0,3})\.?\s*(?:-\s*)?(?P<title>[^\W\d].*|\"\S.*|\d\w+.*)")
-_IN_CONTENTS = re.compile(r"\.{3,}\s*\d*$|\t\s*\d+$")
+_IN_CONTENTS = re.compile(r"\.{3,}\s*\d+$|\.{5,}$|\t\s*\d+$")
 _PAGE = re.compile(r"[\s\-]*\d{1,4}[\s\-]*|(?:page|pag\.?|seite)\s+\d{1,4}(?:\s*(?:of|di|/)\s*\d{1,4})?", re.IGNORECASE)
 #: A word of a manual or a spec, or a sign that changes the meaning of one.
 WORD = re.compile(r"(?<![\w.])-\d+(?:[.,:]\d+)*|\w+(?:[.,:]\d+)*|[±+<>≤≥%°]")
@@ -25,6 +25,23 @@ WORD = re.compile(r"(?<![\w.])-\d+(?:[.,:]\d+)*|\w+(?:[.,:]\d+)*|[±+<>≤≥%°
 _RUNNING, _LONGEST = 4, 120
 #: Number of lines at the top or bottom of a page, and the least share of a running head that is printed there.
 _EDGE, _MOSTLY = 4, 0.8
+#: The same with a form feed between pages, which shows where they end.
+_PAGE_EDGE = 2
+#: Least share of a text over which page numbers are spread, unlike the numbers of steps or of the rows of a table.
+_SPREAD = 0.5
+#: Least number of lines from one page to the next, and how many times longer or shorter than usual a page is.
+_SHORT_PAGE, _FACTOR = 12, 2
+#: Largest step between two page numbers that are found. The first page of a chapter often has none.
+_PAGE_STEP = 3
+#: References to pages and sections. Their numbers change with the layout of a manual.
+_PAGE_REFERENCE = re.compile(
+    r"(?:\b(?:on|at|a|alla|auf)\s+)?\b(?:pages?|pagin[ae]|pag\.|pp?\.|seite)\s*\d{1,4}(?:\s+ff?\b\.?)?"
+    r"|\b(?:on|a|alla|auf) (?:page|pagina|seite)\b",
+    re.IGNORECASE,
+)
+_SECTION_REFERENCE = re.compile(
+    r"\"(?P<number>\d{1,2}(?:\.\d{1,2}){0,3})\s*(?:-\s*)?(?=(?P<title>[^\W\d][^\"]*|\"\w[^\"]*))"
+)
 #: Number of lines with a page from which contents are taken to be complete.
 _FEW = 12
 _DASHES = str.maketrans(dict.fromkeys("‐‑‒–—−", "-") | {"\u00ad": "", "\u200b": "", "’": "'", "“": '"', "”": '"'})
@@ -36,11 +53,12 @@ class NoText(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A section: its number or, without one, its title, the whole title, and its words in order."""
+    """A section: its number or, without one, its title, the whole title, its words in order, and its page if known."""
 
     number: str
     title: str
     words: tuple[str, ...]
+    page: int | None = None
 
     @property
     def shown(self) -> str:
@@ -106,22 +124,27 @@ def _of_pdf(path: Path) -> str:
 
 def divide(text: str) -> Manual:
     """Divide a text into its sections."""
-    lines = [plain(line) for line in re.split(r"[\n\f]", text)]
-    lines = [line for line in lines if line.strip()]
-    headings, missing = _headings(lines)
-    left_out = _running_heads([line for index, line in enumerate(lines) if index not in headings])
+    pages = [[line for line in map(plain, page.split("\n")) if line.strip()] for page in text.split("\f")]
+    has_pages = len(pages) >= _RUNNING
+    lines = [line for page in (_without_edges(pages) if has_pages else pages) for line in page]
+    numbered = {index: found for index, line in enumerate(lines) if (found := _numbered(line)) is not None}
+    listed = _contents(lines, numbered)
+    titles = {numbered[index][0]: numbered[index][1] for index in sorted(listed, reverse=True)}
+    headings, page_of = _headings(lines, numbered, listed, titles)
+    left_out = set() if has_pages else _page_numbers(lines) | _running_heads(lines, set(headings))
     bodies: list[tuple[str, str, list[str]]] = [(COVER, COVER, [])]
     start = min((index for index, (number, _) in headings.items() if number[0].isdigit()), default=0)
     for index, line in enumerate(lines):
         if index in headings:
             bodies.append((*headings[index], []))
-        elif (
-            not (index < start and _IN_CONTENTS.search(line))
-            and _head(line) not in left_out
-            and not _PAGE.fullmatch(line)
-        ):
+        elif not (index < start and (index in listed or _IN_CONTENTS.search(line))) and index not in left_out:
             bodies[-1][2].append(line)
-    return Manual(tuple(Section(number, title, tuple(_words(body))) for number, title, body in bodies), missing)
+    sections = (
+        Section(number, title, tuple(_words(body, titles)), page_of.get(number)) for number, title, body in bodies
+    )
+    have = {number for number, _ in headings.values()}
+    missing = {number: title for number, title in titles.items() if number[0] != "0" and number not in have}
+    return Manual(tuple(sections), missing)
 
 
 def plain(line: str) -> str:
@@ -131,29 +154,79 @@ def plain(line: str) -> str:
     return re.sub(r" ?\t[ \t]*", "\t", re.sub(r"[^\S\t]+", " ", line)).strip()
 
 
-def _words(lines: Iterable[str]) -> list[str]:
-    """Return the words of lines. A word that is hyphenated at the end of a line is one word."""
-    return WORD.findall(re.sub(r"(?<=[a-zà-ÿ])-\n(?=[a-zà-ÿ])", "", "\n".join(lines)))
+def _words(lines: Iterable[str], titles: Mapping[str, str]) -> list[str]:
+    """Return the words of lines, without the numbers of pages and sections in references.
+
+    A word that is hyphenated at the end of a line is one word.
+    """
+
+    def reference(found: re.Match[str]) -> str:
+        return '"' if _same_start(titles.get(found["number"], ""), found["title"]) else found[0]
+
+    text = re.sub(r"(?<=[a-zà-ÿ])-\n(?=[a-zà-ÿ])", "", "\n".join(lines))
+    return WORD.findall(_SECTION_REFERENCE.sub(reference, _PAGE_REFERENCE.sub("", text)))
 
 
 def _head(line: str) -> str:
     return re.sub(r"\d+", "#", line.strip())
 
 
-def _running_heads(lines: Sequence[str]) -> set[str]:
+def _page_numbers(lines: Sequence[str]) -> set[int]:
+    """Return the lines that contain only a page number: the longest series of numbers that increase in small steps."""
+    series: dict[int, list[int]] = {}
+    for at, line in enumerate(lines):
+        if _PAGE.fullmatch(line) and (number := re.search(r"\d{1,4}", line)):
+            page = int(number[0])
+            before = max((series.get(page - step, []) for step in range(1, _PAGE_STEP + 1)), key=len)
+            series[page] = max(series.get(page, []), [*before, at], key=len)
+    longest = max(series.values(), key=len, default=[])
+    return set(longest) if len(longest) >= _RUNNING else set()
+
+
+def _running_heads(lines: Sequence[str], headings: set[int]) -> set[int]:
     """Return the lines that are printed on many pages: page numbers, and identical lines next to them.
 
-    A row of a table can also occur often. Its numbers do not increase each time.
+    A row of a table can also occur often. Its numbers do not increase each time, or the rows are close together.
     """
-    numbers: dict[str, list[list[int]]] = {}
-    for line in lines:
-        if len(line) <= _LONGEST:
-            numbers.setdefault(_head(line), []).append([int(number) for number in re.findall(r"\d{1,4}", line)])
-    often = {head: found for head, found in numbers.items() if len(found) >= _RUNNING}
-    counting = {head for head, found in often.items() if _counts_pages(found)}
-    edges = {at + step for at, line in enumerate(lines) if _head(line) in counting for step in range(-_EDGE, _EDGE + 1)}
-    at_edges = Counter(_head(lines[at]) for at in edges if 0 <= at < len(lines))
-    return counting | {head for head, found in often.items() if at_edges[head] >= _MOSTLY * len(found)}
+    places: dict[str, list[int]] = {}
+    for at, line in enumerate(lines):
+        if len(line) <= _LONGEST and at not in headings:
+            places.setdefault(_head(line), []).append(at)
+    often = {head: found for head, found in places.items() if len(found) >= _RUNNING}
+    spread = {head: found for head, found in often.items() if found[-1] - found[0] >= _SPREAD * len(lines)}
+    counting = {
+        head
+        for head, found in spread.items()
+        if _counts_pages([[int(number) for number in re.findall(r"\d{1,4}", lines[at])] for at in found])
+    }
+    edges = [at for head in counting for at in often[head]]
+    at_edges = Counter(
+        head for at in edges for head in {_head(line) for line in lines[max(at - _EDGE, 0) : at + _EDGE + 1]}
+    )
+    heads = {head for head, found in spread.items() if _is_regular(found)}
+    heads |= counting | {head for head, found in often.items() if at_edges[head] >= _MOSTLY * len(found)}
+    return {at for head in heads for at in often[head]}
+
+
+def _is_regular(places: Sequence[int]) -> bool:
+    lengths = sorted(after - before for before, after in pairwise(places))
+    usual = lengths[len(lengths) // 2]
+    near = sum(usual <= _FACTOR * length <= _FACTOR**2 * usual for length in lengths)
+    return usual >= _SHORT_PAGE and near >= _MOSTLY * len(lengths)
+
+
+def _without_edges(pages: Sequence[Sequence[str]]) -> Iterator[Sequence[str]]:
+    """Yield the pages without page numbers, and without the lines that occur often and mostly at the edges."""
+    often = Counter(_head(line) for page in pages for line in page)
+    edges = Counter(_head(line) for page in pages for line in (*page[:_PAGE_EDGE], *page[_PAGE_EDGE:][-_PAGE_EDGE:]))
+    heads = {head for head, found in edges.items() if found >= max(_RUNNING, _MOSTLY * often[head])}
+    for page in pages:
+        last = len(page) - _PAGE_EDGE
+        yield [
+            line
+            for at, line in enumerate(page)
+            if _PAGE_EDGE <= at < last or (_head(line) not in heads and not _PAGE.fullmatch(line))
+        ]
 
 
 def _counts_pages(found: Sequence[Sequence[int]]) -> bool:
@@ -161,29 +234,36 @@ def _counts_pages(found: Sequence[Sequence[int]]) -> bool:
     return bool(columns) and all(all(a < b for a, b in pairwise(column)) for column in columns)
 
 
-def _headings(lines: Sequence[str]) -> tuple[dict[int, tuple[str, str]], dict[str, str]]:
-    """Return number and title of the headings by line, and the sections that have no heading.
+def _headings(
+    lines: Sequence[str], numbered: Mapping[int, tuple[str, str]], listed: set[int], titles: Mapping[str, str]
+) -> tuple[dict[int, tuple[str, str]], dict[str, int]]:
+    """Return number and title of the headings by line, and the pages of those without a number.
 
-    A heading is a numbered line whose number and words the contents list as well.
+    A heading is a numbered line whose number and words the contents list as well, or whose number they skip.
     """
-    numbered = {index: found for index, line in enumerate(lines) if (found := _numbered(line)) is not None}
-    listed = _contents(lines, numbered)
-    titles = {numbered[index][0]: numbered[index][1] for index in sorted(listed, reverse=True)}
     headings: dict[int, tuple[str, str]] = {}
     last: tuple[int, ...] = ()
     for index, (number, title) in numbered.items():
         key = _key(number)
-        if index not in listed and key > last and _same_start(titles.get(number, ""), title):
-            headings[index], last = (number, titles[number]), key
+        if index in listed or key <= last:
+            continue
+        if _same_start(titles.get(number, ""), title) or (number not in titles and _is_skipped(key, last, titles)):
+            headings[index], last = (number, titles.get(number, title)), key
     start = min(headings, default=len(lines))
     places = {_title(line): index for index, line in enumerate(lines[:start]) if _IN_CONTENTS.search(line)}
+    pages: dict[str, int] = {}
     for index, line in enumerate(lines[:start]):
         if places.get(line, index) < index:
             headings[index] = (line, line)
-    missing = {number: title for number, title in titles.items() if number[0] != "0"}
-    for number, _ in headings.values():
-        missing.pop(number, None)
-    return headings, missing
+            page = re.search(r"\d+$", lines[places[line]])
+            pages |= {line: int(page[0])} if page else {}
+    return headings, pages
+
+
+def _is_skipped(key: tuple[int, ...], last: tuple[int, ...], titles: Mapping[str, str]) -> bool:
+    """Return whether the contents list the sections before and after a number, but not the number itself."""
+    after = ".".join(map(str, (*key[:-1], key[-1] + 1)))
+    return len(key) > 1 and last == (*key[:-1], key[-1] - 1) and after in titles
 
 
 def _contents(lines: Sequence[str], numbered: Mapping[int, tuple[str, str]]) -> set[int]:
@@ -226,14 +306,24 @@ def _same_start(listed: str, title: str) -> bool:
 def aligned(old: Manual, new: Manual) -> Iterator[tuple[Section | None, Section | None]]:
     """Yield the sections of two editions in pairs, by title or else by number, with None for a missing one."""
     left = {section.number: section for section in new.sections}
-    pairs: list[tuple[Section, Section | None]] = []
-    for section in old.sections:
-        same = left.get(section.number)
-        if same is None or not _same_start(section.title, same.title):
-            named = (item for item in left.values() if item.title.casefold() == section.title.casefold())
-            same = next(named, same)
-        if same is not None:
-            del left[same.number]
-        pairs.append((section, same))
-    yield from pairs
+    pairs: dict[str, Section] = {}
+    for same in (_same_section, _same_title, _same_number):
+        for section in old.sections:
+            if section.number not in pairs and (found := same(section, left)) is not None:
+                pairs[section.number] = left.pop(found)
+    yield from ((section, pairs.get(section.number)) for section in old.sections)
     yield from ((None, section) for section in left.values())
+
+
+def _same_section(section: Section, among: Mapping[str, Section]) -> str | None:
+    found = among.get(section.number)
+    return section.number if found is not None and found.title.casefold() == section.title.casefold() else None
+
+
+def _same_title(section: Section, among: Mapping[str, Section]) -> str | None:
+    found = (number for number, item in among.items() if item.title.casefold() == section.title.casefold())
+    return next(found, None)
+
+
+def _same_number(section: Section, among: Mapping[str, Section]) -> str | None:
+    return section.number if section.number in among else None

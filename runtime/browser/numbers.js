@@ -99,8 +99,9 @@ function bytesOf(order, number, count) {
   return order === "little" ? lowFirst : lowFirst.reverse();
 }
 
-/** The parity of the bits of a number at these places. */
-function parityOf(number, places, odd) {
-  const found = places.map(({ low, width }) => bits(number, low, width).toString(2)).join("");
+/** The parity of the bits of a number at these places, or of those bits at each place that are in the mask. */
+function parityOf(number, places, { odd, mask }) {
+  const counted = mask ? big(mask) : -1n;
+  const found = places.map(({ low, width }) => (bits(number, low, width) & counted).toString(2)).join("");
   return BigInt((found.split("1").length - 1 + (odd ?? 0)) % 2);
 }

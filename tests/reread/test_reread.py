@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import textwrap
 from pathlib import Path
 
@@ -41,6 +42,8 @@ EDITS = {
     "default": ("95.0 °C | Upper", "90.0 °C | Upper", "4.3", "registers.upper_limit.default"),
     "meaning": ("2 = long", "2 = slow", "4.2", "registers.control.fields.filter.values.long.value"),
     "pin": ("| 3 | Clock + / MA + |", "| 3 | Clock / MA + |", "5", "connectors.m12_8.contacts.3.signal"),
+    "unit without a space": ("80 kHz to 10 MHz", "80kHz to 20MHz", "3", "interfaces.biss.clock.max_hz"),
+    "renamed bit": ("Bit 1: direction", "Bit 1: sense", "4.2", "registers.control.fields.direction.at"),
     "shaft": ("shaft of 12 mm", "shaft of 14 mm", "1", "characteristics.shaft.value"),
 }
 
@@ -70,6 +73,92 @@ def test_another_layout_of_the_same_text_is_no_difference(tmp_path: Path, capsys
     text = text.replace("counterclockwise", "counter-\nclockwise")
     assert "ﬁrst" in text
     assert passages(tmp_path, capsys, text) == []
+
+
+def test_a_decimal_comma_is_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    old = re.sub(r"(?<=\d)\.(?=\d °C)", ",", MANUAL)
+    (found,) = passages(tmp_path, capsys, old.replace("95,0 °C | Upper", "90,0 °C | Upper"), old)
+    assert isinstance(found["facts"], list)
+    assert found["facts"][0]["path"] == "registers.upper_limit.default"
+
+
+def test_a_section_without_a_number_has_its_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its title depends on the language of the edition."""
+    specs = tmp_path / "tolvarn"
+    shutil.copytree(SPECS, specs)
+    rows = re.findall(r"^\| ([1-5][.\d]*) ([A-Z].*) \| ([1-3]) \|$", MANUAL, flags=re.MULTILINE)
+    contents = "".join(f'    "{number}": {{title: "{title}", page: {page}}}\n' for number, title, page in rows)
+    spec = (specs / "tv62.yaml").read_text(encoding="utf-8")
+    spec = spec.replace("\nmanual:\n", f"\nmanual:\n  contents:\n    Introduction: {{page: 1}}\n{contents}")
+    spec = spec.replace("Hollow shaft of 12 mm, source: 1 p.1", "Hollow shaft of 12 mm, source: Introduction p.1")
+    (specs / "tv62.yaml").write_text(spec, encoding="utf-8")
+    old = MANUAL.replace("| 1 Order code | 1 |", "| Vorwort | 1 |\n| 1 Order code | 1 |")
+    old = old.replace("## 1 Order code", "Vorwort\n\nThe shaft has 12 mm.\n\n## 1 Order code")
+    (tmp_path / "old.txt").write_text(old, encoding="utf-8")
+    (tmp_path / "new.txt").write_text(old.replace("has 12 mm", "has 14 mm"), encoding="utf-8")
+    main(["reread", str(tmp_path / "old.txt"), str(tmp_path / "new.txt"), "--specs", str(specs), "--json"])
+    (found,) = json.loads(capsys.readouterr().out)["passages"]
+    assert found["section"] == "Vorwort"
+    assert found["facts"][0]["path"].startswith("characteristics.shaft.")
+
+
+def _as_pages(lines: list[str], length: int = 22) -> str:
+    """Return lines as pages of a handbook. Odd and even pages have different heads, one of them without a number."""
+    pages = [lines[at : at + length] for at in range(0, len(lines), length)]
+    odd, even = "{body}\nTolvarn · tv62.example · {page} / 9", "{page}   Encoder handbook\n{body}\nTolvarn Instruments"
+    heads = (even, "New design\n" + odd)
+    return "\f".join(heads[page % 2].format(page=page, body="\n".join(body)) for page, body in enumerate(pages, 1))
+
+
+def test_form_feeds_show_where_running_heads_are(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A line that also occurs elsewhere, or a number in a text, is not a running head even at the edge of a page."""
+    warning = "WARNING\n\nSwitch off first, see Figure\n"
+    old = re.sub(r"^(## [2-5])", lambda found: f"{warning}7.\n{warning}8.\n\n{found[1]}", MANUAL, flags=re.MULTILINE)
+    lines = [line for line in re.sub(r"^#+ |\*\*", "", old, flags=re.MULTILINE).splitlines() if line]
+    for length in range(7, 23):
+        assert passages(tmp_path, capsys, _as_pages(lines, length), old) == [], length
+
+
+def test_regular_lines_are_running_heads_without_form_feeds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    lines = [line for line in re.sub(r"^#+ |\*\*", "", MANUAL, flags=re.MULTILINE).splitlines() if line]
+    text = _as_pages(lines, 13).replace("\f", "\n")
+    assert passages(tmp_path, capsys, text) == []
+
+
+def test_rows_of_a_table_are_no_page_numbers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rows = "\n".join(f"{bit} | Not used" for bit in (0, 1, 3, 4, 7))
+    old = MANUAL.replace("All three are two's", f"{rows}\n\nAll three are two's")
+    (found,) = passages(tmp_path, capsys, old.replace("3 | Not used", "3 | Filter"), old)
+    assert (found["section"], found["old"], found["new"]) == ("4.3", "Not used", "Filter")
+
+
+def test_numbers_in_references_are_no_difference(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Pages move with the layout. A section that moved has the same title under its new number."""
+    old = MANUAL + '\nSee the section "4.6 Setting the limits of the temperature" on page 3 and Figure 8.\n'
+    new = MANUAL.replace("4.6 Setting the limits", "4.7 Setting the limits")
+    new += '\nSee the section "4.7 Setting the limits of the temperature" on page\n11 and Figure 8.\n'
+    assert passages(tmp_path, capsys, new, old) == []
+    (found,) = passages(tmp_path, capsys, new.replace("Figure 8.", "Figure 9."), old)
+    assert (found["old"], found["new"]) == ("8", "9")
+
+
+def test_sections_that_change_places_are_no_difference(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bank, temperature = (
+        MANUAL[MANUAL.index(f"### {start}") : MANUAL.index(f"### {end}")]
+        for start, end in (("4.2 Bank", "4.3 Bank"), ("4.3 Bank", "4.4"))
+    )
+    swapped = temperature.replace("4.3 Bank", "4.2 Bank") + bank.replace("4.2 Bank", "4.3 Bank")
+    contents = ("4.2 Bank 2, temperature | 3 |", "4.3 Bank 1, position | 3 |")
+    new = MANUAL.replace(bank + temperature, swapped)
+    new = new.replace("4.2 Bank 1, position | 3 |", contents[0]).replace("4.3 Bank 2, temperature | 3 |", contents[1])
+    assert contents[0] in new
+    assert passages(tmp_path, capsys, new) == []
+
+
+def test_a_section_that_the_contents_skip_has_its_own_facts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    old = MANUAL.replace("| 4.5 Setting the preset | 3 |\n", "")
+    (found,) = passages(tmp_path, capsys, old.replace("least 50 ms", "least 80 ms"), old)
+    assert found["section"] == "4.5"
 
 
 def test_a_section_that_moved_is_no_difference(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -20,6 +20,7 @@ RESERVED = "reserved"
 #: Each of the values gets a name in every output, so there cannot be many.
 _MOST_RESERVED_BITS = 4
 _OF_FLAGS = ("when_active", "when_inactive", "makes_position", "sums_up")
+_OF_PARITIES = ("parity", "over")
 _OF_NUMBERS = ("signed", "zero_means", "power_of_two")
 #: Keys allowed next to ``use``.
 _BESIDE_USE = frozenset(("use", "note", "source"))
@@ -101,9 +102,13 @@ def _check_kind(path: Path, field: Spec, report: DocumentReport) -> None:
         if key in field and "active" not in field and not (key == "makes_position" and "unused" in field):
             wrong = f"{quoted(key)} is only for flags; to make {name} a flag, add 'active: high' or 'active: low'"
             report.add("layout-keys", (*path, key), wrong, at_key=True)
-    if "parity" in field and "parity_of" not in field:
-        wrong = f"'parity' is only for parity bits; to make {name} a parity bit, add 'parity_of' with the covered field"
-        report.add("layout-keys", (*path, "parity"), wrong, at_key=True)
+    for key in _OF_PARITIES:
+        if key in field and "parity_of" not in field:
+            wrong = (
+                f"{quoted(key)} is only for parity bits; to make {name} a parity bit, add 'parity_of' with the covered"
+                " field"
+            )
+            report.add("layout-keys", (*path, key), wrong, at_key=True)
     if isinstance(field.get("equals"), int) and "text" in field:
         report.add("layout-keys", (*path, "equals"), f"{name} is text; put the value in quotes")
 

@@ -48,7 +48,10 @@ def _held(device: Device, item: Held) -> Data:
     """Return a parameter that is held in a register, with its limits."""
     parameter = item.parameter
     at = field_at(device, parameter.read_from)
-    return kept(name=parameter.name, meaning=parameter.meaning, at=at, min=parameter.min, max=parameter.max)
+    values = sorted({one.value for one in parameter.by_code})
+    return kept(
+        name=parameter.name, meaning=parameter.meaning, at=at, min=parameter.min, max=parameter.max, values=values
+    )
 
 
 def _alternative(item: Alternative) -> Data:

@@ -197,7 +197,7 @@ class Readme:
             register = self.device.register(item.register)
             field = register.layout.field(item.field)
             variant = self._example_variant(register.interface)
-            if variant is None or register.length > 1 or field.low.constant or field.widest != 8:
+            if variant is None or item.by_code or register.length > 1 or field.low.constant or field.widest != 8:
                 continue
             name = self.context.parameters[item.name]
             value = max(variant.parameters[item.name] - 4, item.min or 0)

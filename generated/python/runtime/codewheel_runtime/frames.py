@@ -99,6 +99,11 @@ class Coded:
         number = shape.fixed
         for column in shape.columns:
             number |= _bits(fields, column) << column.low
+        for check in shape.checks:
+            bits = number >> check.low & (1 << check.width) - 1
+            if check.limit is not None and bits > check.limit:
+                name = next(item.field or item.name for item in shape.columns if item.low == check.low)
+                raise RangeError(name, bits, f"at most {check.limit}")
         if shape.others is not None:
             number |= check_bits("unused", fields.unused, shape.others)
         elif shape.unused:
@@ -109,8 +114,7 @@ class Coded:
         if shape.limited is not None:
             check_limits(shape.limited[0], getattr(self, shape.limited[1]), fields.limits(*given))
         for check in shape.parities:
-            ones = sum((number >> low & (1 << width) - 1).bit_count() for low, width in check.parity_of)
-            number |= (ones & 1 ^ check.odd) << check.low
+            number |= check.parity(number) << check.low
         if shape.gray is not None:
             number = to_gray(number, *shape.gray)
         if shape.crc is not None:
