@@ -32,7 +32,7 @@ from .facts import (
 )
 from .interfaces import INTERFACES, Interface
 from .interfaces.biss import Biss
-from .kinds import CrcValue, Value
+from .kinds import CrcValue, Number, Value
 from .layout import Crc, Field, Layout
 from .measurement import Measurement
 from .record import dataclass
@@ -424,6 +424,26 @@ class Device:
         here = {item.name for item in layout.fields} | {item.name for item in layout.joins}
         return layout.sender == "encoder" and not names.isdisjoint(here)
 
+    def highest_in(self, layout: Layout) -> tuple[Field, Expression] | None:
+        """Return the field of a frame that has a highest valid value lower than its width allows, and that value.
+
+        It is the position, or the count of revolutions above it, if the counts and turns of the encoder do not use all
+        bits. A signed position and one with an offset have no such limit.
+        """
+        interface = next((item.name for item, each in self.layouts() if each is layout), "")
+        measurement = self.measurement_of(interface) if interface and layout.sender == "encoder" else None
+        if measurement is None or measurement.highest is not None:
+            return None
+        by_name = {item.name: item for item in layout.fields}
+        fields = [by_name[name] for name in layout.names_in(measurement.of) if name in by_name]
+        sets = [item.parameters for item in self.variants if item.interface == interface]
+        highest = _highest(measurement, fields)
+        if highest is None or any(not isinstance(item.kind, Number) or item.kind.signed for item in fields):
+            return None
+        widths = ((item, fields[0].width.value(item)) for item in sets)
+        is_lower = any(0 <= highest.value(item) < (1 << width) - 1 for item, width in widths if width)
+        return (fields[0], highest) if is_lower and not fields[0].number.zero_means else None
+
     def register(self, name: str) -> Register:
         return next(item for item in self.registers if item.name == name)
 
@@ -444,3 +464,16 @@ class Device:
 
     def variant(self, code: str) -> Variant:
         return next(item for item in self.variants if item.code == code)
+
+
+def _highest(measurement: Measurement, fields: Sequence[Field]) -> Expression | None:
+    """Return the highest value of the first field of a position, or None if it does not follow from the measurement."""
+    counts, turns = measurement.counts_per_turn, measurement.turns
+    if len(fields) == 1 and measurement.modulus is not None:
+        return measurement.modulus - Expression(1)
+    if len(fields) == 1 and counts is not None and turns is not None:
+        if counts.is_constant and turns.is_constant:
+            return Expression(counts.constant * turns.constant - 1)
+        return counts - Expression(1) if turns == Expression(1) else None
+    # The fields below a number of revolutions count one revolution in all their bits.
+    return turns - Expression(1) if len(fields) == 2 and turns is not None else None

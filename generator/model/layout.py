@@ -282,7 +282,7 @@ class Layout:
         placed = {item.name: item for item in every if item.width > 0}
         gray = bool(self.gray_when and parameters.get(self.gray_when))
         unused = tuple((placed[item.name], place) for item, place in self.unused if item.name in placed)
-        return PlacedLayout(self, self.bits.value(parameters), tuple(placed.values()), gray, unused)
+        return PlacedLayout(self, self.bits.value(parameters), tuple(placed.values()), gray, unused, parameters)
 
 
 @dataclass(frozen=True, slots=True)
@@ -297,6 +297,7 @@ class PlacedLayout:
     fields: tuple[PlacedField, ...]
     gray: bool = False
     unused: tuple[tuple[PlacedField, int], ...] = ()
+    parameters: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}), compare=False)
 
     @property
     def name(self) -> str:

@@ -118,7 +118,17 @@ class AtMost:
         return sum(run.digits for run in self.runs)
 
 
-Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost
+@dataclass(frozen=True, slots=True)
+class NotAbove:
+    """The field is at most ``highest``, which is lower than its width allows for some order codes."""
+
+    field: Field
+    bits: Bits
+    highest: Expression
+    fault = Fault.RANGE
+
+
+Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost | NotAbove
 
 
 @dataclass(frozen=True, slots=True)
@@ -347,7 +357,7 @@ def codec_of(device: Device, layout: Layout) -> Codec:
         wholes=tuple(_wholes(layout, by_word)),
         alternatives=device.alternatives_of(layout),
         reserved=tuple(Reserved(item, bits_of(layout, item), _unused(item), place) for item, place in layout.unused),
-        checks=(*_constants(layout, by_word), *_ranges(layout)),
+        checks=(*_constants(layout, by_word), *_ranges(layout), *_highest(device, layout)),
         terms=tuple(_terms(layout)),
     )
 
@@ -440,6 +450,12 @@ def _ranges(layout: Layout) -> Iterator[Check]:
         if item.runs:
             first = item.runs[0]
             yield AtMost(item, bits, first.divisor * first.modulus - 1, item.runs)
+
+
+def _highest(device: Device, layout: Layout) -> Iterator[Check]:
+    found = device.highest_in(layout)
+    if found is not None:
+        yield NotAbove(found[0], bits_of(layout, found[0]), found[1])
 
 
 def allowed_values(layout: Layout, item: Field) -> tuple[int, ...]:

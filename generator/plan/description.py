@@ -83,7 +83,7 @@ class Check:
     width: Expression
     fault: Fault
     values: tuple[int, ...] = ()
-    limit: int | None = None
+    limit: Expression | None = None
     parity_of: tuple[Place, ...] = ()
     odd: bool = False
     mask: int = 0
@@ -197,7 +197,9 @@ def _check(item: plan.Check) -> Check:
         case plan.IsOneOf(values=values):
             return Check(field.low, field.width, fault, values)
         case plan.AtMost(limit=limit):
-            return Check(field.low, field.width, fault, limit=limit)
+            return Check(field.low, field.width, fault, limit=Expression(limit))
+        case plan.NotAbove(highest=highest):
+            return Check(field.low, field.width, fault, limit=highest)
         case _:
             assert_never(item)
 

@@ -9,7 +9,7 @@ from ..model import Digits, Field, Layout
 from ..model.expressions import Expression
 from ..model.kinds import Choice, Decimal, Number
 from ..model.never import assert_never
-from .codec import Codec, Whole, allowed_values
+from .codec import Codec, NotAbove, Whole, allowed_values
 from .limits import Limits
 
 
@@ -52,6 +52,14 @@ class TooWide:
 
 
 @dataclass(frozen=True, slots=True)
+class TooHigh:
+    """The number is above the highest one, which always fits in the field."""
+
+    field: Field
+    highest: Expression
+
+
+@dataclass(frozen=True, slots=True)
 class DigitTooHigh:
     """A group of digits has too many digits."""
 
@@ -88,6 +96,7 @@ Refusal = (
     | NotZeroFor
     | NoPowerOfTwo
     | TooWide
+    | TooHigh
     | DigitTooHigh
     | DigitsDisagree
     | WholeDisagrees
@@ -97,8 +106,10 @@ Refusal = (
 
 def refusals(codec: Codec) -> Iterator[Refusal]:
     """Yield the checks before encoding this layout, in order, without the limits of a register."""
+    highest = {item.field.name: item.highest for item in codec.checks if isinstance(item, NotAbove)}
     for part in codec.parts:
-        yield from _of_field(codec.layout, part.field)
+        name = part.field.name
+        yield from [TooHigh(part.field, highest[name])] if name in highest else _of_field(codec.layout, part.field)
     yield from (WholeDisagrees(item) for item in codec.wholes)
 
 
@@ -128,6 +139,8 @@ def depends(refusal: Refusal) -> bool:
             return not field.width.is_constant
         case TooWide(width=width):
             return not width.is_constant
+        case TooHigh(highest=highest):
+            return not highest.is_constant
         case WholeDisagrees(whole):
             return whole.depends
         case OutsideLimits(bounds=bounds):

@@ -176,6 +176,12 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
                 problems.append(Problem(Fault.CONSTANT, item.name, wrong))
         elif item.name == placed.layout.selector and raw not in placed.layout.selects:
             problems.append(Problem(Fault.RANGE, item.name, fault.of_other_frame(item.name, f"{raw:X}")))
+    highest = device.highest_in(placed.layout)
+    limited = placed.field(highest[0].name) if highest is not None else None
+    if highest is not None and limited is not None:
+        found, most = plain >> limited.low & limited.mask, highest[1].value(placed.parameters)
+        if found > most:
+            problems.append(Problem(Fault.RANGE, limited.name, fault.too_high(limited.name, f"{found}", f"{most}")))
     crc = _decode_crc(device, placed, number, problems)
     fields += [_decode_join(placed, join, number, plain) for join in placed.layout.joins]
     if any(isinstance(item.kind, Unused) for item in placed.layout.fields):
@@ -340,9 +346,13 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     for join in placed.layout.joins:
         if join.name in given:
             given |= _split(placed, join, _number(given.pop(join.name)), given)
-    number = 0
+    number, highest = 0, device.highest_in(placed.layout)
     for item in placed.fields:
-        number |= _raw(placed, item, given) << item.low
+        raw = _raw(placed, item, given)
+        if highest is not None and item.name == highest[0].name and raw > highest[1].value(placed.parameters):
+            most = highest[1].value(placed.parameters)
+            raise EncodeError(fault.too_high(item.name, f"{raw}", f"{most}"))
+        number |= raw << item.low
     if placed.layout.unused:
         number |= _unused(placed, _number(given.pop(UNUSED, 0)))
     used = _used(placed)

@@ -29,6 +29,11 @@ def digits(name: str, found: str, most: str) -> str:
     return f"{name} is {found}, but it has at most {most} digits"
 
 
+def too_high(name: str, found: str, most: str) -> str:
+    """Return the message for a position that the encoder does not have."""
+    return f"{name} is {found}, but the highest is {most}"
+
+
 def of_other_frame(name: str, found: str) -> str:
     """Return the message for a selector value that belongs to another frame."""
     return f"{name} {found} does not belong to this frame"

@@ -20,6 +20,7 @@ function placed(family, layout, parameters) {
     })),
     checks: (layout.checks ?? []).map((place) => family.shared[place])
       .map((check) => ({ check, low: at(check.low), width: at(check.width),
+        limit: check.limit === undefined ? undefined : value(check.limit, parameters),
         of: check.parity_of?.map(([first, size]) => ({ low: at(first), width: at(size) })) }))
       .filter((item) => item.width > 0),
     tells: (layout.tells ?? []).map((place) => family.shared[place]).filter((item) => holds(item.only)),
@@ -143,17 +144,18 @@ function computedBy(crc, at, number) {
 }
 
 function problemOf(item, number, plain) {
-  const { check, low, width, of } = item;
+  const { check, low, width, limit, of } = item;
   const found = bits(of ? number : plain, low, width);
   const right = of ? [parityOf(number, of, check)]
     : (check.values ?? []).map((one) => big(one) & ones(width));
-  const holds = check.limit === undefined ? right.includes(found) : found <= big(check.limit);
+  const holds = limit === undefined ? right.includes(found) : found <= limit;
   if (holds) return [];
   const words = {
     constant: () => said("constant", check.field, hex(found), hex(right[0])),
     parity: () => said("parity", check.field, found, check.of_name, right[0]),
     no_value: () => said("no_value", check.field, hex(found)),
     of_other_frame: () => said("of_other_frame", check.field, found.toString(16).toUpperCase()),
+    too_high: () => said("too_high", check.field, found, limit),
     digits: () => said("digits", check.field, found, check.most),
   };
   return [{ fault: check.fault, field: check.field, message: words[check.says]() }];

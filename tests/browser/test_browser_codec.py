@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 TESTS = Path(__file__).resolve().parents[1]
 #: These are made up of what no device has.
 MADE_UP = ("specs/words", "specs/bits22", "c/specs/shapes", "c/specs/words", "c/specs/reserved", "c/specs/crcs")
-MADE_UP += ("python/specs/odd_shapes", "browser/specs/names", "../examples/encoders/ams/as5047p")
+MADE_UP += ("specs/ring", "python/specs/odd_shapes", "browser/specs/names", "../examples/encoders/ams/as5047p")
 MADE_UP += ("../examples/encoders/cui/amt21", "../examples/encoders/sick/skm36")
 #: The order code of the made-up encoder of 22 bits.
 BITS_22 = "T22SC"

@@ -178,6 +178,9 @@ def made(
         raw = fixed.get(name, random_.choice(possible))
         item = placed.field(name)
         assert item is not None
+        highest = device.highest_in(placed.layout)
+        if highest is not None and highest[0].name == name:
+            raw = min(raw, highest[1].value(placed.parameters))
         values[name] = meant(item.field, item.width, raw)
     if placed.layout.unused:
         values[codec.UNUSED] = random_.getrandbits(64) & unused_mask(placed) if random_.getrandbits(1) else 0

@@ -36,6 +36,7 @@ _SAID = {
     "constant": fault.constant("{0}", "{1}", "{2}"),
     "parity": fault.parity("{0}", "{1}", "{2}", "{3}"),
     "no_value": fault.no_value("{0}", "{1}"),
+    "too_high": fault.too_high("{0}", "{1}", "{2}"),
     "digits": fault.digits("{0}", "{1}", "{2}"),
     "of_other_frame": fault.of_other_frame("{0}", "{1}"),
     "too_few_bytes": fault.too_few_bytes("{0}"),

@@ -17,6 +17,7 @@ from ...plan.codec import (
     Codec,
     Fixed,
     IsOneOf,
+    NotAbove,
     ParityIs,
     ParityOf,
     Turned,
@@ -164,6 +165,8 @@ def _message(layout: Layout, item: Check) -> Data:
             says = "of_other_frame" if always else "no_value"
         case AtMost():
             says, most = "digits", item.digits
+        case NotAbove():
+            says = "too_high"
         case _:
             assert_never(item)
     of_name = ", ".join(of.name for of in item.of) if isinstance(item, ParityIs) else ""

@@ -9,7 +9,7 @@ from functools import cached_property
 from ...model import Digits, Field, Piece
 from ...model.expressions import Expression
 from ...model.never import assert_never
-from ...plan.codec import AlwaysIs, AtMost, Check, Codec, IsOneOf, ParityIs, Part, ZerosAbove, parity
+from ...plan.codec import AlwaysIs, AtMost, Check, Codec, IsOneOf, NotAbove, ParityIs, Part, ZerosAbove, parity
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from .bits import Reader
 from .expr import Atom, Expr, Operation, Scope, call, coded, grouped, mask, number
@@ -202,7 +202,7 @@ class Decoder:
         checks = [item for item in self.codec.checks if item.field.name == field.name]
         listed = [item for item in checks if isinstance(item, IsOneOf) and len(item.values) > 1]
         chosen = bool(listed) and self.selects(field) and not self.disagreement
-        return chosen or any(isinstance(item, (ZerosAbove, AtMost)) for item in checks)
+        return chosen or any(isinstance(item, (ZerosAbove, AtMost, NotAbove)) for item in checks)
 
     def bits(self, part: Part) -> Expr:
         """Return the bits of a field after all checks."""

@@ -99,6 +99,11 @@ class Coded:
         number = shape.fixed
         for column in shape.columns:
             number |= _bits(fields, column) << column.low
+        for check in shape.checks:
+            bits = number >> check.low & (1 << check.width) - 1
+            if check.limit is not None and bits > check.limit:
+                name = next(item.field or item.name for item in shape.columns if item.low == check.low)
+                raise RangeError(name, bits, f"at most {check.limit}")
         if shape.others is not None:
             number |= check_bits("unused", fields.unused, shape.others)
         elif shape.unused:
