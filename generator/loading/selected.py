@@ -62,7 +62,13 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
             return ()
         if named:
             return (_load(named[0].path, cache)[0],)
-        possible = (_load(item.path, cache, label) for item in found if item.can_have(label))
+        # If the text shows the beginnings, they have been compared already.
+        unsure = {
+            item.path: "" if item.beginnings and all(item.beginnings) else label
+            for item in found
+            if item.can_have(label)
+        }
+        possible = (_load(path, cache, asked) for path, asked in unsure.items())
         return tuple(device for devices in possible for device in devices)
     except (OSError, ValueError, _NotSelectable):
         return ()
@@ -128,8 +134,12 @@ def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
     starts = cache.get("beginnings", content) if label else None
     if isinstance(starts, list) and not label.startswith(tuple(map(str, starts))):
         return ()
-    if label and starts is None and not label.startswith(_beginnings_of_parts(spec)):
-        return ()
+    if label and starts is None:
+        found_alone = _beginnings_of_parts(spec)
+        if content_of(family_files(spec)) == content:
+            cache.put("beginnings", content, found_alone)
+        if not label.startswith(found_alone):
+            return ()
     found = kept(cache, content)
     if found is not None:
         return found[:1]
