@@ -75,7 +75,10 @@ ELSEWHERE = {
     "docs/check-in-ci.md": {
         "yaml: ": "tests/changes/test_around_a_release.py::test_the_commands_of_the_page_are_right",
     },
-    "docs/spi.md": {"python: ": "tests/virtual/test_spi.py::test_the_programs_of_the_pages"},
+    "docs/spi.md": {
+        "python: ": "tests/virtual/test_spi.py::test_the_programs_of_the_pages",
+        ": $ codewheel": "tests/docs/test_start_pages.py::test_its_commands",
+    },
     "docs/rules.md": {"yaml: ": "tests/docs/test_rules_page.py::test_the_page_is_that_of_today"},
     **{
         f"docs/start-{name}.md": {
