@@ -85,8 +85,9 @@ def _check_parities(raw: Spec, report: DocumentReport) -> None:
 
 def _covered(layout: Spec, of: object) -> Iterator[str]:
     """Yield the fields that a parity bit covers, with those of joined numbers."""
-    for name in of if isinstance(of, list) else [of]:
-        yield from mapping(layout, "join").get(name, [name])
+    joins = mapping(layout, "join")
+    for name in map(str, of if isinstance(of, list) else [of]):
+        yield from joins.get(name, [name])
 
 
 def _free(layout: Spec) -> Iterator[str]:
