@@ -25,20 +25,20 @@ from .targets.registry import BUILT_IN
 #: Highest number of processes, and the free memory in bytes that each of them needs.
 _MOST_PROCESSES = 4
 _MEMORY = 256 * 2**20
-#: Fewest parts for which further processes are worth their start, and most that the pipe between them can hold.
-_FEWEST, _MOST = 4, 8192
+#: Fewest parts for which further processes are worth their start, and most that they hold before they return them.
+_FEWEST, _MOST = 4, 256
 _NUMBER = 4
 
 
 @dataclass(frozen=True)
 class Kept:
-    """Parts of earlier runs. ``contents`` has the content of all files on which each family depends, by its name.
+    """Parts of earlier runs. ``digests`` has the digest of each model, by the name of its family.
 
     ``tell`` is called with the number of parts that have been begun and the number of all that are not in the cache.
     """
 
     cache: Cache
-    contents: Mapping[str, Sequence[bytes | str]] = field(default_factory=dict)
+    digests: Mapping[str, str] = field(default_factory=dict)
     tell: Callable[[int, int], None] = lambda begun, all_of_them: None
 
 
@@ -64,21 +64,21 @@ def parts_of(library: Library, targets: Sequence[Target], kept: Kept) -> dict[st
     missing: list[_Task] = []
 
     def content(task: _Task) -> list[bytes | str]:
-        own = kept.contents.get(task[1].name, ())
-        return [*own, *masters] if own else []
+        digest = kept.digests.get(task[1].name)
+        return [digest, *masters] if digest else []
 
     for task in ((target, device) for target in targets if target.family for device in library.devices):
-        made = kept.cache.get(f"part {task[0].name}", content(task)) if content(task) else None
-        if made is None:
-            missing.append(task)
+        entry = kept.cache.get(f"part {task[0].name}", content(task)) if content(task) else None
+        if isinstance(entry, dict) and "part" in entry:
+            found[task[0].name][task[1].name] = entry["part"]
         else:
-            found[task[0].name][task[1].name] = made
+            missing.append(task)
 
     def make(task: _Task) -> Any:
         target, device = task
         made = target.family(device, Library((device,)), _defaults(target)) if target.family is not None else None
         if content(task):
-            kept.cache.put(f"part {target.name}", content(task), made)
+            kept.cache.put(f"part {target.name}", content(task), {"part": made})
         return made
 
     if missing:
@@ -88,7 +88,11 @@ def parts_of(library: Library, targets: Sequence[Target], kept: Kept) -> dict[st
     missing.reverse()
     for start in range(0, len(missing), _MOST):
         some = missing[start : start + _MOST]
-        for number, made in _made(some, make, kept.tell).items():
+
+        def tell(begun: int, _: int, start: int = start) -> None:
+            kept.tell(start + begun, len(missing))
+
+        for number, made in _made(some, make, tell).items():
             target, device = some[number]
             found[target.name][device.name] = made
     return found

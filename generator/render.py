@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache, partial
 from importlib import resources
@@ -18,15 +17,14 @@ from typing import get_args
 from jinja2 import (
     ChoiceLoader,
     Environment,
-    FileSystemBytecodeCache,
     FileSystemLoader,
     PrefixLoader,
     StrictUndefined,
     TemplateNotFound,
     TemplateSyntaxError,
 )
-from jinja2.bccache import Bucket
 
+from .compiled import CompiledTemplates
 from .language.problems import suggestion
 from .sandbox import Sandbox
 from .say.lines import plain, wrapped
@@ -41,30 +39,6 @@ COMMON_FILTERS: Mapping[str, Callable[..., object]] = {"plain": plain, "wrapped"
 
 class TemplateFault(ValueError):
     """An error in a user's template. The message gives the location and the reason in one line."""
-
-
-class _Compiled(FileSystemBytecodeCache):
-    """Cache of compiled templates in the user's own folder. Compiling takes a third of a run.
-
-    If the disk is full or the cache is damaged, templates are compiled again.
-    """
-
-    def load_bytecode(self, bucket: Bucket) -> None:
-        try:
-            super().load_bytecode(bucket)
-        except Exception:  # unpickling a damaged file can raise anything
-            bucket.reset()
-
-    def dump_bytecode(self, bucket: Bucket) -> None:
-        with suppress(OSError):
-            super().dump_bytecode(bucket)
-
-
-def _compiled() -> FileSystemBytecodeCache | None:
-    try:
-        return _Compiled()
-    except (RuntimeError, OSError):
-        return None  # there is no such folder here, or it belongs to another user
 
 
 class _OwnTemplates(FileSystemLoader):
@@ -179,7 +153,7 @@ def environment(templates: Templates, own: Path | None = None) -> Environment:
     kind = Environment if own is None else Sandbox
     made = kind(
         loader=shipped if own is None else ChoiceLoader([_own_loader(own), by_name, shipped]),
-        bytecode_cache=_compiled() if own is None else None,
+        bytecode_cache=CompiledTemplates() if own is None else None,
         undefined=StrictUndefined,
         autoescape=templates.autoescape,
         trim_blocks=True,

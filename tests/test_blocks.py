@@ -75,6 +75,10 @@ ELSEWHERE = {
     "docs/check-in-ci.md": {
         "yaml: ": "tests/changes/test_around_a_release.py::test_the_commands_of_the_page_are_right",
     },
+    "docs/rs485.md": {
+        "python: ": "tests/virtual/test_exchanges.py::test_the_program_of_the_page",
+        "console: ": "tests/virtual/test_exchanges.py::test_the_command_of_the_page",
+    },
     "docs/spi.md": {
         "python: ": "tests/virtual/test_spi.py::test_the_programs_of_the_pages",
         ": $ codewheel": "tests/docs/test_start_pages.py::test_its_commands",
@@ -133,6 +137,8 @@ EXCEPTIONS = {
     ("generated/browser/README.md", ": decode.html"): "the address of a page; test_browser_page.py opens such ones",
     ("README.md", ": make generate"): "each line sets up an environment or takes minutes",
     ("CONTRIBUTING.md", ": spec "): "a drawing of the packages. tests/test_house_rules.py compares the map with them",
+    ("docs/rs485.md", "yaml: "): "has ... for the layouts; the files that it names are checked",
+    ("docs/rs485.md", "c: "): "has ... for calls; test_exchanges.py compiles and runs a program with them",
     ("docs/spi.md", "yaml: "): "has ... for the layouts; the file that it names is checked",
     ("docs/spi.md", "c: "): "has ... for calls; test_spi.py compiles and runs the program that it names",
     ("docs/spec-language.md", "yaml: # yaml-language-server"): "a line for editors alone",

@@ -21,6 +21,19 @@
   const said = (name, ...values) => filled(TABLE.said[name], ...values);
   const bitLength = (number) => (number ? number.toString(2).length : 0);
 
+  /** A fraction with all its decimals, or with six of them after ≈ if they never end. */
+  function decimal(numerator, denominator) {
+    const [size, places] = [numerator < 0n ? -numerator : numerator, denominator.toString(2).length];
+    let exact = 0;
+    while (exact <= places && (size * 10n ** BigInt(exact)) % denominator) exact += 1;
+    const digits = exact > places ? 6 : exact;
+    const power = 10n ** BigInt(digits);
+    const scaled = (2n * size * power + denominator) / (2n * denominator);
+    const part = digits ? `.${(scaled % power).toString().padStart(digits, "0")}` : "";
+    const text = `${numerator < 0n ? "-" : ""}${(scaled / power).toLocaleString("en")}${part}`;
+    return exact > places ? `≈ ${text}` : text;
+  }
+
   /** The value of an expression, which is a number and terms of sign and factors. */
   function value(item, parameters) {
     if (!Array.isArray(item)) return big(item);
@@ -91,9 +104,10 @@
     return order === "little" ? lowFirst : lowFirst.reverse();
   }
 
-  /** The parity of the bits of a number at these places. */
-  function parityOf(number, places, odd) {
-    const found = places.map(({ low, width }) => bits(number, low, width).toString(2)).join("");
+  /** The parity of the bits of a number at these places, or of those bits at each place that are in the mask. */
+  function parityOf(number, places, { odd, mask }) {
+    const counted = mask ? big(mask) : -1n;
+    const found = places.map(({ low, width }) => (bits(number, low, width) & counted).toString(2)).join("");
     return BigInt((found.split("1").length - 1 + (odd ?? 0)) % 2);
   }
 
@@ -240,7 +254,7 @@
   function problemOf(item, number, plain) {
     const { check, low, width, of } = item;
     const found = bits(of ? number : plain, low, width);
-    const right = of ? [parityOf(number, of, check.odd)]
+    const right = of ? [parityOf(number, of, check)]
       : (check.values ?? []).map((one) => big(one) & ones(width));
     const holds = check.limit === undefined ? right.includes(found) : found <= big(check.limit);
     if (holds) return [];
@@ -311,7 +325,7 @@
     let number = at.fields.reduce((sum, item) => sum | (rawOf(item, values) << BigInt(item.low)), 0n);
     parities.forEach((item) => {
       const of = at.fields.filter((one) => item.field.parity.includes(one.name));
-      number |= parityOf(number, of, item.field.odd) << BigInt(item.low);
+      number |= parityOf(number, of, item.field) << BigInt(item.low);
     });
     number = toGray(at, number);
     if (at.layout.crc) number |= computedBy(at.family.crcs[at.layout.crc], at, number) << BigInt(crcField(at).low);
@@ -882,8 +896,9 @@
     const entry = number(measure.of) ?? number(measure.part);
     if (!entry) return "";
     const of = (item) => (item === undefined ? 0n : value(item, found.at.parameters));
-    const [step, turn] = [of(measure.step_um), of(measure.counts_per_turn)];
-    if (step) return `${entry.name}: ${(entry.value * step).toLocaleString("en")} µm`;
+    const [step, fine, turn] = [of(measure.step_um), of(measure.step_nm), of(measure.counts_per_turn)];
+    if (step) return `${entry.name}: ${decimal(entry.value * step, ONE)} µm`;
+    if (fine) return `${entry.name}: ${decimal(entry.value * fine, 1000n * (of(measure.per_counts) || ONE))} µm`;
     if (turn < ONE) return "";
     const degrees = (Number((entry.value % turn) * 360n) / Number(turn)).toFixed((turn / 360n).toString().length);
     const hasTurns = of(measure.turns) > ONE && entry.name === measure.of;
@@ -1413,7 +1428,7 @@
     return element("fieldset", {}, element("legend", {}, sentence(item.meaning)), answers);
   }
 
-  /** The register contents that a frame depends on: factory defaults, unless the user enters others. */
+  /** The register contents that a frame depends on: those of the order code, unless the user enters others. */
   function heldBy(state, held, show) {
     if (!held.length) return [];
     const delivered = parametersOf(state.found);
@@ -1422,13 +1437,15 @@
       input.placeholder = `${delivered[item.name]}`;
       input.addEventListener("input", () => {
         const given = numberOrNull(input.value);
-        const isInside = given !== null && given >= big(item.min) && (item.max === undefined || given <= big(item.max));
+        const isInside = given !== null && given >= big(item.min) && (item.max === undefined || given <= big(item.max))
+          && (!item.values || item.values.some((value) => big(value) === given));
         input.setAttribute("aria-invalid", `${input.value.trim() !== "" && !isInside}`);
         delete state.held[item.name];
         if (isInside) state.held[item.name] = given;
         show();
       });
-      return labelled(item.meaning, input, `${item.at}, ${item.min ?? 0} to ${item.max ?? "the highest value"}`);
+      const range = item.values?.join(", ") ?? `${item.min ?? 0} to ${item.max ?? "the highest value"}`;
+      return labelled(item.meaning, input, `${item.at}, ${range}`);
     });
     const summary = element("summary", {}, "Registers have factory defaults. Enter the contents of yours");
     return [element("details", {}, summary, inputs)];

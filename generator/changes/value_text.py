@@ -7,7 +7,7 @@ from dataclasses import fields, is_dataclass
 from enum import Enum
 from typing import Any
 
-from ..model import Supply
+from ..model import CodedValue, Supply
 from ..model.expressions import Expression
 from ..say.words import counted, hertz, microseconds, volts
 
@@ -57,6 +57,8 @@ def shown(value: Any, form: str = "") -> str:
         return _cut(", ".join(shown(item, form) for item in value))
     if isinstance(value, Supply):
         return f"{volts(value.min_mv)} to {volts(value.max_mv)}"
+    if isinstance(value, CodedValue):
+        return f"{value.code} = {value.value}"
     if is_dataclass(value):
         value = {key: item for key, item in without_words(value).items() if item not in (None, "", [], {})}
         if len(value) == 1:

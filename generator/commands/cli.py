@@ -24,7 +24,6 @@ from .terminal import Progress, Stop, prepare, release
 
 if TYPE_CHECKING:
     from ..cache import Cache
-    from ..loading.library import Family
 
 JSON_VERSION = 1
 
@@ -96,10 +95,24 @@ def _generate(chosen: argparse.Namespace) -> int:
             read = look_up.read_line(paths, known["families"], before.report(known["files"]))
             if is_unchanged(chosen, known["hashes"], read):
                 return 0
+    from ..loading.library import load_families
+
+    with Progress("codewheel: reading the specs"):
+        families, report = load_families(paths, _cache(chosen))
+    alike = before.of_models([family.digest for family in families])
+    names = [family.device.name for family in families]
+    known = None if report or chosen.edition or chosen.templates or chosen.biss_dtd else alike.get()
+    if known is not None:
+        with _OTHER_FORM:
+            read = look_up.read_line(paths, names, report)
+            if is_unchanged(chosen, known["hashes"], read):
+                before.put({"families": names, "files": report.files} | known)
+                return 0
+    from ..loading.stored import digest_of
     from ..parts import Kept
     from ..targets import Library
     from ..write import hashes
-    from .outputs import are_built_in, load_for, options_named, rendered, targets_named
+    from .outputs import are_built_in, complete, options_named, rendered, targets_named
 
     targets = targets_named(chosen.target)
     settings = options_named(chosen.option, targets)
@@ -107,21 +120,27 @@ def _generate(chosen: argparse.Namespace) -> int:
         raise Stop(f"there is no folder {chosen.templates}", 2)
     if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
         raise Stop("--biss-dtd needs the target biss", 2)
-    families: list[Family] = []
-    with Progress("codewheel: reading the specs") as progress:
-        devices, report = load_for(paths, targets, chosen.edition, families, _cache(chosen))
+    with Progress("codewheel: checking the specs") as progress:
+        devices = complete(families, targets, chosen.edition, report)
     if report:
         raise look_up.problems(report)
     names = [device.name for device in devices]
     print(look_up.read_line(paths, names, report))
-    contents = {item.device.name: item.content for item in families if item.content}
+    digests = {item.device.name: item.digest for item in families}
+    if not chosen.no_cache:
+        digests = {item.name: digests.get(item.name) or digest_of(item) for item in devices}
     with progress:
-        kept = Kept(_cache(chosen), contents, progress.begun)
+        kept = Kept(_cache(chosen), digests, progress.begun)
         files = rendered(Library(devices, chosen.templates), targets, settings, kept)
     if chosen.templates is None and are_built_in(targets, chosen.target):
         made = {name: hashes(texts) for name, texts in files.items()}
         before.put({"families": names, "files": report.files, "hashes": made})
-    return run(chosen, files, lambda: import_module(f"{__package__}.coverage").refuse_unproved(families, "written"))
+        alike.put({"hashes": made})
+
+    def gate() -> None:
+        import_module(f"{__package__}.coverage").refuse_unproved(families, "written", _cache(chosen))
+
+    return run(chosen, files, gate)
 
 
 def _check(chosen: argparse.Namespace) -> int:

@@ -8,8 +8,10 @@ from dataclasses import asdict, astuple
 from pathlib import Path
 from typing import Any
 
+from ..cache import Cache, content_of
 from ..language.problems import Report
 from ..language.second_reading import counts_beside
+from ..loading.family_files import family_files
 from ..loading.library import Family
 from ..loading.reading_counts import RULE, counts_text
 from ..model import TimesRead
@@ -20,6 +22,8 @@ from .check import Checked, look_at
 from .editions import check_all
 from .terminal import Stop
 
+#: Kind of entry for a family that may be released.
+_PROVED = "proved family"
 _HEADINGS = ("twice", "explained", "decided", "once", "derived")
 _OLD = "the counts do not match the readings; update them with codewheel check --coverage --write"
 
@@ -36,19 +40,29 @@ def cover(found: Checked, write: bool) -> list[Coverage]:
     return covered
 
 
-def refuse_unproved(families: Sequence[Family], what: str) -> None:
+def refuse_unproved(families: Sequence[Family], what: str, cache: Cache | None = None) -> None:
     """Refuse to release valid specs if ``check`` finds problems in their other editions, second readings or counts.
 
     Args:
         families: Families whose specs have no other problems.
         what: Participle of the refused action, such as ``written``.
+        cache: The place for families without such problems. They are not checked again until a file changes.
 
     Raises:
         Stop: There are problems. The exit code is 1.
     """
-    report = Report()
-    check_all(families, report)
-    cover(look_at(families, (), report), write=False)
+    report, cache = Report(), cache or Cache(None)
+    # One family after the other, because a second reading needs as much memory as its spec.
+    for item in families:
+        if item.content and cache.get(_PROVED, item.content) is True:
+            continue
+        before = len(report)
+        check_all([item], report)
+        cover(look_at([item], (), report), write=False)
+        # A second reading may have changed since the content was read.
+        is_same = item.content and content_of(family_files(Path(item.document.file))) == item.content
+        if is_same and len(report) == before:
+            cache.put(_PROVED, item.content, True)
     if report:
         for problem in report.problems:
             print(problem.format(), file=sys.stderr)

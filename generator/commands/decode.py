@@ -17,6 +17,7 @@ from ..reference.registers import decode_register
 from ..say.lines import WIDTH
 from ..say.lines import wrapped as wrapped_anew
 from ..say.name import words
+from ..say.numbers import decimal
 from ..say.origin import origin
 from ..say.text import BY_NAME
 from ..say.words import WORTH, counted, sentence, with_unit
@@ -320,10 +321,11 @@ def _measured(device: Device, variant: Variant, decoded: codec.Decoded) -> str:
     value = decoded.values.get(name)
     if not isinstance(value, int):
         return ""
-    terms = (measurement.step_um, measurement.counts_per_turn, measurement.turns)
-    step, per_turn, turns = (item.value(variant.parameters) if item is not None else 0 for item in terms)
-    if step:
-        return f"{name}: {value * step:,} µm"
+    step = measurement.micrometres(variant.parameters)
+    if step is not None:
+        return f"{name}: {decimal(value * step)} µm"
+    terms = (measurement.counts_per_turn, measurement.turns)
+    per_turn, turns = (item.value(variant.parameters) if item is not None else 0 for item in terms)
     if per_turn < 1:
         return ""
     turn, counts = divmod(value, per_turn)

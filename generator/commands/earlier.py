@@ -42,12 +42,35 @@ class Earlier:
         if self.content and _content(self.paths, self.options) == (self.content, self.passed_over):
             self.cache.put(self.kind, self.content, result)
 
+    def of_models(self, digests: Sequence[str]) -> Models:
+        """Return the results for the same models and options, whatever the rest of the specs is."""
+        content = [*self.options, "", *digests, *_masters()] if self.content and all(digests) else []
+        return Models(self.cache, f"{self.kind} of models", content)
+
     def report(self, files: Iterable[str]) -> Report:
         """Return the report of a run without problems that read these files."""
         found = Report()
         found.files += files
         found.passed_over += self.passed_over
         return found
+
+
+@dataclass(frozen=True)
+class Models:
+    """Earlier results that depend only on models. If ``content`` is empty, there are none."""
+
+    cache: Cache
+    kind: str
+    content: Sequence[bytes | str]
+
+    def get(self) -> Any:
+        """Return the result for the same models, or None."""
+        return self.cache.get(self.kind, self.content) if self.content else None
+
+    def put(self, result: Any) -> None:
+        """Keep the result for these models."""
+        if self.content:
+            self.cache.put(self.kind, self.content, result)
 
 
 def earlier(cache: Cache, kind: str, paths: Sequence[Path], options: Sequence[str] = ()) -> Earlier:
@@ -76,6 +99,10 @@ def _content(paths: Sequence[Path], options: Sequence[str]) -> tuple[list[bytes 
                 if keys is None or not keys.isdisjoint(_OVERLAY_KEYS):
                     return [], []
                 content += content_of(family_files(spec))
-        return content + content_of(sorted(packaged_masters().iterdir())), passed_over
+        return content + _masters(), passed_over
     except (OSError, ValueError):
         return [], []
+
+
+def _masters() -> list[bytes | str]:
+    return content_of(sorted(packaged_masters().iterdir()))

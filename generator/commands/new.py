@@ -138,12 +138,13 @@ def _start(like: str) -> str:
         return head + texts.SPI + texts.EXAMPLES_HEAD + texts.SPI_EXAMPLES + texts.ERRATA
     biss = texts.BISS + texts.REGISTERS + texts.EXAMPLES_HEAD + texts.EXAMPLE + texts.ERRATA
     if not like:
-        return head + texts.CODE + texts.CRCS + biss
+        return head + texts.CODE + texts.CRCS + biss.replace("@BITS@", texts.FRAME)
     output = "SC: {meaning: BiSS C-mode, interface: biss}"
     if like == "linear":
         biss = biss.replace("singleturn_bits", "position_bits").replace("@CODE@-17-SC", "@CODE@-1-SC")
-        biss = biss.replace("Position within one revolution", "Position")
+        biss = biss.replace("Position within one revolution", "Position").replace("@BITS@", texts.LINEAR_FRAME)
         return head + texts.LENGTH.replace("@OUTPUT@", output) + texts.CRCS + biss
     biss = biss.replace(texts.POSITION, texts.MULTITURN).replace(texts.LAST_FIELD, texts.LAST_FIELD + texts.JOIN)
+    biss = biss.replace("{position: 1000}", "{multiturn: 5, singleturn: 1000}").replace("@BITS@", texts.MULTITURN_FRAME)
     biss = biss.replace("max: 2^singleturn_bits", "max: 2^position_bits").replace("@CODE@-17-SC", "@CODE@-17-4096-SC")
     return head + texts.TURNS.replace("@OUTPUT@", output) + texts.CRCS + biss

@@ -181,6 +181,14 @@ examples:
     bytes: "00 00 03 E8"
     values: {preset: 1000}
     source: "6.3"
+  - name: position                        # a frame with its CRC shows whether poly, init and xorout are right
+    kind: frame
+    layout: single_cycle_data
+    order_code: @CODE@-17-SC
+    from: encoder
+    bits: "@BITS@"
+    values: {position: 1000}
+    source: "6.2"
 
 """
 
@@ -400,6 +408,9 @@ examples:
     source: "7.2"
 
 """
+#: Frames of the example over BiSS with counts 1000, no error and no warning: 17 bits, 24 bits, and 5 revolutions.
+FRAME, LINEAR_FRAME = "0000000111110100011011010", "00000000000000111110100011011010"
+MULTITURN_FRAME = "0000000001010000000111110100011110110"
 #: The lines of the example over BiSS that they replace and follow.
 POSITION = """\
           - {name: position, bits: singleturn_bits, unit: counts, meaning: Position within one revolution}

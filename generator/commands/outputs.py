@@ -8,7 +8,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..cache import Cache
 from ..language.problems import Report, listed, suggestion
 from ..loading.library import Family, load_families, sound_families
 from ..model import Device
@@ -89,26 +88,29 @@ def _refuse_setting(target: Target, name: str, value: str) -> None:
         raise Stop(f"'{target.name}.{name}' cannot be '{value}'{suggestion(value, values, 'it can be')}", 2)
 
 
-def load_for(
-    paths: Sequence[Path],
-    targets: Iterable[Target],
-    editions: Iterable[str] = (),
-    keep: list[Family] | None = None,
-    cache: Cache | None = None,
-) -> tuple[tuple[Device, ...], Report]:
+def load_for(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[tuple[Device, ...], Report]:
     """Return the devices of the specs, and a report that includes the parts that these targets cannot express.
-
-    ``editions`` are additional ones, such as ``FAMILY=1.6``. The families with their specs are added to ``keep``.
 
     Raises:
         Stop: A target fails. The exit code is 1.
     """
-    families, report = load_families(paths, cache)
+    families, report = load_families(paths)
+    return complete(families, targets, (), report), report
+
+
+def complete(
+    families: Sequence[Family], targets: Iterable[Target], editions: Iterable[str], report: Report
+) -> tuple[Device, ...]:
+    """Return the devices of families, and report the parts that these targets cannot express.
+
+    ``editions`` are additional ones, such as ``FAMILY=1.6``.
+
+    Raises:
+        Stop: A target fails. The exit code is 1.
+    """
     tell_unfit(families, targets, report)
-    if keep is not None:
-        keep += families
     devices = [*(family.device for family in families), *beside(families, editions, report)]
-    return tuple(sorted(devices, key=lambda device: device.name)), report
+    return tuple(sorted(devices, key=lambda device: device.name))
 
 
 def tell_unfit(families: Sequence[Family], targets: Iterable[Target], report: Report) -> None:

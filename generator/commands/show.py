@@ -13,9 +13,10 @@ from ..say.erratum import erratum
 from ..say.evidence import grade
 from ..say.lines import WIDTH, pairs, wrapped
 from ..say.measurement import measurement
+from ..say.numbers import decimal
 from ..say.order_code import open_values, spelling
 from ..say.origin import origin as says_origin
-from ..say.parameter import parameter, value
+from ..say.parameter import initial, parameter, value
 from ..say.text import BY_NAME
 from ..say.words import language
 from .decode import label_differences
@@ -82,7 +83,7 @@ def _parameters(device: Device, variant: Variant) -> list[str]:
     held = [item for item in shown if item.name in at_run_time]
     lines = ["", "Parameters", *_values(device, fixed, variant)] if fixed else []
     if held:
-        lines += ["", "Held in registers (factory defaults)", *_values(device, held, variant)]
+        lines += ["", f"Held in registers ({initial(device)})", *_values(device, held, variant)]
         addresses = dict.fromkeys(device.register(item.register).address for item in held if item.read_from)
         example = f"--register 0x{next(iter(addresses)):02X}=0x.."
         lines.append(wrapped(f"decode accepts other values, one byte at a time: {example}", WIDTH, "  ", "  "))
@@ -109,9 +110,11 @@ def _position(
         if item is None:
             continue
         counts = style.phrase(measurement(item))
-        if item.step_um is not None and item.modulus is not None and parameters is not None:
-            micrometres = item.step_um.value(parameters) * item.modulus.value(parameters)
-            counts += f", {micrometres // 1000:,}.{micrometres % 1000:03} mm in total"
+        step = item.micrometres(parameters) if parameters is not None else None
+        if step is not None and item.modulus is not None and parameters is not None:
+            millimetres = step * item.modulus.value(parameters) / 1000
+            places = "" if 1000 % millimetres.denominator else f"{float(millimetres):,.3f}"
+            counts += f", {places or decimal(millimetres)} mm in total"
         rows.append((over or item.of, f"{counts}  [{cite(item.source)}]"))
     return ["", "Position", *pairs(rows, 2)] if rows else []
 

@@ -14,6 +14,7 @@ from ..say import layout as say_layout
 from ..say import register as say_register
 from ..say.alternative import answer, needs, question
 from ..say.lines import WIDTH, pairs, wrapped
+from ..say.parameter import initial
 from ..say.place import bits, field_at, hexadecimal
 from ..say.text import BY_NAME, Style
 from ..say.words import counted
@@ -79,7 +80,7 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
     widths = run_time_widths(device, layout)
     if widths:
         notes.append(
-            f"The widths are the factory defaults in {' and '.join(field_at(device, path) for path in widths)}."
+            f"The widths are the {initial(device)} in {' and '.join(field_at(device, path) for path in widths)}."
         )
     if layout.gray_of and layout.gray_when:
         names = needed_parameters(device, layout.gray_when)

@@ -234,7 +234,8 @@ class _Dump:
             case CrcValue(crc):
                 return "crc", {"crc": crc}
             case Parity() as parity:
-                return "parity", {"parity_of": list(parity.covers), "parity": "odd" if parity.is_odd else "even"}
+                sense = "odd" if parity.is_odd else "even"
+                return "parity", {"parity_of": list(parity.covers), "parity": sense, "over": parity.over}
             case Decimal(runs):
                 return "digits", {"digits": self.plain(runs, inherited)}
             case Text():

@@ -52,6 +52,7 @@ class Document:
     kept: dict[Path, tuple[int, ...]] = field(default_factory=dict)
     others: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     family: str = ""
+    _indices: dict[int, dict[str, int]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
     def key(self) -> str:
@@ -138,17 +139,27 @@ class Document:
                     kept = self.kept.get(result)
                     step = given if kept is None or given >= len(kept) else kept[given]
                 else:
-                    step = next((index for index, item in enumerate(node) if label_of(item) == given), given)
+                    step = self._index(node, given)
                 node = node[step] if isinstance(step, int) and 0 <= step < len(node) else None
             else:
                 node = node.get(step) if isinstance(node, dict) else None
             result += (step,)
         return result
 
+    def _index(self, node: list[Any], label: str) -> str | int:
+        """Return the index of the first item of a list with this label, or the label if there is none."""
+        found = self._indices.get(id(node))
+        if found is None:
+            labels = ((label_of(item), index) for index, item in reversed(list(enumerate(node))))
+            found = self._indices[id(node)] = {label: index for label, index in labels if label is not None}
+        return found.get(label, label)
+
 
 def label_of(item: Any) -> str | None:
     """Return the label of a list item, or None if it has none."""
     if not isinstance(item, dict):
         return None
-    key = next((key for key in _ITEM_KEYS if key in item), None)
-    return None if key is None or isinstance(item[key], (dict, list)) else str(item[key])
+    for key in _ITEM_KEYS:
+        if key in item:
+            return None if isinstance(item[key], (dict, list)) else str(item[key])
+    return None

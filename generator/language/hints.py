@@ -14,12 +14,13 @@ from .problems import meant
 _UNITS = {
     "hz": ("hz", 0), "khz": ("hz", 3), "mhz": ("hz", 6), "ghz": ("hz", 9),
     "ps": ("s", -12), "ns": ("s", -9), "us": ("s", -6), "µs": ("s", -6), "ms": ("s", -3), "s": ("s", 0),
-    "nm": ("m", -9), "um": ("m", -6), "µm": ("m", -6), "mm": ("m", -3), "cm": ("m", -2), "m": ("m", 0),
+    "pm": ("m", -12), "nm": ("m", -9), "um": ("m", -6), "µm": ("m", -6),
+    "mm": ("m", -3), "cm": ("m", -2), "m": ("m", 0),
     "mv": ("v", -3), "v": ("v", 0),
 }  # fmt: skip
-#: Alternatives if a value does not fit the only supported unit.
+#: Alternatives if a value does not fit the smallest supported unit.
 _INSTEAD = {
-    "step_um": ": leave 'measurement' out and describe the step as a characteristic; positions are then in counts",
+    "step_nm": ": write the length of several counts, and their number in 'per_counts'",
 }
 _WORDS = {"hz": "Hz", "khz": "kHz", "mhz": "MHz", "ghz": "GHz", "us": "µs", "um": "µm", "mv": "mV", "v": "V"}
 
@@ -173,10 +174,14 @@ def key_hint(key: str, value: Any, known: Iterable[str]) -> str:
         return ""
     kind = _UNITS[unit.lower()][0]
     others = {item: _unit(item) for item in known if _UNITS.get(_unit(item), ("", 0))[0] == kind}
-    stems = {item.rpartition("_")[0]: item for item in others}
-    right = stems.get(meant(stem, [other for other in stems if other != stem]) if stem not in stems else stem, "")
-    if not right or right == key:
+    stems = {item.rpartition("_")[0] for item in others}
+    meant_stem = stem if stem in stems else meant(stem, [other for other in stems if other != stem])
+    fitting = [item for item in others if meant_stem and item.rpartition("_")[0] == meant_stem]
+    if not fitting or key in fitting:
         return ""
+    # The largest unit in which the value is a whole number, or else the smallest one.
+    fitting.sort(key=lambda item: -_UNITS[others[item]][1])
+    right = next((item for item in fitting if _whole(value, unit.lower(), others[item])), fitting[-1])
     wanted = _word(others[right])
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         or_else = f". If that is not a whole number{_INSTEAD[right]}" if right in _INSTEAD else ""
@@ -187,6 +192,11 @@ def key_hint(key: str, value: Any, known: Iterable[str]) -> str:
         shown = f"{value} {_word(unit.lower())}"
         return f"; there is only '{right}', and {shown} is not a whole number of {wanted}{_INSTEAD.get(right, '')}"
     return f"; write '{right}: {converted}', in {wanted}"
+
+
+def _whole(value: Any, unit: str, wanted: str) -> bool:
+    is_number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    return is_number and _converted(Fraction(str(value)), unit, wanted) is not None
 
 
 def _unit(key: str) -> str:

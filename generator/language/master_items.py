@@ -43,6 +43,9 @@ NUMBERS: Mapping[str, str] = {
     "supply_max_mv": "highest supply voltage of the encoder, in mV",
 }
 
+#: Lengths of a count, each with its unit. A count is not a whole number of each.
+STEPS: Mapping[str, str] = {"step_um": "µm", "step_pm": "pm"}
+
 #: Kind and width in bits of each data type that a master's document names. The width of some is not given.
 TYPES: Mapping[str, tuple[str, int | None]] = {
     **dict.fromkeys(("BOOLEAN", "BOOL", "bool"), ("boolean", 1)),

@@ -88,9 +88,7 @@ _ITEMS = {
 
 #: Maps in which an unknown key is an unsupported feature rather than a typo.
 _ALL_THERE_IS: dict[str | int, str] = {
-    "interfaces": (
-        "codewheel supports only ssi, biss, spi and rs485 (requests and replies like those of Tamagawa's T-format)"
-    ),
+    "interfaces": "codewheel supports only ssi, biss, spi and rs485 (requests and replies as bytes)",
 }
 
 

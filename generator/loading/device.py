@@ -18,10 +18,12 @@ from ..model import (
     Answer,
     CodePart,
     CodeValue,
+    Constant,
     Crc,
     DataId,
     Device,
     Document,
+    Layout,
     Manufacturer,
     OrderCode,
     Parameter,
@@ -37,7 +39,7 @@ from ..model import (
 from ..model.expressions import Expression, ExpressionError
 from ..model.limits import bounded, bounded_width, bounds, representable
 from ..order_codes.labels import combinations
-from ..order_codes.run_time import corners, resolve_parameters
+from ..order_codes.run_time import State, corners, resolve_parameters
 from ..reference import codec
 from .editions import editions
 from .examples import build_examples, check_examples
@@ -51,7 +53,7 @@ from .measurement_rules import check_measurements
 from .only import check_alarms, check_only, only_while, set_parameters
 from .procedures import build_procedures
 from .repeated_facts import check_agreement
-from .run_time_parameters import held_in_registers
+from .run_time_parameters import coded_values, extreme_states, held_in_registers
 from .samples import samples
 from .valid_parts import sound_so_far
 
@@ -62,7 +64,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     Parts that could not be built are missing from the result. It can be used only if nothing was reported.
     """
     definitions = _definitions(raw)
-    order_code = _order_code(raw["order_code"])
+    order_code = code_grammar(raw["order_code"])
     alternatives = tuple(_alternative(item) for item in raw.get("alternatives", ()))
     first = {name: value for item in alternatives for name, value in item.answers[0].sets.items()}
     variants = _variants(order_code, definitions, {**held_in_registers(raw, report), **first})
@@ -73,6 +75,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     check_alarms(raw, report)
     device = _device(raw, manufacturer, order_code, variants, alternatives, context)
     _check_control_bytes(device, report)
+    _check_requests(device, report)
     device = replace(device, procedures=build_procedures(raw, device))
     check_measurements(device, report)
     device = replace(device, editions=editions(raw))
@@ -147,7 +150,8 @@ def _definitions(raw: Raw) -> Mapping[str, Expression]:
     return MappingProxyType(found)
 
 
-def _order_code(raw: Raw) -> OrderCode:
+def code_grammar(raw: Raw) -> OrderCode:
+    """Return the grammar of order codes from its checked data."""
     parts = (
         record(
             CodePart,
@@ -204,14 +208,10 @@ def _parameter_sets(
         return MappingProxyType({kind: ({},) for kind in kinds})
     found: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in kinds}
     answers: list[Mapping[str, int]] = [{}, *(answer.sets for item in alternatives for answer in item.answers[1:])]
-    bounds = {
-        name: [item[key] for key in ("min", "max") if key in item]
-        for name, item in raw["parameters"].items()
-        if "read_from" in item
-    }
+    fields = extreme_states(raw)
     # One by one first, so that messages name as few parameters as possible.
-    singles = ({name: value} for name, values in bounds.items() for value in values)
-    held = [{}, *singles, *(corners(bounds) if len(bounds) > 1 else ())]
+    singles = (state for states in fields for state in states)
+    held: list[State] = [{}, *singles, *(corners(fields) if len(fields) > 1 else ())]
     seen: set[tuple[str, tuple[int, ...]]] = set()
     for variant in variants:
         known = found.setdefault(variant.interface, [])
@@ -230,7 +230,11 @@ def _parameter_sets(
 
 def _parameter(name: str, raw: Raw, context: Context) -> Parameter:
     values = (parameters.get(name, 0) for sets in context.parameter_sets.values() for parameters in sets)
-    return record(Parameter, raw, name=name, equals=context.definitions.get(name), largest=max(values, default=0))
+    codes = coded_values(raw)
+    limits = {"min": min(raw["by_code"].values()), "max": max(raw["by_code"].values())} if codes else {}
+    largest = max(values, default=0)
+    equals = context.definitions.get(name)
+    return record(Parameter, {**raw, **limits}, name=name, equals=equals, largest=largest, by_code=codes)
 
 
 def _crc(raw: Raw) -> Crc:
@@ -365,3 +369,34 @@ def _check_control_bytes(device: Device, report: DocumentReport) -> None:
         if made != item.control:
             wrong = f"according to its fields, the control field of data ID {item.id:X} is {made:#04x}"
             report.add("control-mismatch", (*path, "control"), f"{wrong}, but it is {item.control:#04x} in the manual")
+
+
+def _check_requests(device: Device, report: DocumentReport) -> None:
+    """Check that an encoder can tell its requests apart, by constants in the bytes that two of them share."""
+    interface = device.over(Rs485)
+    if interface is None or not interface.exchanges or not sound_so_far(report).has_frames:
+        return
+    layouts = {item.name: item for item in interface.layouts}
+    found = [layouts[item.request] for item in interface.exchanges if item.request in layouts]
+    for index, layout in enumerate(found):
+        other = next((item for item in found[:index] if not _differ(item, layout)), None)
+        if other is not None:
+            wrong = f"no constant tells '{layout.name}' from '{other.name}'; add the command as a 'constant' to both"
+            report.add("rs485-exchange", ("interfaces", interface.name, "layouts", layout.name), wrong)
+
+
+def _differ(one: Layout, other: Layout) -> bool:
+    """Return whether two requests have a different constant in the same bit of a byte."""
+    first, second = _constant_bits(one), _constant_bits(other)
+    return any(second.get(place, value) != value for place, value in first.items())
+
+
+def _constant_bits(layout: Layout) -> dict[tuple[int, int], int]:
+    """Return the constant bits of a layout, by byte and bit."""
+    return {
+        (piece.byte, piece.right + bit): field.kind.value >> piece.left + bit & 1
+        for field in layout.fields
+        if isinstance(field.kind, Constant)
+        for piece in field.pieces
+        for bit in range(piece.mask.bit_length())
+    }

@@ -7,6 +7,7 @@ from typing import get_args
 
 from ..language.problems import DocumentReport, Path
 from ..model import (
+    Crc,
     CrcExample,
     Device,
     Example,
@@ -22,7 +23,7 @@ from ..model import (
 from ..order_codes.labels import UnknownOrderCode, find
 from ..order_codes.run_time import decided
 from ..reference import codec
-from ..reference.crc import compute_bytes
+from ..reference.crc import compute_bytes, in_order, start_for
 from ..reference.procedures import register_writes
 from .from_mapping import Raw, record
 from .valid_parts import sound_so_far
@@ -97,7 +98,7 @@ def _check(device: Device, example: Example) -> Iterator[Wrong]:
         case CrcExample():
             made = compute_bytes(device.crc(example.crc), example.bytes)
             if made != example.check:
-                yield ("check",), f"the CRC over these bytes is {made:#04x}"
+                yield ("check",), f"the CRC over these bytes is {made:#04x}{_better_start(device, example.crc)}"
         case ProcedureExample():
             yield from _check_procedure(device, example)
         case MeasureExample():
@@ -118,7 +119,7 @@ def _check_measure(device: Device, example: MeasureExample) -> Iterator[Wrong]:
     variant = example_variant(device, example)
     measurement = device.measurement_of(variant.interface)
     if measurement is None or measurement.step_um is None:
-        yield (), "the device does not measure a length"
+        yield (), "the device does not measure a length in micrometres"
         return
     made = measurement.step_um.value(variant.parameters) * example.counts
     if made != example.micrometres:
@@ -155,8 +156,37 @@ def _check_decoded(device: Device, decoded: codec.Decoded, example: FrameExample
     problems = decoded.problems
     if problems and problems[0].fault in (Fault.LENGTH, Fault.CRC):  # Further errors may only follow from it.
         problems = problems[:1]
-    found: list[Wrong] = [(_data(example), problem.message) for problem in problems] or list(_compare(decoded, example))
+    hint = _better_start(device, decoded.crc.name) if decoded.crc is not None and not decoded.crc.ok else ""
+    found: list[Wrong] = [(_data(example), problem.message + hint) for problem in problems]
+    found = found or list(_compare(decoded, example))
     yield from found or _back(device, decoded, example)
+
+
+def _better_start(device: Device, name: str) -> str:
+    """Return a hint if all examples of a CRC fit one other start value.
+
+    Every single example fits some start value. With one example, only the usual ones, all bits 0 or all 1, are named.
+    """
+    starts = [start for example in device.examples for start in _starts(device, device.crc(name), example)]
+    crc, fitting = device.crc(name), set(starts)
+    if len(fitting) != 1 or fitting == {crc.init} or (len(starts) == 1 and not fitting <= {0, crc.mask}):
+        return ""
+    return f"; with 'init: {fitting.pop():#x}' in the CRC '{name}', {'every example' if starts[1:] else 'it'} matches"
+
+
+def _starts(device: Device, crc: Crc, example: Example) -> Iterator[int]:
+    """Yield the start value that the CRC needs for an example that contains it."""
+    if not crc.poly & 1:
+        return
+    if isinstance(example, CrcExample) and example.crc == crc.name:
+        yield start_for(crc, *in_order(crc, example.bytes), example.check)
+    elif isinstance(example, FrameExample) and not example.refused:
+        try:
+            decoded = decode_example(device, example, example_variant(device, example))
+        except UnknownOrderCode:  # Reported for that example.
+            return
+        if decoded.layout is not None and decoded.crc is not None and decoded.crc.name == crc.name:
+            yield start_for(crc, *codec.covered(crc, decoded.layout, decoded.number), decoded.crc.received)
 
 
 def _data(example: Example) -> Path:
@@ -167,10 +197,18 @@ def _data(example: Example) -> Path:
 
 def decode_example(device: Device, example: FrameExample, variant: Variant) -> codec.Decoded:
     """Decode the frame of an example with the model."""
-    if not example.bits:
+    if not example.bits and (not example.layout or example.layout in _selected(device, example.sender)):
         return codec.decode_bytes(device, variant, example.sender, example.bytes)
     placed = device.layout(example.layout).place(variant.parameters)
+    if not example.bits:
+        return codec.decode_placed(device, placed, example.bytes)
     return codec.decode_bits(device, placed, int(example.bits, 2), len(example.bits))
+
+
+def _selected(device: Device, sender: str) -> frozenset[str]:
+    """Return the names of the layouts of a sender that a field identifies, or that serve all other values."""
+    found = (item.layouts for item in device.interfaces if any(one.selector for one in item.layouts))
+    return frozenset(one.name for layouts in found for one in layouts if one.sender == sender)
 
 
 def _compare(decoded: codec.Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:

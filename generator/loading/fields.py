@@ -130,8 +130,8 @@ def kind(raw: Raw, context: Context, interface: str, width: Expression) -> Kind:
     if "crc" in raw:
         return CrcValue(raw["crc"])
     if "parity_of" in raw:
-        names = raw["parity_of"]
-        return Parity((names,) if isinstance(names, str) else tuple(names), odd=raw.get("parity") == "odd")
+        names, is_odd = raw["parity_of"], raw.get("parity") == "odd"
+        return Parity((names,) if isinstance(names, str) else tuple(names), is_odd, raw.get("over", ""))
     if "digits" in raw:
         return Decimal(_runs(raw["digits"]))
     if "text" in raw:

@@ -62,7 +62,7 @@ def build_measurement(raw: Raw, context: Context) -> Measurement | None:
     found = raw["measurement"]
     parts = {
         key: context.expression(found[key]) if key in found else None
-        for key in ("counts_per_turn", "turns", "step_um", "modulus", "highest")
+        for key in ("counts_per_turn", "turns", "step_um", "step_nm", "per_counts", "modulus", "highest")
     }
     return Measurement(of=found["of"], source=sources(found), **parts)
 
@@ -89,13 +89,17 @@ def _biss(raw: Raw, context: Context) -> Mapping[str, Any]:
 
 
 def _rs485(raw: Raw, context: Context) -> Mapping[str, Any]:
-    return {"port": record(Port, {**_PORT, **raw.get("port", {})})}
+    return {"port": record(Port, {**_PORT, **raw.get("port", {})}), "exchanges": _exchanges(raw)}
 
 
 def _spi(raw: Raw, context: Context) -> Mapping[str, Any]:
     clock = {"min_hz": 0, **raw.get("clock", {})}
-    exchanges = ({"source": raw.get("source", ""), **item} for item in raw.get("exchanges", ()))
-    return {"clock": record(Clock, clock), "exchanges": tuple(record(Exchange, item) for item in exchanges)}
+    return {"clock": record(Clock, clock), "exchanges": _exchanges(raw)}
+
+
+def _exchanges(raw: Raw) -> tuple[Exchange, ...]:
+    source = raw.get("source", "")
+    return tuple(record(Exchange, {"source": source, **item}) for item in raw.get("exchanges", ()))
 
 
 #: Settings of a port that the manual does not give.

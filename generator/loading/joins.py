@@ -68,6 +68,10 @@ def _check_parities(layout: Layout, site: Site) -> None:
                 wrong = f"the parity bit '{field.name}' cannot cover '{name}', which is computed itself; leave it out"
             if wrong:
                 site.report("parity-of", wrong, "fields", field.name, "parity_of")
+        covers_odd_bits = any(item.widest > 1 for item in layout.fields if item.name in of)
+        if isinstance(field.kind, Parity) and field.kind.over == "odd_bits" and not covers_odd_bits:
+            wrong = f"'{field.name}' covers no bit, since no covered field has a bit 1; write 'over: even_bits'"
+            site.report("parity-of", wrong, "fields", field.name, "parity_of")
 
 
 def _no_plain_bits(kind: Kind) -> str:

@@ -58,7 +58,7 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
     when, gray = raw.get("when", {}), raw.get("gray", {})
     joins = {name: tuple(parts) for name, parts in raw.get("join", {}).items()}
     constants = {field.name: field.kind.value for field in fields if isinstance(field.kind, Constant)}
-    fields = [_over_fields(field, joins, constants) for field in fields]
+    fields = [_over_fields(field, joins, constants, site) for field in fields]
     layout = record(
         Layout,
         raw,
@@ -78,18 +78,22 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
     return layout if is_sound(layout, site) else None
 
 
-def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int]) -> Field:
+def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], site: Site) -> Field:
     """Return a parity bit with the fields of joined numbers, and with the ones of constants among others counted.
 
     A parity bit of constants only is a constant itself.
     """
     if not isinstance(field.kind, Parity):
         return field
+    join = next((name for name in field.kind.of if name in joins), "")
+    if field.kind.over and join:
+        wrong = f"'over' counts the bits of each field from 0, and '{join}' has several fields; list its fields"
+        site.report("parity-of", wrong, "fields", field.name, "parity_of")
     names = tuple(part for name in field.kind.of for part in joins.get(name, (name,)))
     fixed = tuple(name for name in names if name in constants) if len(names) > 1 else ()
-    turned = bool(sum(constants[name].bit_count() for name in fixed) & 1)
+    turned = bool(sum((constants[name] & field.kind.mask).bit_count() for name in fixed) & 1)
     odd, rest = field.kind.odd != turned, tuple(name for name in names if name not in fixed)
-    kind = Parity(rest, odd, fixed, turned) if rest else Constant(int(odd))
+    kind = Parity(rest, odd, field.kind.over, fixed, turned) if rest else Constant(int(odd))
     return replace(field, kind=kind)
 
 

@@ -91,18 +91,26 @@ def load_families(
             prepare(document)
     after = contents(paths) if cache else {}
     same = [file for file, content in before.items() if after.get(file) == content]
-    known = {file: device for file in same if (device := found[file]) is not None}
-    families = [
-        family
-        if family.plain or family.device.base or family.document.file not in same
-        else replace(family, content=before[family.document.file])
-        for family in families_of(documents, report, known)
-    ]
+    stored = {file: entry for file in same if (entry := found[file]) is not None}
+    known = {file: device for file, (device, _) in stored.items()}
+    families = families_of(documents, report, known)
     if cache and not report:
-        for family in families:
-            if family.content and family.document.file not in known:
-                keep(cache, family.content, family.device)
+        families = [
+            family
+            if family.plain or family.device.base or family.document.file not in same
+            else _with_digest(family, before[family.document.file], stored, cache)
+            for family in families
+        ]
     return families, report
+
+
+def _with_digest(
+    family: Family, content: Sequence[bytes | str], stored: Mapping[str, tuple[Device, str]], cache: Cache
+) -> Family:
+    """Return a family with the content of its files and its digest, and store it if it is new."""
+    entry = stored.get(family.document.file)
+    digest = entry[1] if entry is not None else keep(cache, content, family.device)
+    return replace(family, content=content, digest=digest)
 
 
 def contents(paths: Sequence[Path]) -> dict[str, list[bytes | str]]:

@@ -11,6 +11,7 @@ from ..model.expressions import Expression
 
 #: From this number, a power of two minus one is assumed to be the highest count, not the number of counts.
 _SEVERAL = 15
+_STEPS = ("step_um", "step_nm", "per_counts")
 _REVOLUTIONS = ("revolution", "revolutions", "turn", "turns")
 
 
@@ -59,7 +60,7 @@ def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, 
     key = "counts_per_turn" if measurement.counts_per_turn is not None else "modulus"
     numbers = {
         name: part
-        for name in ("counts_per_turn", "turns", "step_um", "modulus")
+        for name in ("counts_per_turn", "turns", *_STEPS, "modulus")
         if (part := getattr(measurement, name)) is not None
     }
     values = {name: part.value(case.variant.parameters) for name, part in numbers.items()}
@@ -70,7 +71,7 @@ def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, 
         return None
     for name, value in values.items():
         if (
-            name != "step_um"
+            name not in _STEPS
             and value >= _SEVERAL
             and value & (value + 1) == 0
             and not _at_run_time(device, numbers[name])

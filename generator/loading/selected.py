@@ -24,6 +24,7 @@ _KEY = re.compile(rb"\n([a-z_]+)[ \t]*:(?=[ \t\r\n]|$)")
 _NAME = re.compile(rb"\ndevice[ \t]*:[ \t]*([a-z][a-z0-9_]*)[ \t]*(?:#[^\n]*)?(?=\r?\n)")
 _PATTERN_KEY = re.compile(rb"pattern['\"]?[ \t]*:")
 _PATTERN = re.compile(rb"pattern[ \t]*:[ \t]*\"([^\"\\{}\r\n]*)\{")
+_ORDER_CODE = re.compile(r"\norder_code[ \t]*:[ \t]*(?=[\r\n]).*?(?=\n[^ #\r\n]|\Z)", re.DOTALL)
 
 
 class _NotSelectable(Exception):
@@ -93,6 +94,25 @@ def _beginnings(text: bytes) -> tuple[str, ...] | None:
     return tuple("".join(item.decode("ascii", "replace").split()).upper() for item in found)
 
 
+def _beginnings_of_parts(spec: Path) -> tuple[str, ...]:
+    """Return the beginnings of order codes that begin with a part, from the data under ``order_code`` alone.
+
+    If these data have problems or refer to other data, the result matches any label.
+    """
+    from ..language.yaml import Refused, parse
+    from ..order_codes.labels import beginnings
+    from .device import code_grammar
+
+    section = _ORDER_CODE.search("\n" + spec.read_text(encoding="utf-8"))
+    problems: list[object] = []
+    try:
+        data, _ = parse(section[0] if section else "", problems.append, problems.append)
+        found = beginnings(code_grammar(data["order_code"]))
+    except (Refused, LookupError, TypeError, ValueError, AttributeError, StopIteration):
+        return ("",)
+    return ("",) if problems or "{" in "".join(found) else found
+
+
 def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
     """Return the device of a spec. If the cache shows that it cannot have the order code ``label``, return none.
 
@@ -108,9 +128,11 @@ def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
     starts = cache.get("beginnings", content) if label else None
     if isinstance(starts, list) and not label.startswith(tuple(map(str, starts))):
         return ()
+    if label and starts is None and not label.startswith(_beginnings_of_parts(spec)):
+        return ()
     found = kept(cache, content)
     if found is not None:
-        return (found,)
+        return found[:1]
     from ..order_codes.labels import beginnings
     from .library import load_library
 

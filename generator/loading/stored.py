@@ -7,6 +7,8 @@ kept once. Only objects of the model can be built, so no data can run other code
 from __future__ import annotations
 
 import dataclasses
+import hashlib
+import json
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from enum import Enum
@@ -44,18 +46,39 @@ class NotStorable(Exception):
     """The data does not have the form of a model."""
 
 
-def kept(cache: Cache, content: Sequence[bytes | str]) -> model.Device | None:
-    """Return the device that ``keep`` stored for files with this content, or None."""
+def kept(cache: Cache, content: Sequence[bytes | str]) -> tuple[model.Device, str] | None:
+    """Return the device that ``keep`` stored for files with this content, and its digest, or None."""
     with suppress(NotStorable):
         found = cache.get("family", content)
-        return None if found is None else from_data(found)
+        if isinstance(found, list) and len(found) == 2 and isinstance(found[0], str):
+            return from_data(found[1]), found[0]
     return None
 
 
-def keep(cache: Cache, content: Sequence[bytes | str], device: model.Device) -> None:
-    """Store a device whose spec has no problems. ``content`` is that of all files on which it depends."""
+def keep(cache: Cache, content: Sequence[bytes | str], device: model.Device) -> str:
+    """Store a device whose spec has no problems, and return its digest.
+
+    ``content`` is that of all files on which it depends.
+    """
     with suppress(NotStorable):
-        cache.put("family", content, as_data(device))
+        rows = as_data(device)
+        cache.put("family", content, [_digest(rows), rows])
+        return _digest(rows)
+    return ""
+
+
+def digest_of(device: model.Device) -> str:
+    """Return a hash of everything in a model, for the keys of results that depend only on the model.
+
+    Models from the same spec with other comments have the same digest. It is empty if the model cannot be stored.
+    """
+    with suppress(NotStorable):
+        return _digest(as_data(device))
+    return ""
+
+
+def _digest(rows: list[Any]) -> str:
+    return hashlib.sha256(json.dumps(rows, separators=(",", ":")).encode()).hexdigest()
 
 
 def as_data(item: model.Device) -> list[Any]:

@@ -79,6 +79,27 @@ def places_of(
     filled: Callable[[str], str],
 ) -> tuple[Place, ...]:
     """Return the places of a setting, one for each channel of each device."""
+    named = any("{" in str(rule.get("symbol", "")) for rule in item["places"])
+    if named:
+        return _places_of(item, value, devices, standing, filled)
+    key = (id(item), value, standing)
+    found = _KNOWN.get(key)
+    if found is None or found[0] is not item:
+        found = _KNOWN[key] = (item, _places_of(item, value, devices, standing, filled))
+    return found[1]
+
+
+#: Places that are the same for all order codes with a value, with the item that they are for.
+_KNOWN: dict[tuple[int, int | bool | str | None, str], tuple[Raw, tuple[Place, ...]]] = {}
+
+
+def _places_of(
+    item: Raw,
+    value: int | bool | str | None,
+    devices: Sequence[Device],
+    standing: str,
+    filled: Callable[[str], str],
+) -> tuple[Place, ...]:
     return tuple(
         _place(rule, device, number, value, standing, filled)
         for rule in item["places"]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from types import MappingProxyType
 
 from ..language.master_items import NUMBERS
@@ -31,6 +32,7 @@ from ..model import (
 )
 from ..order_codes.parameters import needed_parameters
 from ..order_codes.run_time import decided
+from ..say.parameter import initial
 from ..say.place import addresses
 from ..say.words import hertz, timeout_words
 from .cable import CableRow, CableTable, cable_table
@@ -69,7 +71,8 @@ class Record:
 
     ``answers`` are the user's answers to questions that the manual leaves open, by the names of the alternatives.
     ``cable_m`` is the cable length for which the highest clock is chosen, and ``cable_row`` the row of the table for
-    it. Both may be None.
+    it. Both may be None. ``step`` is the exact length of a count in µm. ``numbers`` has it in each unit in which it is
+    whole.
     """
 
     code: str
@@ -83,6 +86,7 @@ class Record:
     answers: Mapping[str, str]
     cable_m: int | None = None
     cable_row: CableRow | None = None
+    step: Fraction | None = None
 
     @property
     def known(self) -> Mapping[str, int]:
@@ -145,7 +149,8 @@ def record(
         *_notes(device, interface, placed, parts, as_delivered),
     )
     ordered = {name: numbers[name] for name in NUMBERS}
-    found = Record(variant.code, device.name, words, ordered, parts, timeout, cables, notes, taken)
+    step = measurement.micrometres(variant.parameters)
+    found = Record(variant.code, device.name, words, ordered, parts, timeout, cables, notes, taken, step=step)
     return found if cable_m is None else _with_cable(found, cable_m)
 
 
@@ -314,13 +319,18 @@ def _supply(device: Device, variant: Variant) -> dict[str, int | None]:
 
 
 def _measured(measurement: Measurement, variant: Variant, multiturn_bits: int) -> dict[str, int | None]:
-    found = {"counts_per_turn": measurement.counts_per_turn, "turns": measurement.turns, "step_um": measurement.step_um}
+    found = {"counts_per_turn": measurement.counts_per_turn, "turns": measurement.turns}
     known = {name: item.value(variant.parameters) if item is not None else None for name, item in found.items()}
     if known["turns"] is not None:
         # Registers may set fewer bits than needed for the revolutions in other registers at their factory defaults.
         known["turns"] = min(known["turns"], 1 << multiturn_bits)
-    known["step_pm"] = known["step_um"] * 1_000_000 if known["step_um"] is not None else None
-    return known
+    step = measurement.micrometres(variant.parameters)
+    return known | {"step_um": _whole(step, 1), "step_pm": _whole(step, 1_000_000)}
+
+
+def _whole(step: Fraction | None, per_um: int) -> int | None:
+    """Return a length in micrometres in another unit, or None if it is not a whole number of that unit."""
+    return int(step * per_um) if step is not None and (step * per_um).denominator == 1 else None
 
 
 def _answer_notes(deciding: Sequence[Alternative], taken: Mapping[str, str]) -> Iterator[str]:
@@ -354,7 +364,7 @@ def _notes(
         names_of = (item.register for item in device.run_time_parameters if item.name in needed)
         deciding = ", ".join(dict.fromkeys(_deciding(device, name) for name in names_of))
         if deciding:
-            given = "their factory defaults. Other values need other settings" if as_delivered else "the given values"
+            given = f"their {initial(device)}. Other values need other settings" if as_delivered else "the given values"
             yield f"The {what} on registers: {deciding}. These settings are for {given}."
     fixed = [part.name for part in parts if part.role == "status" and not part.active]
     if fixed:

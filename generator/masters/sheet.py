@@ -8,17 +8,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from ..cache import Cache, content_of
 from ..language.check import check_document
-from ..language.master_items import NUMBERS
+from ..language.master_items import NUMBERS, STEPS
 from ..language.problems import Report, listed
 from ..language.read import read_specs
 from ..loading.shipped import packaged_masters
 from ..model import INTERFACES, Document
 from ..model.expressions import Expression, ExpressionError
+from ..say.numbers import decimal
 from ..say.words import hertz
 from .places import Device, Place, devices_of, misfit, places_of
 from .record import Part, Record
@@ -115,7 +117,9 @@ class _Unknown(Exception):
     """A value depends on an item that the manual does not give."""
 
 
-def _not_in_manual(number: str) -> _Unknown:
+def _not_in_manual(number: str, step: Fraction | None = None) -> _Unknown:
+    if number in STEPS and step is not None:
+        return _Unknown(f"one count is {decimal(step)} µm, not a whole number of {STEPS[number]}")
     return _Unknown(f"not in the encoder's manual ({NUMBERS[number]})")
 
 
@@ -322,7 +326,7 @@ def _number(value: int | str, name: str, record: Record) -> int:
     expression = Expression.parse(value)
     for used in expression.parameters:
         if record.numbers[used] is None:
-            raise _not_in_manual(used)
+            raise _not_in_manual(used, record.step)
     try:
         number = expression.value(record.known)
     except ExpressionError:
@@ -336,7 +340,7 @@ def _chosen(item: Raw, record: Record) -> int | str:
     name = item["choice"]["of"]
     actual = record.words.get(name, record.numbers.get(name))
     if actual is None:
-        raise _not_in_manual(name)
+        raise _not_in_manual(name, record.step)
     for case in item["choice"]["cases"]:
         if case["is"] == actual:
             chosen: int | str = case["set"]
@@ -403,13 +407,15 @@ def _best_of_any(clock: Raw, record: Record) -> int:
 def _text(text: str, record: Record) -> str:
     """Return the text with the items in braces filled in, all of which must be known."""
     for name in NUMBERS:
-        if f"{{{name}}}" in text and record.numbers[name] is None:
-            raise _not_in_manual(name)
+        if f"{{{name}}}" in text and record.numbers[name] is None and not (name == "step_um" and record.step):
+            raise _not_in_manual(name, record.step)
     return _filled(text, record)
 
 
 def _filled(text: str, record: Record) -> str:
     known = {**record.words, **record.numbers} if "{" in text else {}
+    if record.step is not None:
+        text = text.replace("{step_um}", decimal(record.step))
     for name, item in known.items():
         text = text.replace(f"{{{name}}}", "unknown" if item is None else str(item))
     return text

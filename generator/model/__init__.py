@@ -8,6 +8,7 @@ integer whose byte order is in the layout.
 from .device import (
     Alternative,
     Answer,
+    CodedValue,
     CodePart,
     CodeValue,
     Device,
@@ -67,9 +68,9 @@ from .facts import (
 from .fault import Fault
 from .interfaces import INTERFACES, Fact, Interface
 from .interfaces.biss import BankSelect, Biss, ControlField, DescriptionFile, Network, PrintedTimeout, Profile, Timeout
-from .interfaces.common import Clock, Signals
+from .interfaces.common import Clock, Exchange, Signals
 from .interfaces.rs485 import DataId, MemoryAccess, Port, Rs485
-from .interfaces.spi import Exchange, Spi, WordFormat
+from .interfaces.spi import Spi, WordFormat
 from .interfaces.ssi import Alignment, CableLength, OutputCode, Ssi
 from .kinds import (
     UNEXPLAINED,
@@ -121,6 +122,7 @@ __all__ = [
     "Clock",
     "CodePart",
     "CodeValue",
+    "CodedValue",
     "Connector",
     "Constant",
     "Contact",

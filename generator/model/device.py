@@ -42,8 +42,19 @@ _Kind = TypeVar("_Kind", bound=Interface)
 
 
 @dataclass(frozen=True, slots=True)
+class CodedValue:
+    """A value of a parameter, and the code for it in a register."""
+
+    code: int
+    value: int
+
+
+@dataclass(frozen=True, slots=True)
 class Parameter:
-    """A quantity set by the order code or, if ``equals`` is given, calculated from other quantities."""
+    """A quantity set by the order code or, if ``equals`` is given, calculated from other quantities.
+
+    The register field ``read_from`` holds either the value or, if there are ``by_code``, a code for it.
+    """
 
     name: str
     meaning: str
@@ -57,6 +68,11 @@ class Parameter:
     interface: str = ""
     hexadecimal: bool = False
     alternative: str = ""
+    by_code: tuple[CodedValue, ...] = ()
+
+    def held_value(self, number: int) -> int | None:
+        """Return the value for the number in ``read_from``, or None if that is not one of the codes."""
+        return next((item.value for item in self.by_code if item.code == number), None) if self.by_code else number
 
     @property
     def register(self) -> str:

@@ -124,14 +124,21 @@ class CrcValue:
 class Parity:
     """A bit that makes the number of ones even or odd, counting this bit and those of the fields ``of``.
 
-    ``constants`` are covered as well. Their ones are already counted in ``odd``, and ``turned`` is true if they are an
-    odd number.
+    ``over`` selects the bits of each field that count: ``odd_bits``, ``even_bits``, or all if it is empty. Bit 0 is the
+    least significant bit of the field. ``constants`` are covered as well. Their ones are already counted in ``odd``,
+    and ``turned`` is true if they are an odd number.
     """
 
     of: tuple[str, ...]
     odd: bool = False
+    over: str = ""
     constants: tuple[str, ...] = ()
     turned: bool = False
+
+    @property
+    def mask(self) -> int:
+        """Mask of the bits of a field that count. A field has at most 64 bits."""
+        return {"odd_bits": 0xAAAA_AAAA_AAAA_AAAA, "even_bits": 0x5555_5555_5555_5555}.get(self.over, (1 << 64) - 1)
 
     @property
     def covers(self) -> tuple[str, ...]:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from fractions import Fraction
+
 from .expressions import Expression
 from .facts import Sources
 from .record import dataclass
@@ -9,8 +12,9 @@ from .record import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """Units of the field ``of``: ``counts_per_turn`` and ``turns``, or for a length ``step_um`` and ``modulus``.
+    """Units of the field ``of``: ``counts_per_turn`` and ``turns``, or for a length its step and ``modulus``.
 
+    The step is ``step_um`` micrometres per count, or ``step_nm`` nanometres per ``per_counts`` counts.
     ``highest`` is the highest number sent if an offset can shift positions above the total count.
     """
 
@@ -21,3 +25,21 @@ class Measurement:
     modulus: Expression | None
     highest: Expression | None
     source: Sources
+    step_nm: Expression | None = None
+    per_counts: Expression | None = None
+
+    @property
+    def is_length(self) -> bool:
+        return self.step_um is not None or self.step_nm is not None
+
+    @property
+    def steps(self) -> tuple[Expression, ...]:
+        """Expressions that give the length of a count, or none for an angle."""
+        return tuple(item for item in (self.step_um, self.step_nm, self.per_counts) if item is not None)
+
+    def micrometres(self, parameters: Mapping[str, int]) -> Fraction | None:
+        """Return the exact length of one count, or None for an angle."""
+        if self.step_nm is not None:
+            counts = self.per_counts.value(parameters) if self.per_counts is not None else 1
+            return Fraction(self.step_nm.value(parameters), 1000 * counts)
+        return Fraction(self.step_um.value(parameters)) if self.step_um is not None else None

@@ -56,7 +56,7 @@ def needed_parameters(device: Device, name: str) -> frozenset[str]:
 def run_time_widths(device: Device, layout: Layout) -> tuple[str, ...]:
     """Return the register fields, as ``register.field``, that determine the length of a layout."""
     names = frozenset[str]().union(*(needed_parameters(device, name) for name in layout.bits.parameters))
-    return tuple(item.read_from for item in device.run_time_parameters if item.name in names)
+    return tuple(dict.fromkeys(item.read_from for item in device.run_time_parameters if item.name in names))
 
 
 def _used(device: Device, kind: str) -> set[str]:
@@ -102,7 +102,7 @@ def _of_measurement(measurement: Measurement) -> Iterator[Expression]:
     found = (
         measurement.counts_per_turn,
         measurement.turns,
-        measurement.step_um,
+        *measurement.steps,
         measurement.modulus,
         measurement.highest,
     )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import ChainMap
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, product
 from math import prod
@@ -38,35 +39,71 @@ def with_changed(device: Device, variant: Variant, changed: Mapping[str, int]) -
     return resolve_parameters({**given, **changed}, device.definitions)
 
 
-#: Highest number of combinations of extremes. If there are more, only pairs of parameters are combined.
+#: Values of the parameters that one register field holds.
+State = Mapping[str, int]
+#: Highest number of combinations of states. If there are more, only pairs of fields are combined.
 _MOST_CORNERS = 64
 
 
-def corners(extremes: Mapping[str, Sequence[int]]) -> Iterator[Mapping[str, int]]:
-    """Yield combined extremes of parameters, since a value may fit with one extreme but not with two.
+def corners(fields: Sequence[Sequence[State]]) -> Iterator[State]:
+    """Yield combined states of register fields, since a value may fit with one extreme but not with two.
 
     If there are too many, yield those of each pair with the others unchanged, and those with all at the same extreme.
+
+    Args:
+        fields: The states of each field, from the one with the lowest values to the one with the highest.
     """
-    names = [name for name, values in extremes.items() if values]
-    if prod(len(set(extremes[name])) for name in names) <= _MOST_CORNERS:
-        yield from _joint(names, extremes)
+    found = [states for states in fields if states]
+    if prod(map(len, found)) <= _MOST_CORNERS:
+        yield from _joint(found)
         return
-    for pair in combinations(names, 2):
-        yield from _joint(pair, extremes)
-    yield from ({name: end(extremes[name]) for name in names} for end in (min, max))
+    for pair in combinations(found, 2):
+        yield from _joint(pair)
+    yield from (ChainMap(*(dict(states[end]) for states in found)) for end in (0, -1))
 
 
-def _joint(names: Sequence[str], extremes: Mapping[str, Sequence[int]]) -> Iterator[Mapping[str, int]]:
-    for values in product(*(dict.fromkeys(extremes[name]) for name in names)):
-        yield dict(zip(names, values, strict=True))
+def _joint(fields: Sequence[Sequence[State]]) -> Iterator[State]:
+    for states in product(*fields):
+        yield ChainMap(*map(dict, states))
+
+
+def coded_states(codes: Mapping[str, Mapping[int, int]]) -> Sequence[State]:
+    """Return the states of a field that holds a code, for the codes that all its parameters have.
+
+    Args:
+        codes: The values by code of each parameter that is read from the field.
+    """
+    common = set.intersection(*(set(values) for values in codes.values()))
+    states = [{name: values[code] for name, values in codes.items()} for code in sorted(common)]
+    return sorted(states, key=lambda state: sum(state.values()))
+
+
+def extreme_states(device: Device) -> Sequence[Sequence[State]]:
+    """Return the extreme states of each field that holds a parameter: the limits of its value, or each of its codes."""
+    return _states(device.run_time_parameters, lambda item: dict.fromkeys(_limits(item)))
+
+
+def possible_states(parameters: Sequence[Parameter]) -> Sequence[Sequence[State]]:
+    """Return the states of each field that holds one of the parameters."""
+    return _states(parameters, lambda item: range(item.min or 0, (item.max or 0) + 1))
+
+
+def _limits(item: Parameter) -> Iterator[int]:
+    return (bound for bound in (item.min, item.max) if bound is not None)
+
+
+def _states(parameters: Sequence[Parameter], plain: Callable[[Parameter], Iterable[int]]) -> Sequence[Sequence[State]]:
+    coded: dict[str, dict[str, Mapping[int, int]]] = {}
+    for item in parameters:
+        if item.by_code:
+            coded.setdefault(item.read_from, {})[item.name] = {one.code: one.value for one in item.by_code}
+    direct = [[{item.name: value} for value in plain(item)] for item in parameters if not item.by_code]
+    return [*direct, *map(coded_states, coded.values())]
 
 
 def at_run_time(device: Device, variant: Variant) -> Iterator[Mapping[str, int]]:
     """Yield the parameters of a variant with factory defaults, and with the extremes of those held in registers."""
-    bounds = {
-        item.name: [bound for bound in (item.min, item.max) if bound is not None] for item in device.run_time_parameters
-    }
-    for changed in ({}, *corners(bounds)):
+    for changed in ({}, *corners(extreme_states(device))):
         yield with_changed(device, variant, changed)
 
 
@@ -122,8 +159,9 @@ def after_write(device: Device, variant: Variant, register: Register, number: in
         return variant
     parameters: dict[str, int] = {}
     for name, item in held.items():
-        field = register.layout.field(item.field)
-        parameters[name] = number >> field.low.constant & ((1 << field.widest) - 1) or field.number.zero_means
+        value = _value_in(register, item, number)
+        if value is not None:  # An encoder that holds no valid code keeps the format of its frames.
+            parameters[name] = value
     return replace(variant, parameters=with_changed(device, variant, parameters))
 
 
@@ -131,12 +169,18 @@ def _value(register: Register, parameter: Parameter, held: Mapping[int, int]) ->
     """Return the value of the parameter from the register's bytes in ``held`` or its default."""
     default = register.default_bytes() or bytes(register.length)
     data = bytes(held.get(register.address + index, byte) for index, byte in enumerate(default))
-    field = register.layout.field(parameter.field)
-    value = (
-        number_from_bytes(register.layout, data) >> field.low.constant & ((1 << field.widest) - 1)
-        or field.number.zero_means
-    )
+    value = _value_in(register, parameter, number_from_bytes(register.layout, data))
+    if value is None:
+        codes = ", ".join(str(item.code) for item in parameter.by_code)
+        raise RegisterError(f"{parameter.read_from} does not hold a code of {parameter.name}; the codes are {codes}")
     low, high = parameter.min or 0, parameter.max if parameter.max is not None else value
     if not low <= value <= high:
         raise RegisterError(f"{parameter.name} is {value}; it can be {low} to {high}")
     return value
+
+
+def _value_in(register: Register, parameter: Parameter, number: int) -> int | None:
+    """Return the parameter that is in the content of a register, or None if it holds no valid code."""
+    field = register.layout.field(parameter.field)
+    held = number >> field.low.constant & ((1 << field.widest) - 1)
+    return parameter.held_value(held if parameter.by_code else held or field.number.zero_means)

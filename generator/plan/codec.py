@@ -72,7 +72,8 @@ class ZerosAbove:
 class ParityIs:
     """The bit is the parity of the fields ``of``: 1 for an odd number of ones or, with ``odd``, for an even number.
 
-    ``known`` is the only valid value of the bit in this frame if each field in ``of`` has a single value.
+    ``mask`` is the mask of the bits of each field that count, or 0 if all of them count. ``known`` is the only valid
+    value of the bit in this frame if each field in ``of`` has a single value.
     """
 
     field: Field
@@ -80,6 +81,7 @@ class ParityIs:
     of: tuple[Field, ...]
     of_bits: tuple[Bits, ...]
     odd: bool
+    mask: int
     known: int | None
     fault = Fault.CONSTANT
 
@@ -225,10 +227,11 @@ class Given:
 
 @dataclass(frozen=True, slots=True)
 class ParityOf:
-    """The parity bit over several fields."""
+    """The parity bit over several fields. ``mask`` is the mask of the bits of each that count, or 0 for all bits."""
 
     of: tuple[Field, ...]
     odd: bool
+    mask: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -409,10 +412,10 @@ def _constants(layout: Layout, by_word: bool) -> Iterator[Check]:
                 yield ZerosAbove(padded, item, bits, beyond)
             case Constant(value=number):
                 yield AlwaysIs(item, bits, number)
-            case Parity(of=names, odd=odd):
+            case Parity(of=names, odd=odd) as kind:
                 of = tuple(map(layout.field, names))
                 of_bits = tuple(bits_of(layout, field) for field in of)
-                yield ParityIs(item, bits, of, of_bits, odd, _known_parity(layout, of, odd))
+                yield ParityIs(item, bits, of, of_bits, odd, _mask(kind, of), _known_parity(layout, of, kind))
 
 
 def _ranges(layout: Layout) -> Iterator[Check]:
@@ -435,10 +438,15 @@ def allowed_values(layout: Layout, item: Field) -> tuple[int, ...]:
     return () if is_full else tuple(values)
 
 
-def _known_parity(layout: Layout, of: tuple[Field, ...], odd: bool) -> int | None:
+def _known_parity(layout: Layout, of: tuple[Field, ...], kind: Parity) -> int | None:
     """Return the parity bit if every field has a single value, otherwise None."""
     value = only_value(layout, of[0]) if len(of) == 1 else None
-    return parity(value, odd) if value is not None else None
+    return parity(value & kind.mask, kind.odd) if value is not None else None
+
+
+def _mask(kind: Parity, of: tuple[Field, ...]) -> int:
+    """Return the mask of the bits that count, no wider than the fields, or 0 if all of them count."""
+    return kind.mask & (1 << max(item.widest for item in of)) - 1 if kind.over else 0
 
 
 def parity(number: int, odd: bool) -> int:
@@ -456,10 +464,10 @@ def _terms(layout: Layout) -> Iterator[Term]:
         match item.kind:
             case CrcValue():
                 continue
-            case Parity(of=names, odd=odd):
+            case Parity(of=names, odd=odd) as kind:
                 of = tuple(map(layout.field, names))
-                bit = _known_parity(layout, of, odd)
-                value: Fixed | Given | ParityOf | Turned = ParityOf(of, odd) if bit is None else Fixed(bit)
+                bit, mask = _known_parity(layout, of, kind), _mask(kind, of)
+                value: Fixed | Given | ParityOf | Turned = ParityOf(of, odd, mask) if bit is None else Fixed(bit)
             case Unused(number):
                 value = Turned(number, places[item.name])
             case _:

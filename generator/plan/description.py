@@ -74,7 +74,10 @@ class Unused:
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """Bits whose value must be one of ``values``, at most ``limit``, or the parity of all bits at ``parity_of``."""
+    """Bits whose value must be one of ``values``, at most ``limit``, or the parity of the bits at ``parity_of``.
+
+    ``mask`` is the mask of the bits at each place that count, or 0 if all of them count.
+    """
 
     low: Expression
     width: Expression
@@ -83,6 +86,7 @@ class Check:
     limit: int | None = None
     parity_of: tuple[Place, ...] = ()
     odd: bool = False
+    mask: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,8 +192,8 @@ def _check(item: plan.Check) -> Check:
             return Check(field.low, field.width, fault, (value,))
         case plan.ZerosAbove(padding=padding):
             return Check(padding.low, padding.width, fault, (0,))
-        case plan.ParityIs(of=of, odd=odd):
-            return Check(field.low, field.width, fault, parity_of=_places(of), odd=odd)
+        case plan.ParityIs(of=of, odd=odd, mask=mask):
+            return Check(field.low, field.width, fault, parity_of=_places(of), odd=odd, mask=mask)
         case plan.IsOneOf(values=values):
             return Check(field.low, field.width, fault, values)
         case plan.AtMost(limit=limit):
@@ -203,7 +207,7 @@ def _join(whole: plan.Whole) -> Join:
 
 
 def _parity(place: Place, value: plan.ParityOf) -> Check:
-    return Check(*place, Fault.CONSTANT, parity_of=_places(value.of), odd=value.odd)
+    return Check(*place, Fault.CONSTANT, parity_of=_places(value.of), odd=value.odd, mask=value.mask)
 
 
 def _places(of: tuple[Field, ...]) -> tuple[Place, ...]:

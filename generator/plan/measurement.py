@@ -29,7 +29,7 @@ def measured(device: Device) -> Iterator[Measured]:
     for interface in device.interfaces:
         item = device.measurement_of(interface.name)
         if item is not None:
-            formula = (item.counts_per_turn, item.turns, item.step_um, item.modulus)
+            formula = (item.counts_per_turn, item.turns, *item.steps, item.modulus)
             groups.setdefault(formula, []).append((interface, item))
     for group in groups.values():
         yield Measured(group[0][1], tuple(interface for interface, _ in group), len(groups) == 1)

@@ -1,10 +1,10 @@
-"""Checks of a reply that a master can make before it has identified the encoder: length, and XOR of the bytes."""
+"""Replies to requests: those over RS-485 by data ID, and the exchanges over any interface."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..model import CrcValue, Device, Layout, Rs485
+from ..model import Constant, CrcValue, Device, Exchange, Interface, Layout, Rs485, Spi
 from .frames import dispatches
 
 
@@ -36,3 +36,45 @@ def answer(interface: Rs485, value: int) -> Layout | None:
             return next((item.layout for item in told.branches if value in item.values), told.fallback)
     sent = [item for item in interface.layouts if item.sender == "encoder"]
     return sent[0] if len(sent) == 1 else None
+
+
+@dataclass(frozen=True, slots=True)
+class Exchanged:
+    """A request with its reply, or None if the encoder does not answer.
+
+    ``repeats_first`` is true if the reply begins with the first byte of the request.
+    """
+
+    item: Exchange
+    request: Layout
+    reply: Layout | None
+    repeats_first: bool
+
+    @property
+    def defaults(self) -> dict[str, int]:
+        """Factory defaults of fields in the request, by name."""
+        return {item.name: item.default for item in self.request.fields if item.default is not None}
+
+
+def exchanges(interface: Interface) -> tuple[Exchanged, ...]:
+    """Return the requests of an interface with their replies. T-format requests have data IDs instead."""
+    found = interface.exchanges if isinstance(interface, (Rs485, Spi)) else ()
+    layouts = {item.name: item for item in interface.layouts}
+    return tuple(_exchanged(item, layouts[item.request], layouts.get(item.reply)) for item in found)
+
+
+def _exchanged(item: Exchange, request: Layout, reply: Layout | None) -> Exchanged:
+    first = _first_byte(request)
+    repeats = reply is not None and first is not None and first == _first_byte(reply)
+    return Exchanged(item, request, reply, repeats)
+
+
+def _first_byte(layout: Layout) -> list[tuple[int, int, int, int | str]] | None:
+    """Return the bits of the first byte with their constants or fields, or None if others are among them."""
+    found = []
+    for field in layout.fields:
+        known: int | str = field.kind.value if isinstance(field.kind, Constant) else field.name
+        if field.carries_data or isinstance(field.kind, Constant):
+            found += [(item.right, item.mask, item.left, known) for item in field.pieces if item.byte == 0]
+    bits = sum(mask.bit_count() for _, mask, _, _ in found)
+    return sorted(found, key=lambda item: item[0]) if bits == 8 else None

@@ -15,7 +15,8 @@ class Held:
     """A parameter in a register.
 
     ``meaning`` converts its bits to an unsigned number. ``low`` and ``high`` are None if no value of the field can be
-    outside them. ``most`` is the highest valid value.
+    outside them. ``most`` is the highest valid value. If the parameter has codes, its bits are one of them, and
+    ``low`` and ``high`` are None.
     """
 
     parameter: Parameter
@@ -47,11 +48,13 @@ def held_parameters(device: Device) -> Iterator[HeldBy]:
 
 def _held(register: Register, parameter: Parameter) -> Held:
     field = register.layout.field(parameter.field)
+    bits = bits_of(register.layout, field)
+    if parameter.by_code:
+        return Held(parameter, field, bits, Raw(), None, None, max(item.value for item in parameter.by_code))
     meaning, most = _meaning(field), (1 << field.widest) - 1
     least, most = (0, most) if isinstance(meaning, Raw) else (1, max(most, meaning.number))
     low = parameter.min if parameter.min is not None and parameter.min > least else None
     high = parameter.max if parameter.max is not None and parameter.max < most else None
-    bits = bits_of(register.layout, field)
     return Held(parameter, field, bits, meaning, low, high, most if high is None else high)
 
 

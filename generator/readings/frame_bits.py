@@ -86,10 +86,11 @@ def _part(kind: Kind, item: PlacedField, placed: PlacedLayout) -> str:
             return "unused"
         case CrcValue():
             return "the CRC"
-        case Parity(of, odd):
+        case Parity(of, odd, over):
             others = ((name, placed.field(name)) for name in of)
             where = [bits(other.high, other.low) if other is not None else name for name, other in others]
-            return f"{'odd' if odd else 'even'} parity of {listed(where)}"
+            counted = f"the {over.replace('_', ' ')} of " if over else ""
+            return f"{'odd' if odd else 'even'} parity of {counted}{listed(where)}"
         case Text():
             return "a character"
         case _:

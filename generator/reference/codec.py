@@ -31,7 +31,7 @@ from ..model import (
 from ..say import fault
 from ..say.layout import as_one_number
 from ..say.words import counted
-from .crc import compute_bits, compute_bytes
+from .crc import compute_bits, in_order
 
 Values = Mapping[str, "int | str | bool"]
 
@@ -222,7 +222,7 @@ def _documented(item: PlacedField) -> int:
 def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
     """Return the parity bit that matches the other bits of ``number``."""
     fields = (placed.field(name) for name in parity.of)
-    ones = sum((number >> of.low & of.mask).bit_count() for of in fields if of is not None)
+    ones = sum((number >> of.low & of.mask & parity.mask).bit_count() for of in fields if of is not None)
     return (ones + parity.odd) & 1
 
 
@@ -315,10 +315,15 @@ def _number_of(number: Number, raw: int, width: int) -> int:
 
 def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:
     """Return the CRC that matches the other bits of ``number``."""
+    return compute_bits(crc, *covered(crc, placed, number))
+
+
+def covered(crc: Crc, placed: PlacedLayout, number: int) -> tuple[int, int]:
+    """Return the bits that the CRC covers as a number, in the order in which it processes them, and how many."""
     if placed.layout.in_bytes:
         data = number_to_bytes(placed.layout, number, placed.bits)
-        return compute_bytes(crc, data[: -(crc.width // 8)])
-    return compute_bits(crc, number >> crc.width, placed.bits - crc.width)
+        return in_order(crc, data[: -(crc.width // 8)])
+    return number >> crc.width, placed.bits - crc.width
 
 
 def encode(device: Device, placed: PlacedLayout, values: Values) -> int:

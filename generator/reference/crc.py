@@ -31,7 +31,28 @@ def compute_bits(crc: Crc, number: int, bits: int) -> int:
 
 def compute_bytes(crc: Crc, data: bytes) -> int:
     """Compute the CRC over whole bytes. With ``refin``, each byte is processed least significant bit first."""
+    return compute_bits(crc, *in_order(crc, data))
+
+
+def in_order(crc: Crc, data: bytes) -> tuple[int, int]:
+    """Return the bits of whole bytes as a number, in the order in which the CRC processes them, and how many."""
     number = 0
     for byte in data:
         number = number << 8 | (reflect(byte, 8) if crc.refin else byte)
-    return compute_bits(crc, number, 8 * len(data))
+    return number, 8 * len(data)
+
+
+def start_for(crc: Crc, number: int, bits: int, result: int) -> int:
+    """Return the ``init`` with which the CRC over these bits is ``result``.
+
+    There is exactly one if the lowest bit of ``poly`` is set, because each step can then be undone.
+    """
+    register = result ^ crc.xorout
+    if crc.refout:
+        register = reflect(register, crc.width)
+    for index in range(bits):
+        feedback = register & 1
+        if feedback:
+            register ^= crc.poly
+        register = register >> 1 | (feedback ^ number >> index & 1) << crc.width - 1
+    return register

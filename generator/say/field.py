@@ -82,7 +82,8 @@ def _kind(device: Device, item: Field) -> Iterator[Said]:
             yield said("CRC ", Ref("crc", crc, crc), " over everything before it")
         case Parity() as parity:
             covered = parted((Code(name),) for name in parity.covers)
-            yield said("Odd" if parity.is_odd else "Even", " parity of ", *covered)
+            bits = f"{parity.over.replace('_', ' ')} of " if parity.over else ""
+            yield said("Odd" if parity.is_odd else "Even", f" parity of {'the ' + bits if bits else ''}", *covered)
         case Decimal(runs):
             yield said("Decimal digits, most significant first: ", *parted(map(_run, runs)))
         case Text():

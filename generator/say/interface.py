@@ -49,7 +49,7 @@ REPLIES = {
 _CODE = {"binary": "binary", "gray": "Gray", "by_order_code": "binary or Gray, by order code"}
 
 
-#: Effects of requests over SPI.
+#: Effects of requests.
 PURPOSES = {"position": "requests the position", "read": "reads a register", "write": "writes a register", "other": ""}
 
 
@@ -72,6 +72,7 @@ def facts(device: Device, item: Interface) -> Iterator[Said]:
         case Rs485():
             yield from map(data_id, item.data_ids)
             yield from map(memory_access, item.memory_access)
+            yield from map(exchange, item.exchanges)
         case Spi():
             yield from map(exchange, item.exchanges)
         case _:
@@ -154,10 +155,10 @@ def memory_access(item: MemoryAccess) -> Said:
 
 
 def exchange(item: Exchange) -> Said:
-    """Return a request over SPI with its reply."""
+    """Return a request with its reply."""
     effect = PURPOSES[item.purpose]
-    answered = (Code(item.request), " is answered by ", Code(item.reply))
-    return said(*answered, f", and {effect}" if effect else "", source=item.source)
+    answered = (" is answered by ", Code(item.reply)) if item.reply else (" has no reply",)
+    return said(Code(item.request), *answered, f", and {effect}" if effect else "", source=item.source)
 
 
 def control_field(item: ControlField) -> Said:

@@ -3,11 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
+
+#: Decimals of a number that has no exact decimal, such as 1/3.
+_ROUNDED = 6
 
 
 def number(value: int) -> str:
     """Return a number in groups of three digits."""
     return f"{value:,}"
+
+
+def decimal(value: Fraction) -> str:
+    """Return a number with all its decimals, in groups of three digits: ``1,234.5``.
+
+    If the decimals never end, return six of them after ``≈``.
+    """
+    digits = next((most for most in range(_most(value)) if 10**most % value.denominator == 0), None)
+    places = _ROUNDED if digits is None else digits
+    whole, part = divmod(round(abs(value) * 10**places), 10**places)
+    text = f"{'-' if value < 0 else ''}{whole:,}" + (f".{part:0{places}}" if places else "")
+    return f"≈ {text}" if digits is None else text
+
+
+def _most(value: Fraction) -> int:
+    """Return a number of decimals that is enough for any fraction whose decimals end."""
+    return value.denominator.bit_length() + 1
 
 
 def counted(count: int | str, thing: str) -> str:

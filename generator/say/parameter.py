@@ -28,9 +28,18 @@ def origin(device: Device, item: Parameter) -> Iterator[Said]:
         yield said("Set by your choice of ", Ref("alternative", item.alternative, item.alternative))
     if item.read_from:
         span = limits(*(None if bound is None else Expression(bound) for bound in (item.min, item.max)))
-        between = (", ", *span) if span else ()
+        between = (", ", *span) if span and not item.by_code else ()
         at = register_at(device.register(item.register))
         yield said(f"Read at run time from {at} (", register_field(device, item.read_from), ")", *between)
+    if item.by_code:
+        codes = (f"{one.code} means {value(item, one.value)}" for one in item.by_code)
+        yield said(f"The register holds a code: {', '.join(codes)}")
+
+
+def initial(device: Device) -> str:
+    """Return the kind of the values that apply until registers are read, in the plural."""
+    held = (device.register(item.register) for item in device.run_time_parameters)
+    return "factory defaults" if any(item.default is not None for item in held) else "values of the order code"
 
 
 def value(item: Parameter, count: int) -> str:

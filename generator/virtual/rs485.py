@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
 
 from ..model import DataId, Flag, Layout, Rs485, SendStep, WaitStep, number_to_bytes
 from ..reference import codec
@@ -15,6 +17,15 @@ OUTAGE_S = BUSY_S = 0.02
 EEPROM_S = 0.003
 #: Tolerance in seconds of the interval between the requests of a reset.
 _EARLY_S = 1e-9
+
+
+class _Taken(NamedTuple):
+    """A request, or bytes to discard if there are no ``values``: the length in bytes, the data ID and the reply."""
+
+    length: int
+    values: dict[str, int | str | bool] | None
+    asked: DataId | None
+    reply: Layout | None
 
 
 class Rs485Line:
@@ -49,18 +60,45 @@ class Rs485Line:
         self._since = now
         self._received += data
         while self._received:
-            asked = self._requests.get(self._received[0])
-            layout = self._layout("master", asked) if asked is not None else None
-            if asked is None or layout is None or self.encoder.needs_answer(layout):
-                self._received = self._received[1:]
-                continue
-            length = self.encoder.place(layout).bits // 8
-            if len(self._received) < length:
+            request = self._request()
+            if request is None:
                 return
-            request, self._received = self._received[:length], self._received[length:]
-            decoded = codec.decode_placed(self.encoder.device, self.encoder.place(layout), request)
-            if not decoded.problems and not self.encoder.is_off():
-                self._answer(asked, request, decoded.values)
+            length, values, asked, reply = request
+            taken, self._received = self._received[:length], self._received[length:]
+            if values is not None and not self.encoder.is_off():
+                self._answer(asked, taken, values, reply)
+
+    def _request(self) -> _Taken | None:
+        """Return the request at the start of the received bytes, or None if it is not complete."""
+        found = [self._of_data_id()] if self._requests else list(self._of_exchanges())
+        for layout, asked, reply in filter(None, found):
+            placed = self.encoder.place(layout)
+            length = placed.bits // 8
+            if len(self._received) < length:
+                continue
+            decoded = codec.decode_placed(self.encoder.device, placed, self._received[:length])
+            values = None if decoded.problems else decoded.values
+            if asked is not None or (values is not None and self._is_for_me(layout, values)):
+                return _Taken(length, values, asked, reply)
+        longest = max((self.encoder.place(one[0]).bits // 8 for one in found if one is not None), default=0)
+        return None if len(self._received) < longest else _Taken(1, None, None, None)
+
+    def _of_data_id(self) -> tuple[Layout, DataId | None, Layout | None] | None:
+        asked = self._requests.get(self._received[0])
+        layout = self._layout("master", asked) if asked is not None else None
+        if asked is None or layout is None or self.encoder.needs_answer(layout):
+            return None
+        return layout, asked, self._layout("encoder", asked)
+
+    def _of_exchanges(self) -> Iterator[tuple[Layout, DataId | None, Layout | None]]:
+        layouts = {item.name: item for item in self.interface.layouts}
+        for item in self.interface.exchanges:
+            yield layouts[item.request], None, layouts.get(item.reply)
+
+    @staticmethod
+    def _is_for_me(layout: Layout, values: Mapping[str, int | str | bool]) -> bool:
+        """Return whether a request has the values of this encoder, such as its address: the factory defaults."""
+        return all(item.default in (None, values.get(item.name)) for item in layout.fields)
 
     def due(self) -> float | None:
         """Return the time in seconds at which the next bytes arrive at the master, or None if there are none."""
@@ -77,7 +115,9 @@ class Rs485Line:
         layouts = self.encoder.layouts(sender)
         return next((item for item in layouts if not item.selector or asked.id in item.selects), None)
 
-    def _answer(self, asked: DataId, request: bytes, values: dict[str, int | str | bool]) -> None:
+    def _answer(
+        self, asked: DataId | None, request: bytes, values: dict[str, int | str | bool], layout: Layout | None
+    ) -> None:
         encoder, faults = self.encoder, self.encoder.faults
         now = encoder.clock()
         fault = faults.draw()
@@ -86,7 +126,7 @@ class Rs485Line:
             self._memory_busy_until = max(self._memory_busy_until, now + BUSY_S)
         if fault in ("low", "high"):
             self._outage, self._outage_until = fault, now + OUTAGE_S
-        reply = self._reply(asked, values)
+        reply = self._reply(asked, values, layout)
         if fault == "restart":
             encoder.restart()
             return
@@ -101,17 +141,17 @@ class Rs485Line:
         if fault == "brownout":
             encoder.restart()
 
-    def _reply(self, asked: DataId, values: dict[str, int | str | bool]) -> bytes:
+    def _reply(self, asked: DataId | None, values: dict[str, int | str | bool], layout: Layout | None) -> bytes:
         """Carry out a request and return the reply to it, or nothing."""
-        layout = self._layout("encoder", asked)
         if layout is None or self.encoder.needs_answer(layout):
             return b""
         given = {name: value for name, value in values.items() if name != codec.UNUSED}
-        if asked.purpose in ("read", "write"):
+        if asked is not None and asked.purpose in ("read", "write"):
             given |= self._memory(asked, layout, given)
         number = self.encoder.frame(layout, given)
         placed = self.encoder.place(layout)
-        self._count(asked)
+        if asked is not None:
+            self._count(asked)
         return number_to_bytes(layout, number, placed.bits)
 
     def _memory(self, asked: DataId, layout: Layout, given: dict[str, int | str | bool]) -> dict[str, int | bool]:

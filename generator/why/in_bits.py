@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice, product
 
 from ..model import Answer, Constant, Crc, Device, Flag, Kind, Number, PlacedLayout, Unused, Variant, choices
 from ..order_codes.parameters import run_time_widths
-from ..order_codes.run_time import with_changed
+from ..order_codes.run_time import possible_states, with_changed
 from ..reference.codec import binary_to_gray, gray_to_binary
 from ..reference.crc import reflect
 from ..say.words import counted
@@ -412,9 +413,8 @@ def _shapes(device: Device, variant: Variant, placed: PlacedLayout) -> dict[int,
     held = run_time_widths(device, placed.layout)
     items = [item for item in device.run_time_parameters if item.read_from in held]
     if items:
-        for values in islice(product(*(range(item.min or 0, (item.max or 0) + 1) for item in items)), _STATES):
-            changed = dict(zip((item.name for item in items), values, strict=True))
-            parameters = with_changed(device, variant, changed)
+        for states in islice(product(*possible_states(items)), _STATES):
+            parameters = with_changed(device, variant, ChainMap(*map(dict, states)))
             if placed.layout.bits.value(parameters) not in lengths:
                 made = placed.layout.place(parameters)
                 lengths.add(made.bits)

@@ -237,7 +237,7 @@ function question(state, item, show) {
   return element("fieldset", {}, element("legend", {}, sentence(item.meaning)), answers);
 }
 
-/** The register contents that a frame depends on: factory defaults, unless the user enters others. */
+/** The register contents that a frame depends on: those of the order code, unless the user enters others. */
 function heldBy(state, held, show) {
   if (!held.length) return [];
   const delivered = parametersOf(state.found);
@@ -246,13 +246,15 @@ function heldBy(state, held, show) {
     input.placeholder = `${delivered[item.name]}`;
     input.addEventListener("input", () => {
       const given = numberOrNull(input.value);
-      const isInside = given !== null && given >= big(item.min) && (item.max === undefined || given <= big(item.max));
+      const isInside = given !== null && given >= big(item.min) && (item.max === undefined || given <= big(item.max))
+        && (!item.values || item.values.some((value) => big(value) === given));
       input.setAttribute("aria-invalid", `${input.value.trim() !== "" && !isInside}`);
       delete state.held[item.name];
       if (isInside) state.held[item.name] = given;
       show();
     });
-    return labelled(item.meaning, input, `${item.at}, ${item.min ?? 0} to ${item.max ?? "the highest value"}`);
+    const range = item.values?.join(", ") ?? `${item.min ?? 0} to ${item.max ?? "the highest value"}`;
+    return labelled(item.meaning, input, `${item.at}, ${range}`);
   });
   const summary = element("summary", {}, "Registers have factory defaults. Enter the contents of yours");
   return [element("details", {}, summary, inputs)];

@@ -144,7 +144,7 @@ function computedBy(crc, at, number) {
 function problemOf(item, number, plain) {
   const { check, low, width, of } = item;
   const found = bits(of ? number : plain, low, width);
-  const right = of ? [parityOf(number, of, check.odd)]
+  const right = of ? [parityOf(number, of, check)]
     : (check.values ?? []).map((one) => big(one) & ones(width));
   const holds = check.limit === undefined ? right.includes(found) : found <= big(check.limit);
   if (holds) return [];
@@ -215,7 +215,7 @@ function encode(at, values) {
   let number = at.fields.reduce((sum, item) => sum | (rawOf(item, values) << BigInt(item.low)), 0n);
   parities.forEach((item) => {
     const of = at.fields.filter((one) => item.field.parity.includes(one.name));
-    number |= parityOf(number, of, item.field.odd) << BigInt(item.low);
+    number |= parityOf(number, of, item.field) << BigInt(item.low);
   });
   number = toGray(at, number);
   if (at.layout.crc) number |= computedBy(at.family.crcs[at.layout.crc], at, number) << BigInt(crcField(at).low);

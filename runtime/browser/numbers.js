@@ -16,6 +16,19 @@ const filled = (text, ...values) => text.replace(/\{(\d)\}/g, (_, place) => valu
 const said = (name, ...values) => filled(TABLE.said[name], ...values);
 const bitLength = (number) => (number ? number.toString(2).length : 0);
 
+/** A fraction with all its decimals, or with six of them after ≈ if they never end. */
+function decimal(numerator, denominator) {
+  const [size, places] = [numerator < 0n ? -numerator : numerator, denominator.toString(2).length];
+  let exact = 0;
+  while (exact <= places && (size * 10n ** BigInt(exact)) % denominator) exact += 1;
+  const digits = exact > places ? 6 : exact;
+  const power = 10n ** BigInt(digits);
+  const scaled = (2n * size * power + denominator) / (2n * denominator);
+  const part = digits ? `.${(scaled % power).toString().padStart(digits, "0")}` : "";
+  const text = `${numerator < 0n ? "-" : ""}${(scaled / power).toLocaleString("en")}${part}`;
+  return exact > places ? `≈ ${text}` : text;
+}
+
 /** The value of an expression, which is a number and terms of sign and factors. */
 function value(item, parameters) {
   if (!Array.isArray(item)) return big(item);
@@ -86,8 +99,9 @@ function bytesOf(order, number, count) {
   return order === "little" ? lowFirst : lowFirst.reverse();
 }
 
-/** The parity of the bits of a number at these places. */
-function parityOf(number, places, odd) {
-  const found = places.map(({ low, width }) => bits(number, low, width).toString(2)).join("");
+/** The parity of the bits of a number at these places, or of those bits at each place that are in the mask. */
+function parityOf(number, places, { odd, mask }) {
+  const counted = mask ? big(mask) : -1n;
+  const found = places.map(({ low, width }) => (bits(number, low, width) & counted).toString(2)).join("");
   return BigInt((found.split("1").length - 1 + (odd ?? 0)) % 2);
 }

@@ -103,8 +103,9 @@ function measured(found, measure) {
   const entry = number(measure.of) ?? number(measure.part);
   if (!entry) return "";
   const of = (item) => (item === undefined ? 0n : value(item, found.at.parameters));
-  const [step, turn] = [of(measure.step_um), of(measure.counts_per_turn)];
-  if (step) return `${entry.name}: ${(entry.value * step).toLocaleString("en")} µm`;
+  const [step, fine, turn] = [of(measure.step_um), of(measure.step_nm), of(measure.counts_per_turn)];
+  if (step) return `${entry.name}: ${decimal(entry.value * step, ONE)} µm`;
+  if (fine) return `${entry.name}: ${decimal(entry.value * fine, 1000n * (of(measure.per_counts) || ONE))} µm`;
   if (turn < ONE) return "";
   const degrees = (Number((entry.value % turn) * 360n) / Number(turn)).toFixed((turn / 360n).toString().length);
   const hasTurns = of(measure.turns) > ONE && entry.name === measure.of;

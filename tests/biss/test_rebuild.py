@@ -6,12 +6,14 @@ import dataclasses
 import types
 import typing
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import pytest
 from codewheel import model
 from codewheel.dump.plain import device_dump
 from codewheel.dump.xml import from_xml, to_xml
+from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
 from codewheel.order_codes.labels import find
@@ -20,6 +22,7 @@ from codewheel.order_codes.run_time import with_registers
 # Builds every model anew from its XML, which no wording and no rule of check touches.
 pytestmark = pytest.mark.slow
 
+ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
 #: What says how code computes something and follows from the rest, what was counted of the second reading, and which
 #: versions there were: the XML does not carry it.
 COMPUTED = {
@@ -251,7 +254,7 @@ def differences(ours: Any, other: Any, path: str = "") -> list[str]:
 def rebuilt(devices: Mapping[str, Device]) -> dict[str, tuple[Device, Device]]:
     return {
         name: (device, build_class(Device, from_xml(to_xml(device_dump(device)).encode())))
-        for name, device in devices.items()
+        for name, device in {**devices, "icmhm": load_library([ENCODERS / "ichaus"])[0][0]}.items()
     }
 
 

@@ -25,6 +25,7 @@ TESTS = Path(__file__).resolve().parents[1]
 #: These are made up of what no device has.
 MADE_UP = ("specs/words", "specs/bits22", "c/specs/shapes", "c/specs/words", "c/specs/reserved", "c/specs/crcs")
 MADE_UP += ("python/specs/odd_shapes", "browser/specs/names", "../examples/encoders/ams/as5047p")
+MADE_UP += ("../examples/encoders/cui/amt21", "../examples/encoders/sick/skm36")
 #: The order code of the made-up encoder of 22 bits.
 BITS_22 = "T22SC"
 FRAMES = 1_000

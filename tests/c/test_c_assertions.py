@@ -20,6 +20,7 @@ CALLS = (
     "(void)!cw_ssi_receive(NULL, 0U, 39U, &word)",
     "(void)!cw_rs485_ask(NULL, 0U, 0U, 0U, 0U, 0U)",
     "(void)cw_rs485_take(NULL, 0U)",
+    "(void)cw_rs485_take_any(NULL, 0U)",
     "cw_rs485_resume(NULL)",
     "(void)cw_rs485_late(NULL, 0U)",
     "(void)!cw_rs485_reason(NULL)",

@@ -126,10 +126,12 @@ def register_bytes(device: Device, register: Register, random_: random.Random) -
             field = register.layout.field(item.field)
             low, high = item.min or 0, item.max if item.max is not None else (1 << field.widest) - 1
             value = random_.choice([low, high, random_.randint(low, high)])
+            if item.by_code:
+                value = random_.choice(item.by_code).code
             mask = (1 << field.widest) - 1
             number = (
                 number & ~(mask << field.low.constant)
-                | (0 if value == field.number.zero_means else value) << field.low.constant
+                | (0 if value == field.number.zero_means and not item.by_code else value) << field.low.constant
             )
     return number_to_bytes(register.layout, number, 8 * register.length)
 

@@ -526,7 +526,7 @@ def test_the_profile_id_tells_the_resolution(programs: Mapping[str, Run]) -> Non
 def test_registers_are_taken_over_as_in_the_model(
     programs: Mapping[str, Run], every_device: Mapping[str, Device]
 ) -> None:
-    for name in ("am36", "sma21", "words"):
+    for name in ("am36", "sma21", "words", "shapes"):
         device = every_device[name]
         random_ = random.Random(name)
         pairs = []

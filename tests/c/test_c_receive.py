@@ -118,6 +118,8 @@ int main(void)
             printf("%d\n", (int)cw_rs485_ask(&line, control, length, echo, now, (uint32_t)number()));
         } else if (verb == 't') {
             printf("%d\n", (int)cw_rs485_take(&line, (uint8_t)number()));
+        } else if (verb == 'T') {
+            printf("%d\n", (int)cw_rs485_take_any(&line, (uint8_t)number()));
         } else if (verb == 'u') {
             cw_rs485_resume(&line);
             printf("%lu\n", (unsigned long)line.count);
@@ -399,6 +401,14 @@ def test_noise_before_a_reply_costs_nothing(noise: list[int], run: Run) -> None:
 def test_the_echo_of_a_request(run: Run) -> None:
     assert taken(run, 0x1A, 11, [0x1A, *REPLY], echo=1) == ([11], [bytes(REPLY).hex().upper()])
     assert taken(run, 0xEA, 4, [0xEA, 0x0A, 0xE0, 0xEA, 0x0A, 0x55, 0xB5], echo=3) == ([6], ["EA0A55B5"])
+
+
+def test_a_reply_that_can_begin_with_any_byte(run: Run) -> None:
+    """The example in the data sheet of the AMT21, 61ABh with the low byte first. After it, bytes are dropped."""
+    reply = ["T 171", "T 97"]
+    assert run(["a 84 2 0 0 100", *reply, "T 84", "d"]) == ["0", "0", "1", "0", "AB61"]
+    assert run(["a 84 2 1 0 100", "T 84", *reply, "d"]) == ["0", "0", "0", "1", "AB61"], "after an echo"
+    assert run(["a 84 2 0 0 100", "T 171", "l 101", "y"])[-2:] == ["1", f"{LENGTH} 0"]
 
 
 def test_a_lost_byte_ends_in_a_time_out(run: Run) -> None:

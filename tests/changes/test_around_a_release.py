@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 import yaml
 from codewheel.changes.accepted import read_accepted
+from codewheel.commands import new_texts
 from codewheel.commands.cli import main
 from codewheel.commands.new import device_text, manufacturer_text
 from codewheel.commands.parsers import parser_for
@@ -149,13 +150,17 @@ def test_the_entry_for_an_older_edition_keeps_what_was_taken_away(
     seventeen = '        "17": {meaning: "131,072 counts per turn", sets: {singleturn_bits: 17}}\n'
     extra = "  - {name: spare, interface: biss, address: 0x60, length: 1, access: read_only, source: '6'}\n"
     examples = ("MY-ENCODER-17-SC", "MY-ENCODER-13-SC")
+    # The frame of the other example has 17 bits.
+    frame = new_texts.EXAMPLE.partition("  - name: position ")
+    without = ((frame[1] + frame[2]).replace("@CODE@", "MY-ENCODER").replace("@BITS@", new_texts.FRAME), "\n")
     revision = [
         ('  revision: "1.0"', '  revision: "1.1"'),
         ("changes: First issue.}\n", 'changes: First issue.}\n    - {revision: "1.1", changes: 17 bits removed}\n'),
         (seventeen, ""),
+        without,
         examples,
     ]
-    old = written(tmp_path / "old", examples, ("registers:\n", f"registers:\n{extra}"))
+    old = written(tmp_path / "old", without, examples, ("registers:\n", f"registers:\n{extra}"))
     new = written(tmp_path / "new", *revision)
     out = run(capsys, "diff", old, new, "--editions")[1]
     _, _, entry = out.partition("with their source:\n\n")

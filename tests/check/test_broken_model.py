@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.outputs import load_for, targets_named
+from codewheel.loading.shipped import packaged_specs
 from codewheel.order_codes.labels import find
 from codewheel.targets import Library
 
@@ -27,6 +28,19 @@ def test_broken(name: str) -> None:
         "Traceback" not in item.format() and max(map(len, item.format().splitlines()[1:])) <= 80
         for item in report.problems
     )
+
+
+def test_a_wrong_start_value_is_named_if_every_example_fits_another(tmp_path: Path) -> None:
+    """The examples are frames that the manual of the AMM5 and public sources print. All of them start with 0."""
+    spec = packaged_specs() / "lika" / "amm5.yaml"
+    text = spec.read_text(encoding="utf-8")
+    crc = text[text.index("name: rs485_8") :]
+    (tmp_path / "amm5.yaml").write_text(text.replace(crc, crc.replace("init: 0", "init: 0x15", 1)), encoding="utf-8")
+    (tmp_path / "manufacturer.yaml").write_bytes(spec.with_name("manufacturer.yaml").read_bytes())
+    _, report = load_for([tmp_path], targets_named())
+    told = [item.message for item in report.problems if item.rule == "example-contradicts"]
+    assert len(told) > 5
+    assert all(item.endswith("; with 'init: 0x0' in the CRC 'rs485_8', every example matches") for item in told)
 
 
 SOUND = Path(__file__).parent / "ok_model"

@@ -27,6 +27,7 @@ MISTAKES = {
     "register at 7Ch": ("address: 0x50", "address: 0x7C", "121", "biss-protocol", "BiSS has 'device_id'"),
     "register at 42h": ("address: 0x50", "address: 0x42", "121", "biss-protocol", "BiSS has 'profile_id'"),
     "CRC not inverted": ("xorout: 0x3F", "xorout: 0", "98", "biss-protocol", "write 'xorout: 0x3f'"),
+    "CRC start": ("init: 0\n", "init: 0x3F\n", "157", "example-contradicts", "with 'init: 0x0' in the CRC 'biss_6'"),
     "counts as maximum": (
         "max: 2^singleturn_bits - 1", "max: 2^singleturn_bits", "127", "limit-does-not-fit", "end at 8191",
     ),

@@ -39,10 +39,19 @@ def sound(folder: Path, *changes: tuple[str, str], more: str = "") -> Device:
 
 
 @pytest.mark.parametrize(
-    ("word", "bit_of_7", "bit_of_3"), [("", 1, 0), (", parity: even", 1, 0), (", parity: odd", 0, 1)]
+    ("word", "bit_of_7", "bit_of_3"),
+    [
+        ("", 1, 0),
+        (", parity: even", 1, 0),
+        (", parity: odd", 0, 1),
+        (", over: odd_bits", 1, 1),
+        (", parity: odd, over: odd_bits", 0, 0),
+        (", over: even_bits", 0, 1),
+        (", parity: odd, over: even_bits", 1, 0),
+    ],
 )
 def test_a_parity_bit_has_a_sense(tmp_path: Path, word: str, bit_of_7: int, bit_of_3: int) -> None:
-    """Of 7, which has three ones, and of 3, which has two; without the word the sense is even."""
+    """Check 7, which has ones in bits 0, 1 and 2, and 3, which has ones in bits 0 and 1. Even is the default."""
     position = "          - {name: position, bits: position_bits}\n"
     parity = f"          - {{name: check, parity_of: position{word}}}\n"
     device = sound(tmp_path, (position, position + parity))

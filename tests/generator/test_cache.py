@@ -11,14 +11,17 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from codewheel import cache as cache_module
 from codewheel.cache import Cache, content_of, default_folder, key_of
 from codewheel.commands.cli import main
-from codewheel.loading.library import load_families, load_library
+from codewheel.commands.terminal import Stop
+from codewheel.loading import selected
+from codewheel.loading.library import Family, load_families, load_library
 from codewheel.loading.selected import families_for
 from codewheel.loading.stored import NotStorable, as_data, from_data
 from codewheel.parts import Kept, parts_of
@@ -309,13 +312,43 @@ def test_only_the_family_of_the_order_code_is_loaded(folder: Path) -> None:
 
     assert names("sma21") == ["sma21"]
     assert names(" AMM5 ") == ["amm5"]
-    # The pattern of AM36 begins with a part, so its beginnings are known only after it has been loaded once.
-    assert names("AMM5A21/65KSC1-K") == ["am36", "amm5"]
+    # The pattern of AM36 begins with a part, whose values are read without the rest of the spec.
     assert names("AMM5A21/65KSC1-K") == ["amm5"]
     assert names("asc8525/BG1") == ["asc85"]
     assert names("am36 16/4096-I7") == ["am36"]
     assert names("AMC3616/4096-I7") == ["am36"]
     assert names("nothing") == []
+
+
+PART = """order_code:
+  pattern: "{kind}-{size}"
+  source: "1"
+  parts:
+    - {name: kind, meaning: Kind, source: "1", values: {A: {meaning: One}, b c: {meaning: Two}}}
+    - {name: size, meaning: Size, source: "1", values: {"1": {meaning: One}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "found"),
+    [
+        ("", "", ("A", "BC")),
+        ("kind, meaning", 'kind, open: "[0-9]", meaning', ("",)),
+        ("{A: ", "{<<: *other, A: ", ("",)),
+        ("values: {A", "values: *other, more: {A", ("",)),
+        ("values: {A", "values: {A: {}, A", ("",)),
+        ("name: kind", "name: other", ("",)),
+        ("parts:", "pieces:", ("",)),
+        ("order_code:", "order_code: *other", ("",)),
+        ("  pattern", "pattern", ("",)),
+        ("{kind}-{size}", "{kind", ("",)),
+    ],
+)
+def test_the_beginnings_of_order_codes_are_read_alone(tmp_path: Path, old: str, new: str, found: object) -> None:
+    """If anything is unusual, the family may have any order code, so its whole spec is read."""
+    spec = tmp_path / "x.yaml"
+    spec.write_text(f"codewheel: 1\ndevice: x\n{PART.replace(old, new)}title: X\n", encoding="utf-8")
+    assert selected._beginnings_of_parts(spec) == found
 
 
 def test_all_specs_are_read_if_one_may_change_another(folder: Path, specs: Path) -> None:
@@ -436,18 +469,18 @@ def two(tmp_path: Path) -> Path:
     return place
 
 
-def library_of(specs: Path, cache: Cache) -> tuple[Library, dict[str, Sequence[bytes | str]]]:
+def library_of(specs: Path, cache: Cache) -> tuple[Library, dict[str, str]]:
     families, report = load_families([specs], cache)
     assert not report, report.problems
-    contents = {family.device.name: family.content for family in families}
-    return Library(tuple(family.device for family in families)), contents
+    digests = {family.device.name: family.digest for family in families}
+    return Library(tuple(family.device for family in families)), digests
 
 
 def begun(specs: Path, cache: Cache) -> int:
     """Return the number of parts that are not in the cache, after rendering all of them."""
-    library, contents = library_of(specs, cache)
+    library, digests = library_of(specs, cache)
     found = [0]
-    kept = Kept(cache, contents, lambda _, all_of_them: found.append(all_of_them))
+    kept = Kept(cache, digests, lambda _, all_of_them: found.append(all_of_them))
     parts_of(library, [load_target(name) for name in BUILT_IN], kept)
     return found[-1]
 
@@ -468,14 +501,69 @@ def test_only_parts_of_changed_families_are_rendered(folder: Path, two: Path) ->
     assert begun(two, cache) == 0
     spec = two / "tv63.yaml"
     text = spec.read_text(encoding="utf-8")
-    spec.write_text(text + "# changed\n", encoding="utf-8")
+    # A comment is not part of the model.
+    spec.write_text("# changed\n" + text, encoding="utf-8")
+    assert begun(two, cache) == 0
+    spec.write_text(text.replace("max_hz: 1500000", "max_hz: 1400000"), encoding="utf-8")
     assert begun(two, cache) == len(BUILT_IN)
     spec.write_text(text, encoding="utf-8")
     assert begun(two, cache) == 0
-    (two / "manufacturer.yaml").write_text(
-        (two / "manufacturer.yaml").read_text(encoding="utf-8") + "# changed\n", encoding="utf-8"
-    )
+    maker = (two / "manufacturer.yaml").read_text(encoding="utf-8")
+    (two / "manufacturer.yaml").write_text(maker.replace("are invented", "are fictional"), encoding="utf-8")
     assert begun(two, cache) == 2 * len(BUILT_IN)
+
+
+def test_a_comment_renders_nothing(
+    folder: Path, two: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    command = ("generate", str(two), "--target", "biss", "-o", str(tmp_path / "out"))
+    said(capsys, *command)
+    unchanged = said(capsys, *command)
+    spec = two / "tv63.yaml"
+    spec.write_text("# changed\n" + spec.read_text(encoding="utf-8"), encoding="utf-8")
+    with monkeypatch.context() as patch:
+        patch.setattr("codewheel.commands.outputs.rendered", None)
+        assert said(capsys, *command) == unchanged
+    # The files on the disk count, not what they should be.
+    (tmp_path / "out" / "biss" / "tolvarn-tv63.xml").write_text("spoilt", encoding="utf-8")
+    spec.write_text("# again\n" + spec.read_text(encoding="utf-8"), encoding="utf-8")
+    code, out, _ = said(capsys, *command)
+    assert (code, "1 file changed" in out) == (0, True)
+    assert said(capsys, *command) == unchanged
+    # A problem in the spec is reported, although an earlier version of it had none.
+    spec.write_text(spec.read_text(encoding="utf-8") + "nonsense: 1\n", encoding="utf-8")
+    assert said(capsys, *command)[0] == 1
+
+
+def test_only_changed_families_are_proved_again(folder: Path, two: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from codewheel.commands import coverage
+
+    shutil.copy(two / "tv62.second.yaml", two / "tv63.second.yaml")
+    second = two / "tv63.second.yaml"
+    text = second.read_text(encoding="utf-8").replace("device: tv62", "device: tv63").replace("TV62", "TV63")
+    second.write_text(text, encoding="utf-8")
+    cache, proved = Cache(folder), list[str]()
+    real = coverage.look_at
+
+    def look_at(families: list[Family], *arguments: Any) -> object:
+        proved.extend(family.device.name for family in families)
+        return real(families, *arguments)
+
+    monkeypatch.setattr(coverage, "look_at", look_at)
+
+    def refuse() -> list[str]:
+        proved.clear()
+        families, report = load_families([two], cache)
+        assert not report, report.problems
+        coverage.refuse_unproved(families, "written", cache)
+        return list(proved)
+
+    assert (refuse(), refuse()) == (["tv62", "tv63"], [])
+    second.write_text(text.replace("max_hz: 1500000", "max_hz: 1400000"), encoding="utf-8")
+    with pytest.raises(Stop, match="reports 2 problems"):
+        refuse()
+    second.write_text(text, encoding="utf-8")
+    assert refuse() == []
 
 
 def test_a_family_with_overlays_has_no_content(folder: Path, two: Path, tmp_path: Path) -> None:
@@ -511,7 +599,7 @@ def test_generate_with_one_change_writes_the_same_with_and_without_the_cache(
     spec.write_text(text.replace("TV63", "TV64"), encoding="utf-8")
     same()
     # Parts that are not what targets made, although size, hash and key are right.
-    monster = {"data": {"c/../../x": "y", "files": 5}}
+    monster = {"data": {"part": {"c/../../x": "y", "files": 5}}}
     for place in entries(folder):
         data = json.loads(place.read_bytes()[64:])["data"]
         if not isinstance(data, dict) or "families" in data:
@@ -530,6 +618,7 @@ DIES = """
 import os, sys
 from codewheel import parts
 from codewheel.commands.cli import main
+from codewheel.commands.terminal import Stop
 mine, start = os.getpid(), parts._child
 def dies(*arguments):
     HOW

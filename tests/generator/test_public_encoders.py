@@ -11,16 +11,22 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import FrameExample
+from codewheel.order_codes.run_time import RegisterError, with_registers
 
 pytestmark = pytest.mark.slow
 
 ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
 #: Encoders with examples, each with its self-test in C.
 TESTED = {
-    "aksim2": "rls_aksim2_biss",
+    "amt21": "cui_amt21_rs485",
+    "aksim2": "rls_aksim2_spi",
+    "amt22": "cui_amt22_spi",
+    "amt22_multiturn": "cui_amt22_multiturn_spi",
     "icmu": "ichaus_icmu_biss",
+    "ma732_parity": "mps_ma732_parity_spi",
     "resolute": "renishaw_resolute_biss",
     "resolute_linear": "renishaw_resolute_linear_biss",
+    "skm36": "sick_skm36_rs485",
     "ts5700": "tamagawa_ts5700_rs485",
 }
 #: Decodes a frame with a generated package. The arguments are package, order code, frame, and the expected values.
@@ -74,11 +80,31 @@ def test_python_decodes_their_frames(made: Path) -> None:
     assert frames >= 9
 
 
+def test_the_registers_of_an_ic_mhm_select_its_frame() -> None:
+    """The example of iC-Haus for its library reads 12 + 1 + 1 + 6 bits; the data sheet has 20 bits in a field of 24."""
+    devices, _ = load_library([ENCODERS])
+    device = next(item for item in devices if item.name == "icmhm")
+    (variant,) = device.variants
+    (layout,) = device.interface("biss").layouts
+
+    def widths(held: dict[int, int]) -> dict[str, int]:
+        placed = layout.place(with_registers(device, variant, held).parameters)
+        return {item.name: item.width for item in placed.fields}
+
+    assert sum(widths({0x01: 0x40}).values()) == 20
+    code_6 = {"singleturn": 10, "zeros_below": 2, "error": 1, "warning": 1, "crc": 6}
+    assert widths({0x01: 0x60}) == code_6
+    assert widths({0x01: 0x65, 0x0A: 0x40}) == {"zeros_above": 4, "multiturn": 20, **code_6, "life_counter": 6}
+    with pytest.raises(RegisterError, match="does not hold a code of multiturn_bits; the codes are 0, 2, 4, 5, 6, 7"):
+        widths({0x01: 0x01})
+
+
 def test_each_grade_names_vectors_that_exist() -> None:
-    """All vectors of the encoders are found, as they were published: 12 replies, 11 frames twice, and an EEPROM."""
+    """All published vectors are found: 12 and 9 replies, 11 frames twice, an EEPROM, a frame, a table, check bits."""
     devices, _ = load_library([ENCODERS])
     counts = {item.name: len(item.evidence.vectors) for item in devices}
     assert counts == {
-        "aksim2": 0, "as5047p": 0, "as5048a": 0, "icmu": 3, "kcd": 0, "la11": 0, "resolute": 11, "resolute_linear": 11,
-        "ts5700": 12, "wdga": 0,
+        "aksim2": 1, "amt21": 0, "amt22": 1, "amt22_multiturn": 0, "as38": 0, "as5047p": 0, "as5048a": 0, "as5147": 0,
+        "icmhm": 0, "icmu": 3, "kcd": 0, "la11": 0, "ma732": 0, "ma732_parity": 3, "mt6701": 0, "orbis": 0,
+        "resolute": 11, "resolute_linear": 11, "skm36": 9, "ts5700": 12, "wdga": 0,
     }  # fmt: skip

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -192,7 +191,8 @@ def test_code_compiled_outside_the_sandbox_is_not_used_in_it(
     rendered: Render, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The file is the same, so a cache shared by both would find its name and content."""
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    monkeypatch.setattr(sys, "pycache_prefix", str(tmp_path / "compiled"))
     text = "{{ 2**40000 * 2**40000 * 2**40000 % 7 }}"
     (tmp_path / "own/x.jinja").write_text(text)
     assert Templates(tmp_path / "own").render("x.jinja", {}, None) == str(2**120000 % 7)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import marshal
 import shutil
+import sys
+import tempfile
 from collections.abc import Iterator
+from importlib.util import cache_from_source
 from pathlib import Path
 
+import jinja2
 import pytest
 from codewheel import render as module
 from codewheel.commands.cli import main
 from codewheel.targets.registry import BUILT_IN, load_target
-from jinja2 import FileSystemBytecodeCache
 
 ROOT = Path(__file__).resolve().parents[2]
 INDEX = "docs/index.md.jinja"
@@ -127,21 +131,59 @@ def test_line_ends_and_byte_order_marks_of_templates_do_not_matter(
     assert generate(capsys, "--check") == (0, "")
 
 
-@pytest.mark.slow
-def test_a_cache_that_cannot_be_written_or_read_is_done_without(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(*_: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    def spoilt(*_: object) -> None:
-        raise EOFError
-
-    monkeypatch.setattr(FileSystemBytecodeCache, "dump_bytecode", full)
-    monkeypatch.setattr(FileSystemBytecodeCache, "load_bytecode", spoilt)
+@pytest.fixture
+def compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A template, which is compiled anew whenever the test asks for it."""
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    monkeypatch.setattr(sys, "pycache_prefix", None)
+    (tmp_path / "x.jinja").write_text("{{ 6 * 7 }}", encoding="utf-8")
+    yield tmp_path / "x.jinja"
     module.environment.cache_clear()
-    assert main(["generate", "demo.yaml"]) == 0
-    monkeypatch.setattr(FileSystemBytecodeCache, "__init__", full)
+
+
+def text_of(template: Path) -> str:
     module.environment.cache_clear()
-    assert main(["generate", "demo.yaml", "--check"]) == 0
+    return module.Templates(template.parent).render(template.name, {}, None)
+
+
+def test_compiled_templates_are_next_to_their_sources(compiled: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No code comes from the user's cache or from the folder for temporary files, which others may be able to write."""
+    places = [compiled.parent / "cache", compiled.parent / "tmp"]
+    for place in places:
+        place.mkdir()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(places[0]))
+    monkeypatch.setattr(tempfile, "tempdir", str(places[1]))
+    assert text_of(compiled) == "42"
+    assert [list(place.iterdir()) for place in places] == [[], []]
+    kept = list((compiled.parent / "__pycache__").iterdir())
+    assert kept == [Path(cache_from_source(str(compiled), optimization=""))]
+    # It is used only for the same text.
+    with monkeypatch.context() as patch:
+        patch.setattr(jinja2.Environment, "compile", None)
+        assert text_of(compiled) == "42"
+    compiled.write_text("{{ 6 * 8 }}", encoding="utf-8")
+    assert text_of(compiled) == "48"
+
+
+def test_a_damaged_compiled_template_is_compiled_again(compiled: Path) -> None:
+    assert text_of(compiled) == "42"
+    kept = Path(cache_from_source(str(compiled), optimization=""))
+    content = kept.read_bytes()
+    for damaged in (b"", content[:20], content[:40], content[:-5], content[:36] + marshal.dumps(5)):
+        kept.write_bytes(damaged)
+        assert text_of(compiled) == "42"
+        assert kept.read_bytes() == content
+
+
+def test_compiled_templates_that_cannot_be_written_are_done_without(
+    compiled: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (compiled.parent / "__pycache__").write_text("a file instead of a folder", encoding="utf-8")
+    assert text_of(compiled) == "42"
+    (compiled.parent / "__pycache__").unlink()
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    assert text_of(compiled) == "42"
+    assert not (compiled.parent / "__pycache__").exists()
 
 
 def templates_of(name: str) -> module.Templates:

@@ -201,14 +201,14 @@ def test_other_frames_are_refused(devices: Mapping[str, Device]) -> None:
         record(bare, variant, answers=AS_PRINTED)
 
 
-def test_a_position_without_a_unit() -> None:
-    """Widths are sufficient for a master. Expected: ecmcEL5042-Encoder-Renishaw_RL26BUT001B30V.cmd of ecmccfg."""
+def test_a_step_of_nanometres() -> None:
+    """Expected widths: ecmcEL5042-Encoder-Renishaw_RL26BUT001B30V.cmd of ecmccfg. 5 nm are no whole µm."""
     devices, report = load_library([Path(__file__).parents[2] / "examples" / "encoders" / "renishaw"])
     assert not report
     (device,) = (item for item in devices if item.name == "resolute_linear")
-    numbers = record(device, find(device, "RESOLUTE-LINEAR-26").variant).numbers
-    found = [numbers[name] for name in ("multiturn_bits", "singleturn_bits", "crc_polynomial", "step_um")]
-    assert found == [0, 26, 67, None]
+    numbers = record(device, find(device, "RESOLUTE-LINEAR-26-005").variant).numbers
+    found = [numbers[name] for name in ("multiturn_bits", "singleturn_bits", "crc_polynomial", "step_um", "step_pm")]
+    assert found == [0, 26, 67, None, 5000]
 
 
 def test_crc_of_another_form(devices: Mapping[str, Device]) -> None:

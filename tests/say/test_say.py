@@ -285,6 +285,8 @@ def test_markup_in_a_spec_stays_text() -> None:
 
 
 def test_an_order_code_turns_expressions_into_numbers(device: Device) -> None:
+    _, codes = parameter.origin(device, next(item for item in device.parameters if item.name == "coded"))
+    assert BY_NAME.sentence(codes) == "The register holds a code: 0 means 8, 16 means 12, 20 means 14."
     (equals,) = parameter.origin(device, next(item for item in device.parameters if item.name == "doubled"))
     assert BY_NAME.sentence(equals) == "Equals position_bits + position_bits."
     assert at({"position_bits": 16}).sentence(equals) == "Equals 32."

@@ -138,8 +138,9 @@ def _constants(codec: Codec) -> Iterator[str]:
         if isinstance(field.kind, Constant):
             yield f"{in_c(field.width)} > 0 && r_{field.name} != {field.kind.value}ULL"
         if isinstance(field.kind, Parity):
-            covered = map(codec.layout.field, field.kind.of)
-            bits = [f"((r_{of.name} >> {bit}) & 1)" for of in covered for bit in range(of.widest)]
+            covered, mask = map(codec.layout.field, field.kind.of), field.kind.mask
+            places = ((of.name, bit) for of in covered for bit in range(of.widest) if mask >> bit & 1)
+            bits = [f"((r_{name} >> {bit}) & 1)" for name, bit in places]
             yield f"r_{field.name} != ({' ^ '.join([*bits, *(['1'] if field.kind.odd else [])])})"
 
 

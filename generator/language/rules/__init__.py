@@ -23,6 +23,7 @@ from . import (
     quantities,
     references,
     repeated,
+    rs485,
     shapes,
     spi,
     values,
@@ -83,6 +84,7 @@ RULES: tuple[Rule, ...] = (
     biss.biss_control,
     references.unused_crc,
     spi.exchanges,
+    rs485.requests,
     procedures.step_access,
     procedures.step_waits,
     procedures.step_opens,
@@ -118,4 +120,5 @@ RULES: tuple[Rule, ...] = (
     quantities.quantity_text,
     quantities.quantity_repeated,
     quantities.column_units,
+    repeated.repeated_text,
 )

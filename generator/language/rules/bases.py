@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 
 from ..problems import DocumentReport, Path, quoted
-from .walk import Spec, walk
+from .walk import Spec, leaves
 
 #: Keys of numbers that manuals print in hexadecimal.
 HEXADECIMAL = frozenset("address addresses poly init xorout check control constant unused biss_id".split())
@@ -24,7 +23,9 @@ def number_base(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     A JSON file may use decimal numbers, because JSON has no others.
     """
     in_json = report.document.line(1).startswith("{")
-    for path, number in _numbers(spec, ()):
+    for path, number in leaves(spec):
+        if not isinstance(number, int) or isinstance(number, bool):
+            continue
         written = report.document.written(path)
         hexadecimal = f"0x{written.lstrip('+-0'):0>2}"
         if not in_json and _is_hexadecimal(path) and _DECIMAL.fullmatch(written):
@@ -38,18 +39,10 @@ def number_base(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def typographic_quotes(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that no text is in typographic quotes, which YAML treats as part of the text."""
-    for path, _, value in walk(spec):
+    for path, value in leaves(spec):
         if isinstance(value, str) and len(value) > 1 and (value[0], value[-1]) in _TYPOGRAPHIC:
             wrong = f"the quotes {value[0]} and {value[-1]} are part of this text"
             report.add("typographic-quotes", path, f'{wrong}; write "{value[1:-1]}" with straight quotes')
-
-
-def _numbers(node: object, path: Path) -> Iterator[tuple[Path, int]]:
-    if isinstance(node, dict | list):
-        for key, value in node.items() if isinstance(node, dict) else enumerate(node):
-            yield from _numbers(value, (*path, key))
-    elif isinstance(node, int) and not isinstance(node, bool):
-        yield path, node
 
 
 def _is_hexadecimal(path: Path) -> bool:

@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Any
 
 from ..problems import DocumentReport, Path, quoted, suggestion
-from .walk import Spec, mapping, walk
+from .walk import Spec, mapping, sources
 
 _CITED = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(?P<page>[0-9]+))?")
 _NUMBERED = re.compile(r"[0-9]+(?:\.[0-9]+)*")
@@ -19,12 +19,11 @@ def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that every cited section of the manual is in its contents, and every cited page in its section."""
     contents = mapping(raw, "manual", "contents")
     spans = _spans(contents)
-    for path, key, value in walk(spec) if contents else ():
-        if (key == "source" or key.endswith("_source")) and isinstance(value, str):
-            for piece in value.split(";"):
-                cited = _CITED.fullmatch(piece.strip())
-                if cited is not None:
-                    _check(cited["section"], cited["page"], path, spans, _names(spec, path), report)
+    for path, value in sources(spec) if contents else ():
+        for piece in value.split(";"):
+            cited = _CITED.fullmatch(piece.strip())
+            if cited is not None:
+                _check(cited["section"], cited["page"], path, spans, _names(spec, path), report)
 
 
 def _spans(contents: Mapping[str, Any]) -> dict[str, dict[str, tuple[int, int]]]:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from ..problems import DocumentReport, listed, quoted
-from .walk import Spec, by_name, mapping, walk
+from .walk import Spec, by_name, mapping, sources
 
 #: Number of implementations that a grade needs.
 _IMPLEMENTATIONS = {"quoted": 1, "uncorroborated": 1}
@@ -59,14 +59,11 @@ def _sources(spec: Spec, grade: str, read: Spec, agreeing: list[str], report: Do
     wanted = [f"a source in {listed(read, 'or')}"] if read else []
     if grade in _CORROBORATED and len(agreeing) > 1:
         wanted.append(f"two sources among {listed(agreeing)}")
-    for path, key, value in walk({**spec, "errata": (), "examples": ()}):
-        if (key == "source" or key.endswith("_source")) and isinstance(value, str):
-            cited = {match[1] or "manual" for match in map(_DOCUMENT.match, value.split(";")) if match}
-            agree = grade in _CORROBORATED and len(cited & {*agreeing}) > 1
-            if not agree and cited.isdisjoint(read):
-                report.add(
-                    "evidence-grade", path, f"the grade {quoted(grade)} needs {', or '.join(wanted)} for each fact"
-                )
+    for path, value in sources({**spec, "errata": [], "examples": []}):
+        cited = {match[1] or "manual" for match in map(_DOCUMENT.match, value.split(";")) if match}
+        agree = grade in _CORROBORATED and len(cited & {*agreeing}) > 1
+        if not agree and cited.isdisjoint(read):
+            report.add("evidence-grade", path, f"the grade {quoted(grade)} needs {', or '.join(wanted)} for each fact")
 
 
 def _discriminates(example: Spec) -> bool:

@@ -25,7 +25,7 @@ _UNITS_OF_MICROMETRES = ("µm", "μm", "um", "micrometres", "micrometers")
 _BITS = re.compile(r"\b([1-9][0-9]?)[ -]bits?\b")
 _VOLT = r"\+?([0-9]+(?:\.[0-9]+)?) ?V(?: ?DC|dc)?"
 _ONE_VOLTAGE = re.compile(rf"{_VOLT}(?: ?± ?([0-9]+(?:\.[0-9]+)?) ?%)?")
-_TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.) ?{_VOLT}")
+_TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.|(?=\+)) ?{_VOLT}")
 
 
 def value_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -53,7 +53,7 @@ def value_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 name = next(iter(widths))
                 wrong = f"the meaning of {quoted(text)} says {bits[0]} bits, but {quoted(name)} is {widths[name]}"
                 report.add("meaning-mismatch", (*here, "sets", name), wrong)
-            named, has = _supply_named(meaning), mapping(value, "supply")
+            named, has = supply_named(meaning), mapping(value, "supply")
             if named and has and named != (has["min_mv"], has["max_mv"]):
                 wrong = f"the meaning of {quoted(text)} says {named[0]} to {named[1]} mV"
                 report.add(
@@ -74,7 +74,7 @@ def _codes_named(spec: Spec, value: Spec) -> dict[str, int]:
     return {name: int(words[0] == "Gray") for name in mapping(value, "sets") if name in used}
 
 
-def _supply_named(text: str) -> tuple[int, int] | None:
+def supply_named(text: str) -> tuple[int, int] | None:
     """Return the supply range given by a text, in millivolts, or None."""
     if (two := _TWO_VOLTAGES.fullmatch(text)) is not None:
         return _millivolts(two[1], 100), _millivolts(two[2], 100)

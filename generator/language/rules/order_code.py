@@ -226,7 +226,7 @@ def _check_values(spec: Spec, report: DocumentReport) -> None:
         for text, value in part["values"].items():
             for name in mapping(value, "sets"):
                 origin = next((key for key in _NOT_SET if key in parameters.get(name, ())), None)
-                if origin is not None:
+                if origin is not None and not (origin == "read_from" and _has_no_default(spec, parameters[name])):
                     report.add(
                         "order-code-pattern",
                         (*path, "values", text, "sets", name),
@@ -239,6 +239,12 @@ def _check_values(spec: Spec, report: DocumentReport) -> None:
                 (*path, "open"),
                 f"{quoted(part['open'])} is not a valid regular expression: {wrong}",
             )
+
+
+def _has_no_default(spec: Spec, parameter: Spec) -> bool:
+    """Return True if a parameter is read from a register without a default, so that the order code must set it."""
+    name = str(parameter["read_from"]).partition(".")[0]
+    return any(register["name"] == name and "default" not in register for _, register in items(spec, "registers"))
 
 
 def _wrong_expression(text: str) -> str:
@@ -254,7 +260,12 @@ def _wrong_expression(text: str) -> str:
 def _check_codes(spec: Spec, codes: Sequence[_Code], report: DocumentReport) -> None:
     """Report each kind of error once, for the first code that has it."""
     faults: dict[str, tuple[Path, str]] = {}
-    free = [name for name, item in spec["parameters"].items() if not any(key in item for key in _NOT_SET)]
+    chosen = {name for code in codes for _, _, value in code.chosen for name in mapping(value, "sets")}
+    free = [
+        name
+        for name, item in spec["parameters"].items()
+        if not any(key in item for key in _NOT_SET) or ("read_from" in item and name in chosen)
+    ]
     for code in codes:
         interfaces = code.interfaces
         if len(interfaces) != 1:

@@ -24,7 +24,8 @@ from .walk import (
 _KINDS = {
     "bits": ("bit", "bits"),
     "micrometres": ("um", "µm", "μm", "micrometre", "micrometres", "micrometer", "micrometers", "micron", "microns"),
-    "another length": ("nm", "mm", "cm", "m", "millimetre", "millimetres", "millimeters", "inch", "inches"),
+    "nanometres": ("nm", "nanometre", "nanometres", "nanometer", "nanometers"),
+    "another length": ("mm", "cm", "m", "millimetre", "millimetres", "millimeters", "inch", "inches"),
     "revolutions": ("revolution", "revolutions", "turn", "turns", "rev", "revs"),
     "counts": ("count", "counts", "step", "steps", "position", "positions", "increments"),
 }
@@ -35,6 +36,8 @@ _MEASURED = {
     "counts_per_turn": "counts",
     "turns": "revolutions",
     "step_um": "micrometres",
+    "step_nm": "nanometres",
+    "per_counts": "counts",
     "modulus": "counts",
     "highest": "counts",
 }
@@ -132,12 +135,21 @@ _ORIGINS = ("equals", "read_from", "alternative")
 
 
 def parameter_origin(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that the value of a parameter has one origin."""
+    """Check that the value of a parameter has one origin, and that codes are those of a register."""
     for name, parameter in mapping(spec, "parameters").items():
         found = [key for key in _ORIGINS if key in parameter]
         if len(found) > 1:
             wrong = f"{listed(map(quoted, found))} each define {quoted(name)}; keep one"
             report.add("parameter-origin", ("parameters", name, found[1]), wrong, at_key=True)
+        if "by_code" not in parameter:
+            continue
+        limit = next((key for key in ("min", "max") if key in parameter), "")
+        if "read_from" not in parameter:
+            wrong = "'by_code' needs 'read_from', the register field that holds the code"
+            report.add("parameter-origin", ("parameters", name, "by_code"), wrong, at_key=True)
+        elif limit:
+            wrong = f"'by_code' already lists the values of {quoted(name)}; leave out {quoted(limit)}"
+            report.add("parameter-origin", ("parameters", name, limit), wrong, at_key=True)
 
 
 def alternative_use(spec: Spec, raw: Spec, report: DocumentReport) -> None:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from decimal import Decimal
+from typing import Any
 
 from ...say.words import counted
 from ..problems import DocumentReport, Path, listed, quoted
+from .meanings import supply_named
 from .walk import Spec, items, mapping
 
 _UNITS = {
@@ -92,18 +94,20 @@ def _possible(text: str, unit: str) -> Iterator[Decimal]:
 
 
 def quantity_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that a supply in a characteristic, and a threshold in a text, are those given elsewhere in the spec."""
+    """Check that a supply in a characteristic or a contact, and a threshold in a text, are those given elsewhere."""
     values = [value for _, part in items(spec, "order_code", "parts") for value in part["values"].values()]
     supplies = [mapping(item, "supply") for item in (spec, *values)]
     ranges = [(item.get("min_mv"), item.get("max_mv")) for item in supplies if item]
     for path, item in items(spec, "characteristics"):
         for at, value in items(item, "values"):
-            if value["quantity"] == "supply" and ranges and "min" in value and "max" in value:
+            if value["quantity"] == "supply" and "min" in value and "max" in value:
                 found = int(value["min"] * 1000), int(value["max"] * 1000)
-                if found not in ranges:
-                    known = listed([f"{low} to {high} mV" for low, high in ranges], "or")
-                    wrong = f"this is {found[0]} to {found[1]} mV, but 'supply' is {known}; one of the two is wrong"
-                    report.add("quantity-repeated", (*path, *at), wrong)
+                _compare_supply(found, ranges, (*path, *at), report)
+    for path, item in items(spec, "connectors"):
+        for at, contact in items(item, "contacts"):
+            named = supply_named(contact["signal"])
+            if named is not None and named[0] != named[1]:
+                _compare_supply(named, ranges, (*path, *at, "signal"), report)
     for path, alarm in items(spec, "alarms"):
         threshold = alarm.get("below_mv")
         for place, item in ((path, alarm), *_fields(spec, alarm)) if threshold is not None else ():
@@ -112,6 +116,14 @@ def quantity_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                     if Decimal(number) * _MILLIVOLTS[unit] != threshold:
                         wrong = f"the text says {number} {unit}, but 'below_mv' of the alarm is {threshold}"
                         report.add("quantity-repeated", (*place, key), f"{wrong}; one of the two is wrong")
+
+
+def _compare_supply(found: tuple[int, int], ranges: list[tuple[Any, Any]], path: Path, report: DocumentReport) -> None:
+    """Report a supply that is not one of these ranges in millivolts, if there are any."""
+    if ranges and found not in ranges:
+        known = listed([f"{low} to {high} mV" for low, high in ranges], "or")
+        wrong = f"this is {found[0]} to {found[1]} mV, but 'supply' is {known}; one of the two is wrong"
+        report.add("quantity-repeated", path, wrong)
 
 
 def _fields(spec: Spec, alarm: Spec) -> Iterator[tuple[Path, Spec]]:

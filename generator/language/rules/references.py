@@ -304,12 +304,12 @@ def example_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that each path affected by an erratum exists."""
-    known = _Names(raw, report)
+    known, below = _Names(raw, report), {id(raw): dict(_below(raw))}
     for path, erratum in items(spec, "errata"):
         for index, affected in enumerate(erratum.get("affects", ())):
             node: Any = raw
             for step in affected.split("."):
-                found = dict(_below(node))
+                found = below.get(id(node)) or below.setdefault(id(node), dict(_below(node)))
                 if step not in found:
                     kind = f"place {quoted(affected)} in this spec: there is no"
                     known.refer((*path, "affects", index), kind, step, found)

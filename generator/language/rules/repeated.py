@@ -1,12 +1,12 @@
-"""A rule on lists that are sets, where a repeated item is a mistake."""
+"""Rules on repetitions that are mistakes: in lists that are sets, and in the texts of neighbouring items."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from ..problems import DocumentReport, Path, quoted
-from .walk import Spec
+from .walk import Spec, field_lists, interface_of, items, mapping
 
 #: Lists that are sets, at any place.
 _SETS = frozenset(
@@ -17,6 +17,8 @@ _SETS = frozenset(
 )
 #: Maps of lists that are sets.
 _MAPS_OF_SETS = frozenset(("only_with", "open_only_with"))
+#: Keys of fields without data. Each word of a frame can have its own check bits with the same names.
+_NOT_DATA = frozenset(("constant", "unused", "crc", "parity_of"))
 
 
 def repeated_item(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -28,6 +30,32 @@ def repeated_item(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 what = quoted(item) if isinstance(item, (str, int)) else "this"
                 wrong = f"{what} is already item {first + 1} of '{path[-1]}'; remove it, or write the intended one"
                 report.add("repeated-item", (*path, index), wrong)
+
+
+def repeated_text(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that registers, fields of a frame, and values of a field do not have the text of a neighbour."""
+    registers: dict[object, list[tuple[Path, Spec]]] = {}
+    for path, register in items(spec, "registers"):
+        registers.setdefault((interface_of(register), register.get("bank")), []).append((path, register))
+    for found in registers.values():
+        _compare(found, "printed_name", report)
+    for fields in field_lists(spec):
+        _compare(((path, item) for path, item in fields if not _NOT_DATA & {*item}), "printed_name", report)
+        for path, field in fields:
+            values = [((*path, "values", name), value) for name, value in mapping(field, "values").items()]
+            _compare(values, "printed_name", report)
+            # Several values can be "not used".
+            _compare((item for item in values if item[1].get("meaning", "").count(" ") > 1), "meaning", report)
+
+
+def _compare(found: Iterable[tuple[Path, Spec]], key: str, report: DocumentReport) -> None:
+    """Report every text under a key that an earlier item has."""
+    seen: dict[object, object] = {}
+    for path, item in found:
+        name = item.get("name", path[-1])
+        if key in item and (first := seen.setdefault(item[key], name)) != name:
+            wrong = f"{quoted(str(first))} already has this text as its {quoted(key)}; one of the two is wrong"
+            report.add("repeated-text", (*path, key), wrong)
 
 
 def _sets(path: Path, node: Any) -> Iterator[tuple[Path, list[Any]]]:

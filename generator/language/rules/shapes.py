@@ -20,6 +20,7 @@ RESERVED = "reserved"
 #: Each of the values gets a name in every output, so there cannot be many.
 _MOST_RESERVED_BITS = 4
 _OF_FLAGS = ("when_active", "when_inactive", "makes_position", "sums_up")
+_OF_PARITIES = ("parity", "over")
 _OF_NUMBERS = ("signed", "zero_means", "power_of_two")
 #: Keys allowed next to ``use``.
 _BESIDE_USE = frozenset(("use", "note", "source"))
@@ -37,7 +38,7 @@ _STEPS: dict[str, _Keys] = {
 }
 #: Keys of the measurement of an angle, and of a length.
 ANGLE = ("counts_per_turn", "turns")
-LENGTH = ("step_um", "modulus")
+LENGTH = ("step_um", "step_nm", "per_counts", "modulus")
 _ALL_STEPS = frozenset(("do", "meaning", "source"))
 _EXAMPLES: dict[str, _Keys] = {
     "frame": ((), ("order_code", "alternatives", "layout", "from", "bytes", "bits", "values", "refused")),
@@ -101,9 +102,13 @@ def _check_kind(path: Path, field: Spec, report: DocumentReport) -> None:
         if key in field and "active" not in field and not (key == "makes_position" and "unused" in field):
             wrong = f"{quoted(key)} is only for flags; to make {name} a flag, add 'active: high' or 'active: low'"
             report.add("layout-keys", (*path, key), wrong, at_key=True)
-    if "parity" in field and "parity_of" not in field:
-        wrong = f"'parity' is only for parity bits; to make {name} a parity bit, add 'parity_of' with the covered field"
-        report.add("layout-keys", (*path, "parity"), wrong, at_key=True)
+    for key in _OF_PARITIES:
+        if key in field and "parity_of" not in field:
+            wrong = (
+                f"{quoted(key)} is only for parity bits; to make {name} a parity bit, add 'parity_of' with the covered"
+                " field"
+            )
+            report.add("layout-keys", (*path, key), wrong, at_key=True)
     if isinstance(field.get("equals"), int) and "text" in field:
         report.add("layout-keys", (*path, "equals"), f"{name} is text; put the value in quotes")
 
@@ -309,7 +314,8 @@ def measurement_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     needed, foreign = (ANGLE, LENGTH) if movement == "rotary" else (LENGTH, ANGLE)
     for path, measurement in measurements(spec):
         # A key rejected by the schema was removed. It must not be reported as missing, too.
-        if needed[0] not in measurement and measurement.keys() == mapping(raw, *map(str, path)).keys():
+        given = measurement.keys()
+        if not given & {needed[0], "step_nm"} and given == mapping(raw, *map(str, path)).keys():
             report.add(
                 "measurement-shape",
                 path,
@@ -324,6 +330,18 @@ def measurement_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                     f"{quoted(key)} does not apply to a {movement} encoder",
                     at_key=True,
                 )
+        if movement == "linear":
+            _check_step(path, measurement, report)
+
+
+def _check_step(path: Path, measurement: Spec, report: DocumentReport) -> None:
+    """Check that a length has one step, and that ``per_counts`` belongs to a step in nanometres."""
+    if "step_um" in measurement and "step_nm" in measurement:
+        wrong = "'step_um' and 'step_nm' exclude each other; keep the one that is a whole number"
+        report.add("measurement-shape", (*path, "step_nm"), wrong, at_key=True)
+    elif "per_counts" in measurement and "step_nm" not in measurement:
+        wrong = "'per_counts' is only for 'step_nm', the number of nanometres for so many counts"
+        report.add("measurement-shape", (*path, "per_counts"), wrong, at_key=True)
 
 
 def table_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:

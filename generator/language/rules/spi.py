@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...model import Spi
-from ..problems import DocumentReport, Path, quoted, suggestion
+from ..problems import DocumentReport, Path, quoted
+from .exchanges import KEYS, check_exchanges, report_unused
 from .walk import Fields, Has, Spec, by_name, field_names, interface_of, items, mapping
 
 _HERE = ("interfaces", Spi.name)
@@ -18,19 +19,7 @@ def exchanges(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     layouts = by_name(raw, *_HERE, "layouts")
     if not mapping(spec, *_HERE):
         return
-    senders = {sender: [n for n, item in layouts.items() if item.get("from") == sender] for sender in _KEYS}
-    found = list(items(spec, *_HERE, "exchanges"))
-    for sender, key in _KEYS.items():
-        for path, item in found:
-            if item[key] not in senders[sender]:
-                wrong = (
-                    f"there is no layout {quoted(item[key])} from the {sender}{suggestion(item[key], senders[sender])}"
-                )
-                report.add("undefined-reference", (*path, key), wrong)
-    requests = [item["request"] for _, item in found]
-    for index, (path, item) in enumerate(found):
-        if item["request"] in requests[:index]:
-            report.add("spi-exchange", (*path, "request"), f"{quoted(item['request'])} already has a reply; keep one")
+    found = check_exchanges(spec, raw, Spi.name, "spi-exchange", report)
     for path, register in items(spec, "registers"):
         if interface_of(register) == Spi.name and "byte_order" in register:
             wrong = f"{quoted(register['name'])} is sent as one number; leave 'byte_order' out"
@@ -51,18 +40,14 @@ def exchanges(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 #: Keys of fields whose values follow from the spec or from other fields.
 _DECIDED = frozenset(("constant", "unused", "parity_of", "crc", "use"))
-#: Senders with the key of their frames in an exchange.
-_KEYS = {"master": "request", "encoder": "reply"}
 
 
 def _check_frames(layouts: dict[str, Spec], found: list[tuple[Path, Spec]], report: DocumentReport) -> None:
     """Check that each frame has a place in an exchange, or that there is only one frame."""
     for path, layout in items({"layouts": list(layouts.values())}, "layouts"):
-        key = _KEYS.get(layout.get("from", ""), "")
-        used = [item[key] for _, item in found] if key else [layout["name"]]
-        if layout["name"] not in used and (found or key == "request" or path[-1] != 0):
-            wrong = f"no exchange has {quoted(layout['name'])} as its {key}; add one under 'exchanges'"
-            report.add("spi-exchange", (*_HERE, *path), wrong)
+        key = KEYS.get(layout.get("from", ""), "")
+        if found or key == "request" or path[-1] != 0:
+            report_unused(layout, (*_HERE, *path), found, "spi-exchange", report)
         if layout.get("carried_as") == "bytes":
             wrong = f"{quoted(layout['name'])} is an SPI word, which is always carried as bits; remove 'carried_as'"
             report.add("spi-exchange", (*_HERE, *path, "carried_as"), wrong)
@@ -107,7 +92,7 @@ def _check_accesses(
 
     for purpose, needed in _NEEDED.items():
         accesses = [(path, item) for path, item in found if item["purpose"] == purpose]
-        for names, key in zip(needed, _KEYS.values(), strict=True):
+        for names, key in zip(needed, KEYS.values(), strict=True):
             have = {name for _, item in accesses for name in fields(item[key])}
             gone = next((name for name in names if name not in have), "")
             if accesses and gone:

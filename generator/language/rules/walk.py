@@ -176,12 +176,23 @@ def _is_list(value: object) -> bool:
     return isinstance(value, list)
 
 
-def walk(data: Any, path: Path = ()) -> Iterator[tuple[Path, str, Any]]:
-    """Yield every entry of every map: its path, its key, its value."""
-    if isinstance(data, dict):
-        for key, value in data.items():
-            yield (*path, key), key, value
-            yield from walk(value, (*path, key))
-    elif isinstance(data, list):
-        for index, item in enumerate(data):
-            yield from walk(item, (*path, index))
+def leaves(data: Any) -> list[tuple[Path, Any]]:
+    """Return every text, number and boolean with its path."""
+    found: list[tuple[Path, Any]] = []
+    _add_leaves(data, (), found)
+    return found
+
+
+def _add_leaves(node: Any, path: Path, found: list[tuple[Path, Any]]) -> None:
+    if isinstance(node, (dict, list)):
+        for step, item in node.items() if isinstance(node, dict) else enumerate(node):
+            _add_leaves(item, (*path, step), found)
+    else:
+        found.append((path, node))
+
+
+def sources(data: Any) -> Iterator[tuple[Path, str]]:
+    """Yield every source with its path."""
+    for path, value in leaves(data):
+        if isinstance(value, str) and (path[-1] == "source" or str(path[-1]).endswith("_source")):
+            yield path, value

@@ -55,3 +55,17 @@ class Signals:
 
     text: str
     source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Exchange:
+    """A request with the frame that answers it. ``reply`` is empty if the encoder does not answer.
+
+    ``purpose`` is ``position``, ``read``, ``write`` or ``other``. Those that read or write access a register over SPI,
+    with their fields ``address`` and ``data``. Several that write are the words of one write, in order.
+    """
+
+    request: str
+    reply: str
+    purpose: str
+    source: Sources

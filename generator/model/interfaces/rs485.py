@@ -1,4 +1,4 @@
-"""RS-485, with requests and replies similar to those of Tamagawa's T-format."""
+"""RS-485, with requests and replies: similar to those of Tamagawa's T-format, or any others."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from ..facts import Sources
 from ..record import dataclass
-from .common import Common
+from .common import Common, Exchange
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +48,8 @@ class MemoryAccess:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rs485(Common):
+    """Requests and replies. Those of the T-format have ``data_ids``, all others ``exchanges``."""
+
     name: ClassVar[str] = "rs485"
     title: ClassVar[str] = "RS-485"
     short: ClassVar[str] = "RS-485"
@@ -56,6 +58,7 @@ class Rs485(Common):
     port: Port
     data_ids: tuple[DataId, ...]
     memory_access: tuple[MemoryAccess, ...]
+    exchanges: tuple[Exchange, ...]
 
     def facts(self) -> Iterator[Port]:
         """Yield the settings."""

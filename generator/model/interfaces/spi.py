@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from ..facts import Sources
 from ..record import dataclass
-from .common import Clock, Common
+from .common import Clock, Common, Exchange
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,20 +17,6 @@ class WordFormat:
     bits: int
     mode: int
     reply: str
-    source: Sources
-
-
-@dataclass(frozen=True, slots=True)
-class Exchange:
-    """A request with the frame that answers it.
-
-    ``purpose`` is ``position``, ``read``, ``write`` or ``other``. Its ``address`` and ``data`` are those of a register.
-    Several exchanges that write are the words of one write, in order.
-    """
-
-    request: str
-    reply: str
-    purpose: str
     source: Sources
 
 

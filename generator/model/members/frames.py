@@ -100,7 +100,14 @@ FRAMES = (
         ),
         Member("only_while", "string", "For a flag with 'only': the parameter that is 0 for the other order codes."),
         Member("remedy", "text", "For a flag: instructions for clearing it, if no alarm gives them.", "words"),
-        Member("by_hand", "[name]", "Steps carried out by a person: names of characteristics.", "words"),
+        Member(
+            "by_hand",
+            "[name]",
+            "Steps carried out by a person: names of characteristics.",
+            "words",
+            read="alarm",
+            noun="steps by hand",
+        ),
         Member("values", "[value]", "Named values."),
         Member(
             "crc",
@@ -123,6 +130,12 @@ FRAMES = (
             "For a parity bit: parity of the number of ones in those fields and the bit itself, even or odd.",
             "field-reads-otherwise",
             of="odd",
+        ),
+        Member(
+            "over",
+            "|odd_bits|even_bits",
+            "For a parity bit: the bits of each of those fields that count. Empty: all bits.",
+            "field-reads-otherwise",
         ),
         Member(
             "digits",
@@ -531,6 +544,7 @@ FRAMES = (
             "Steps carried out by a person: names of characteristics.",
             "alarm-rule",
             "manual steps",
+            read="alarm",
         ),
         identity="register field",
     ),

@@ -137,6 +137,20 @@ IDENTITY = (
             "decision",
             refers_to="decision",
         ),
+        Member(
+            "by_code",
+            "[coded_value]",
+            "Values by their codes in the register. Empty if the register holds the value itself.",
+            "parameter-range",
+            "codes",
+        ),
+    ),
+    Part(
+        "coded_value",
+        "A value of a parameter, and its code in a register.",
+        Member("code", "integer", "Number in the register."),
+        Member("value", "integer", "Value of the parameter."),
+        is_sourced=False,
     ),
     Part(
         "alternative",

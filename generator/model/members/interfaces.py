@@ -93,9 +93,9 @@ INTERFACES = (
     ),
     Part(
         "exchange",
-        "A request over SPI, and the frame that answers it.",
+        "A request over SPI or RS-485, and the frame that answers it.",
         Member("request", "name", "Frame that the master sends."),
-        Member("reply", "name", "Frame with which the encoder answers."),
+        Member("reply", "name", "Frame with which the encoder answers. Empty if it does not answer."),
         Member("purpose", "name", "Effect of the request."),
     ),
     Part(
@@ -167,7 +167,7 @@ INTERFACES = (
         Member("mode", "integer?", "SPI mode.", "interface-rule", "SPI mode", read="setting"),
         Member("word_bits", "integer?", "Bits of an SPI word.", "interface-rule", "word length", read="setting"),
         Member("reply", "name", "SPI word that answers a request.", "interface-rule", form="word", read="setting"),
-        Member("exchanges", "[exchange]", "Requests over SPI with their replies.", "interface-rule"),
+        Member("exchanges", "[exchange]", "Requests over SPI or RS-485 with their replies.", "interface-rule"),
         Member("memory_access", "[memory_access]", "Replies to a memory access.", "interface-rule"),
         Member("timings"),
         of="Ssi Biss Rs485 Spi",

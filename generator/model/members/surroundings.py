@@ -205,6 +205,22 @@ SURROUNDINGS = (
             read="measurement",
         ),
         Member(
+            "step_nm",
+            "expression?",
+            "Length of per_counts counts in nanometres.",
+            "measurement",
+            "step in nm",
+            read="measurement",
+        ),
+        Member(
+            "per_counts",
+            "expression?",
+            "Number of counts that step_nm refers to. null: one.",
+            "measurement",
+            "counts per step",
+            read="measurement",
+        ),
+        Member(
             "modulus",
             "expression?",
             "Number of counts after which the position wraps around.",

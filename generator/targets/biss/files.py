@@ -27,6 +27,7 @@ from ...say import interface as say_interface
 from ...say.crc import parameters
 from ...say.erratum import errata, erratum
 from ...say.lines import plain
+from ...say.parameter import initial
 from ...say.place import field_at
 from ...say.text import BY_NAME
 from ...say.words import counted
@@ -290,7 +291,7 @@ def _by_length(
 def _at_factory_defaults(device: Device, layout: Layout) -> str:
     held = [field_at(device, path) for path in run_time_widths(device, layout)]
     return (
-        f"\nInferred: Length is that of the factory defaults of {' and '.join(held)}. It changes with them."
+        f"\nInferred: Length is that of the {initial(device)} of {' and '.join(held)}. It changes with them."
         if held
         else ""
     )
@@ -430,7 +431,7 @@ def _about_length(device: Device, layout: Layout, lengths: Sequence[DataLength])
     held = [field_at(device, path) for path in run_time_widths(device, layout)]
     if held:
         now = f"it depends on the current content of {' and '.join(held)}"
-        return f"No Length: {now}. Set it in the master. Factory defaults:"
+        return f"No Length: {now}. Set it in the master. {initial(device).capitalize()}:"
     if len(sizes) == 1:
         return "Further settings of the master, by order code:"
     told = ". The profile ID distinguishes them" if _length_by_profile(device, lengths) else ""

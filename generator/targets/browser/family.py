@@ -48,7 +48,10 @@ def _held(device: Device, item: Held) -> Data:
     """Return a parameter that is held in a register, with its limits."""
     parameter = item.parameter
     at = field_at(device, parameter.read_from)
-    return kept(name=parameter.name, meaning=parameter.meaning, at=at, min=parameter.min, max=parameter.max)
+    values = sorted({one.value for one in parameter.by_code})
+    return kept(
+        name=parameter.name, meaning=parameter.meaning, at=at, min=parameter.min, max=parameter.max, values=values
+    )
 
 
 def _alternative(item: Alternative) -> Data:
@@ -97,8 +100,10 @@ def _measure(device: Device, interface: Interface) -> Data:
         return {}
     joins = (join for layout in interface.layouts for join in layout.joins if join.name == found.of)
     part = next((join.fields[-1] for join in joins), "")
-    step, turn, turns = map(bound, (found.step_um, found.counts_per_turn, found.turns))
-    return kept(of=found.of, part=part, step_um=step, counts_per_turn=turn, turns=turns)
+    step, fine, counts = map(bound, (found.step_um, found.step_nm, found.per_counts))
+    turn, turns = map(bound, (found.counts_per_turn, found.turns))
+    length = {"step_um": step, "step_nm": fine, "per_counts": counts}
+    return kept(of=found.of, part=part, **length, counts_per_turn=turn, turns=turns)
 
 
 def _dispatch(interface: Interface, item: Dispatch) -> Data:

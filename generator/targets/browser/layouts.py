@@ -139,8 +139,8 @@ def _sent(value: object) -> Data:
     match value:
         case Fixed(fixed):
             return {"fixed": number(fixed)}
-        case ParityOf(of, odd):
-            return {"parity": [field.name for field in of], "odd": int(odd)}
+        case ParityOf(of, odd, mask):
+            return {"parity": [field.name for field in of], "odd": int(odd)} | kept(mask=number(mask))
         case Turned(documented, place):
             return {"unused": number(documented), "place": place}
         case None:

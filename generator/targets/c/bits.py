@@ -93,13 +93,18 @@ class Reader:
             number = Operation("|", (left(number, self.scope.of(field.width)), name_of(field)))
         return Cast(kind, number) if others and size_of(whole.widest) < 32 else number
 
-    def parity(self, parts: Sequence[tuple[Expr, int]]) -> Expr:
-        """Return the common parity of these numbers, 1 for an odd number of ones. Each comes with its largest width."""
+    def parity(self, parts: Sequence[tuple[Expr, int]], mask: int) -> Expr:
+        """Return the common parity of these numbers, 1 for an odd number of ones. Each comes with its largest width.
+
+        ``mask`` is the mask of the bits that count, or 0 if all of them count.
+        """
         widest = max(width for _, width in parts)
         kind = unsigned(max(widest, 32))
         (number, _), *others = parts
         if others:
             number = Operation("^", tuple(Cast(kind, item) for item, _ in parts))
+        if mask:
+            number = masked(number, mask)
         if widest > 32:
             number = Operation("^", (Cast("uint32_t", number), Cast("uint32_t", right(number, 32))))
         return Call("cw_parity", (number,))

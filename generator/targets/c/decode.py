@@ -125,8 +125,8 @@ class Decoder:
         bits = Name(f"bytes[{byte}]")
         return Operation("!=", (masked(bits, mask) if mask != 0xFF else bits, Number(value, hexadecimal=True)))
 
-    def parity(self, of: Sequence[Field]) -> Expr:
-        return self.reader.parity([(self.local(field), field.widest) for field in of])
+    def parity(self, of: Sequence[Field], mask: int) -> Expr:
+        return self.reader.parity([(self.local(field), field.widest) for field in of], mask)
 
     # -- members
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import chain
@@ -17,6 +18,7 @@ from ...plan.values import TwosComplement
 from ...say.erratum import errata, erratum
 from ...say.evidence import grade
 from ...say.origin import origin, other_editions, taken_away
+from ...say.parameter import initial
 from .. import TargetError
 from .access import state_registers
 from .chosen import chosen_variant
@@ -26,7 +28,7 @@ from .context import Context
 from .crcs import crc_code
 from .facts import AlarmCode
 from .identity import identity_codes
-from .interfaces import InterfaceCode
+from .interfaces import Asking, InterfaceCode
 from .lengths import LengthCode
 from .macros import timing_macros
 from .names import Declared, Names
@@ -49,13 +51,15 @@ class _Declaring(Protocol):
 class Usage:
     """The names for reading a position: the frame, its verdict function, the member, and the request for the frame.
 
-    ``twice`` is true if no CRC protects the frame, so that two frames must agree.
+    The request is a macro, or a frame of its own, ``asking``. ``twice`` is true if no CRC protects the frame, so that
+    two frames must agree.
     """
 
     frame: StructCodec
     verdict: str
     member: str
     request: str
+    asking: Asking | None
     twice: bool
 
 
@@ -97,6 +101,7 @@ class DeviceView:
         self.crcs = [item for item in made if item.is_called or item.table]
         codes = {item.register.name: item for item in self.registers}
         self.takers = [Taker(context, item, codes[item.register.name].access) for item in held_parameters(device)]
+        self.initial = initial(device)
         self.read_state = f"{self.prefix}_read_state" if state_registers(device) else ""
         self.identities = list(identity_codes(context, codes))
         self.procedures = [
@@ -223,15 +228,32 @@ class DeviceView:
                 of = [part.meaning for part in item.plan.parts if part.field.name == measurement.of]
                 signed = any(isinstance(meaning, TwosComplement) for meaning in of)
                 request = self.interface.request_of(item.struct.layout)
-                return Usage(item, told, c_name(measurement.of), request, twice and not signed)
+                asking = self.interface.asking(item.struct.layout)
+                return Usage(item, told, c_name(measurement.of), request, asking, twice and not signed)
         return None
 
     def errata(self, *paths: str) -> list[Paragraph]:
         return [S.sentence(erratum(item)) for item in errata(self.device, *paths)]
 
 
-def views_of(device: Device) -> Iterator[DeviceView]:
-    """Yield each interface of a family, in the order of the spec."""
+def views_of(device: Device) -> Sequence[DeviceView]:
+    """Return the interfaces of a family, in the order of the spec. The last families are remembered.
+
+    Raises:
+        TargetError: C cannot express an interface.
+    """
+    found = next((views for known, views in _LATEST if known is device), None)
+    if found is None:
+        found = tuple(_views_of(device))
+        _LATEST.append((device, found))
+    return found
+
+
+#: Families are compared by identity, because comparing their members takes longer than making their views.
+_LATEST: deque[tuple[Device, Sequence[DeviceView]]] = deque(maxlen=8)
+
+
+def _views_of(device: Device) -> Iterator[DeviceView]:
     for interface in device.interfaces:
         here = for_codes(device, {item.code for item in device.variants if item.interface == interface.name})
         # A register that only another interface reaches cannot update a parameter.

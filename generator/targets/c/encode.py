@@ -71,11 +71,11 @@ class Encoder:
         match op.value:
             case Fixed(number):
                 return Number(number, hexadecimal=op.field.name not in self._parities)
-            case ParityOf(of, odd):
+            case ParityOf(of, odd, mask):
                 parts = [(self._bits_given(field), field.widest) for field in of]
                 if len(parts) == 1 and parts[0][1] <= 32:
                     parts = [(Cast("uint32_t", parts[0][0]), parts[0][1])]
-                ones = self.reader.parity(parts)
+                ones = self.reader.parity(parts, mask)
                 return Operation("^", (ones, Number(1))) if odd else ones
             case Given(field):
                 return self._bits_given(field)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from ...model import Biss, CableLength, Clock, Interface, Layout, Port, Rs485, Spi, Timeout, WordFormat, cite
 from ...plan.frames import Branch, Dispatch, dispatches
-from ...plan.replies import answer
+from ...plan.replies import Exchanged, answer, exchanges
 from ...say.erratum import errata, erratum
 from ...say.interface import control_field, data_id, exchange, settings
 from ...say.interface import interface as said_of
@@ -26,6 +27,8 @@ from .style import S
 from .types import number
 
 _PARITIES = {"none": "'N'", "even": "'E'", "odd": "'O'"}
+#: Allowance until an encoder answers a request, in examples.
+ANSWER_US = 10_000
 _KINDS = {"encoder": "reply", "master": "request"}
 
 
@@ -47,6 +50,19 @@ class FrameTeller:
     def values(self, branch: Branch) -> list[str]:
         """Return the values that select a frame."""
         return [self._names.get(value, number(value, hexadecimal=True)) for value in branch.values]
+
+
+@dataclass(frozen=True, slots=True)
+class Asking:
+    """Request of a reply: its values, the function that receives the reply, and a time-out.
+
+    The time-out is the time of both on the line, and ``ANSWER_US`` until the encoder answers.
+    """
+
+    codec: StructCodec
+    given: tuple[str, ...]
+    take: str
+    late_us: int
 
 
 class InterfaceCode:
@@ -100,6 +116,19 @@ class InterfaceCode:
         names = (f"{self.upper}_CONTROL_{item.name}" for item in of.data_ids if answer(of, item.id) is reply)
         return next(names, "").upper()
 
+    def asking(self, reply: Layout) -> Asking | None:
+        """Return the request whose reply is a frame in bytes, or None."""
+        found = (item for item in exchanges(self.interface) if item.reply is reply and reply.in_bytes)
+        item = next(found, None)
+        port = next((fact for fact in self.interface.facts() if isinstance(fact, Port)), None)
+        if item is None or port is None:
+            return None
+        codec = next(one for one in self.codecs if one.struct.layout is item.request)
+        bits = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
+        size = (item.request.widest + reply.widest) // 8
+        given = tuple(number(one.default or 0) for one in item.request.data_fields)
+        return Asking(codec, given, _take(item), ANSWER_US - -1_000_000 * size * bits // port.baud)
+
     def frame_name(self, layout: Layout) -> str:
         return f"{self.upper}_FRAME_{layout.name}".upper()
 
@@ -114,12 +143,25 @@ class InterfaceCode:
         """Yield the comment on the interface, without the layouts, which have their own."""
         interface = self.interface
         yield from (S.sentence(item) for item in said_of(self.device, interface) if item not in self._said)
+        yield from self._receiving()
         path = f"interfaces.{interface.name}"
         layouts = [f"{path}.{item.name}" for item in interface.layouts]
         groups = {f"field_groups.{field.group}" for item in interface.layouts for field in item.fields if field.group}
         below = errata(self.device, *layouts)
         found = errata(self.device, path, *groups, without=layouts)
         yield from (S.sentence(erratum(item)) for item in found if item not in below)
+
+    def _receiving(self) -> Iterator[Paragraph]:
+        """Yield how to send a request and receive its reply over a serial port."""
+        found = [item for item in exchanges(self.interface) if item.reply is not None and item.reply.in_bytes]
+        takes = {_take(item): [one.request.name for one in found if _take(one) == _take(item)] for item in found}
+        if takes:
+            yield (
+                "Encode a request, call cw_rs485_ask in codewheel/receive.h with its first byte and the length of the"
+                " reply, and send the request. Then pass each byte received to "
+                + ", or ".join(f"{name} ({', '.join(requests)})" for name, requests in takes.items())
+                + "."
+            )
 
     # -- constants
 
@@ -204,3 +246,8 @@ class InterfaceCode:
         """Heading of the constants for requests."""
         first = "requests: the first byte of each one and of its reply"
         return first if isinstance(self.interface, Rs485) else "requests, for codewheel/spi.h"
+
+
+def _take(item: Exchanged) -> str:
+    """Return the function that receives a reply."""
+    return "cw_rs485_take" if item.repeats_first else "cw_rs485_take_any"

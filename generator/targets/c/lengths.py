@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ...model import Biss, Interface
+from ...model import Biss, Device, Interface
 from ...plan.receive_lengths import BISS_ACKNOWLEDGE, Received, received
+from ...say.parameter import initial
 from ...say.words import hertz, nanoseconds, timeout_words
 from .context import Context
 from .macros import Macro
@@ -27,7 +28,7 @@ class LengthCode:
         self.held = any(item.held for item in found)
         #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
-        self.register_access = "".join(_register_access(interface, found))
+        self.register_access = "".join(_register_access(context.device, interface, found))
         self._codes = {id(row.variant): row.code for row in rows}
         self._prefix = f"{context.PREFIX}_"
         self._shown = next((item for item in found if item.variant is shown.variant), None)
@@ -60,12 +61,12 @@ class LengthCode:
         yield Macro(f"{stem}_RX_BYTES", number(item.bytes), "number of bytes in its buffer")
 
 
-def _register_access(interface: Interface, found: Sequence[Received]) -> Iterator[str]:
+def _register_access(device: Device, interface: Interface, found: Sequence[Received]) -> Iterator[str]:
     """Yield the deadlines for the control bit of a master, with the numbers of the family, if the interface is BiSS."""
     if not isinstance(interface, Biss) or not found:
         return
     bits, clock = min(item.bits for item in found), interface.clock
-    least = "with factory defaults" if any(item.held for item in found) else "at least"
+    least = f"with {initial(device)}" if any(item.held for item in found) else "at least"
     times = " and ".join(
         f"{nanoseconds(bits * 1_000_000_000 // hz)} at {hertz(hz)}" for hz in (clock.max_hz, clock.min_hz)
     )

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ...model import Measurement, cite
 from ...model.expressions import Expression
 from .context import Context
-from .expr import Cast, Expr, Number
+from .expr import Cast, Expr, Number, Scope
 from .functions import Function, wide_number_of
 from .names import Declared
 
@@ -45,12 +45,15 @@ class LengthPositions:
     modulus: Function | None
     step: Expr
     step_varies: bool
+    unit: str
+    per_mm: int
+    per_counts: Expr | None
 
     @property
     def names(self) -> Iterator[str]:
         """The functions, by the ends of their names."""
         rolling = ("modulus", "position_difference") if self.modulus is not None else ()
-        yield from (*rolling, "micrometres", "millimetres")
+        yield from (*rolling, self.unit, "millimetres")
 
     def declared(self) -> Iterator[Declared]:
         yield from ((f"{self.prefix}_{name}", ()) for name in self.names)
@@ -67,19 +70,27 @@ def positions(context: Context) -> Positions | None:
 
 def _positions(context: Context, measurement: Measurement) -> Positions | None:
     scope, prefix, where = context.scope, context.prefix, f"[{cite(measurement.source)}]"
-    steps, turns, step = measurement.counts_per_turn, measurement.turns, measurement.step_um
+    steps, turns = measurement.counts_per_turn, measurement.turns
+    step, fine, counts = measurement.step_um, measurement.step_nm, measurement.per_counts
     if steps is not None:
         about = f"Return the number of counts in one revolution {where}."
         per_turn = wide_number_of(scope, f"{prefix}_counts_per_turn", steps, about)
         one_turn = turns == Expression(1)
         return AnglePositions(prefix, where, per_turn, scope.of(turns) if turns is not None else None, one_turn)
-    if step is not None:
-        wide = Number(step.constant, signed=True) if step.is_constant else Cast("int64_t", scope.of(step))
+    length = step if step is not None else fine
+    if length is not None:
+        unit, per_mm = ("micrometres", 1_000) if step is not None else ("nanometres", 1_000_000)
+        per_counts = _signed(scope, counts) if counts is not None else None
         modulus = None
         if measurement.modulus is not None:
             about = f"Return the number of counts after which the position wraps around to 0 {where}."
             if measurement.highest is not None:
                 about += f" An offset raises all positions, up to {measurement.highest.render()}."
             modulus = wide_number_of(scope, f"{prefix}_modulus", measurement.modulus, about)
-        return LengthPositions(prefix, where, modulus, wide, not step.is_constant)
+        varies = not all(item.is_constant for item in measurement.steps)
+        return LengthPositions(prefix, where, modulus, _signed(scope, length), varies, unit, per_mm, per_counts)
     return None
+
+
+def _signed(scope: Scope, value: Expression) -> Expr:
+    return Number(value.constant, signed=True) if value.is_constant else Cast("int64_t", scope.of(value))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from ...model import assert_never
 from ...plan.run_time_parameters import Held, HeldBy
@@ -33,9 +34,21 @@ class HeldValue:
         self.local = c_name(parameter.name, ("bytes", "length", "variant"))
         self.member = c_name(parameter.name)
         self.member_type = context.member_type(parameter)
+        self.is_coded = bool(parameter.by_code)
         #: Locals in the order of their declarations, the last one with the value: type, name and initial value.
         self.locals = tuple(self._locals())
         self.type = self.locals[-1][0]
+
+    @property
+    def code(self) -> str:
+        """Local with the code of the value."""
+        return self.locals[-1][1]
+
+    def for_code(self, code: int) -> str:
+        """Return the value of the parameter for one of its codes."""
+        value = self.held.parameter.held_value(code)
+        assert value is not None
+        return str(Number(value))
 
     def _locals(self) -> Iterator[tuple[str, str, Expr]]:
         type_, bits = of_bytes(self.held.bits.pieces)
@@ -47,7 +60,7 @@ class HeldValue:
                 type_ = unsigned(widest_value(self.held.field))
                 yield type_, self.local, Cast(type_, chosen)
             case Raw():
-                yield type_, self.local, bits
+                yield type_, f"{self.local}_code" if self.is_coded else self.local, bits
             case other:
                 assert_never(other)
 
@@ -60,6 +73,28 @@ class HeldValue:
         return joined("||", found) if found else None
 
 
+@dataclass(frozen=True, slots=True)
+class CodeSwitch:
+    """The values for each code in a register field: the local with the code, and the assignments for each code."""
+
+    local: str
+    cases: tuple[tuple[str, tuple[tuple[str, str], ...]], ...]
+
+
+def _switches(values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
+    """Yield a switch for each field that holds a code. A code is valid if all parameters have it."""
+    fields: dict[str, list[HeldValue]] = {}
+    for item in values:
+        if item.is_coded:
+            fields.setdefault(item.held.parameter.read_from, []).append(item)
+    for items in fields.values():
+        common = set.intersection(*({one.code for one in item.held.parameter.by_code} for item in items))
+        cases = (
+            (str(Number(code)), tuple((item.local, item.for_code(code)) for item in items)) for code in sorted(common)
+        )
+        yield CodeSwitch(items[0].code, tuple(cases))
+
+
 class Taker:
     """The function that updates a variant from the content of a register."""
 
@@ -69,6 +104,10 @@ class Taker:
         names = ", ".join(item.parameter.name for item in held.parameters)
         self.about = f"Update {names} in a variant from the content of the {title(register)} register."
         self.values = tuple(HeldValue(context, item) for item in held.parameters)
+        self.switches = tuple(_switches(self.values))
+        unneeded = {item.code for item in self.values if item.is_coded} - {item.local for item in self.switches}
+        #: Locals that the bits are read into, without further locals for the same code.
+        self.locals = tuple(one for item in self.values for one in item.locals if one[1] not in unneeded)
         self.bytes = c_name(register.name, _TAKEN)
         self.access = access
 

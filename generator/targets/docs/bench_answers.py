@@ -32,6 +32,7 @@ from ...model import (
     choices,
 )
 from ...plan.codec import codec_of, constant_values
+from ...plan.replies import exchanges
 from ...plan.reports import Judgement, Only, Speaks, reportings
 from ...plan.values import Active, Raw, TwosComplement, meaning_of
 from ...say.box import as_words
@@ -360,7 +361,10 @@ def sending(family: Device, device: Device, interface: Interface, variant: Varia
             else:
                 facts.append("Addresses and bytes are in hexadecimal. The preset is 0 in these rows.")
         case Rs485():
-            facts.append("Bytes are in hexadecimal. There is no preset other than the resets, and no save command.")
+            if interface.exchanges:
+                facts.append("The frames of the master are requests. The frames of the encoder answer them.")
+            else:
+                facts.append("Bytes are in hexadecimal. There is no preset other than the resets, and no save command.")
         case Spi():
             facts.append("The frames of the master are requests. The frames of the encoder answer them.")
         case _:
@@ -395,9 +399,9 @@ def _other_value(register: Register, variant: Variant) -> str:
 
 def _requests(device: Device, interface: Interface) -> Iterator[Row]:
     """Yield rows of request with its reply, meaning."""
-    for each in interface.exchanges if isinstance(interface, Spi) else ():
-        request, reply = (link(code(name), f"#layout-{name}") for name in (each.request, each.reply))
-        yield f"{request} → {reply}", PURPOSES[each.purpose].capitalize()
+    for each in exchanges(interface):
+        frames = [link(code(item.name), f"#layout-{item.name}") for item in (each.request, each.reply) if item]
+        yield " → ".join(frames), PURPOSES[each.item.purpose].capitalize()
     if not isinstance(interface, Rs485):
         return
     for item in interface.data_ids:

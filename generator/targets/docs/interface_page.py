@@ -11,6 +11,7 @@ from ...order_codes.parameters import follows_registers
 from ...say.markdown import STYLE, cited, code, text
 from ...say.measurement import measurement
 from ...say.name import Named, title
+from ...say.parameter import initial
 from ...say.words import volts
 from . import fact_tables, order_code_tables
 from .interface_sections import Rows, Section, Sections, sections
@@ -30,6 +31,7 @@ class OverValues(TypedDict):
     pictures: Annotated[Pictures, "pictures by their subject, such as `register-preset`: name, text"]
     timing: Annotated[Wave | None, "timing diagram of the interface, if there is one"]
     delivered: Annotated[Sequence[str], "frames in which positions of fields, or the code, depend on registers"]
+    initial: Annotated[str, "values until these registers are read: factory defaults or values of the order code"]
 
 
 class InterfacePage(Sections, OverValues):
@@ -54,6 +56,7 @@ def over_values(
         "delivered": [
             item.name for item in family.interface(interface.name).layouts if follows_registers(family, item)
         ],
+        "initial": initial(family),
     }
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated, Any, TypedDict
 
-from ...model import Biss, Connector, Device, FieldGroup, Interface, Layout, Procedure, Register, Rs485, Spi
+from ...model import Biss, Connector, Device, FieldGroup, Interface, Layout, Procedure, Register, Rs485
 from ...order_codes.parameters import follows_registers
+from ...plan.replies import exchanges
 from ...say import alarm, hardware_input
 from ...say import layout as say_layout
 from ...say import procedure as say_procedure
@@ -106,7 +107,7 @@ def _interface(device: Device, interface: Interface) -> Section:
         "timing_paths": [f"{place}.{item.name}" for item in interface.timings]
         + [f"{place}.timings", *(f"timings.{item.name}" for item in device.timings)],
         "data_id_rows": _data_id_rows(interface) if isinstance(interface, Rs485) else [],
-        "exchange_rows": _exchange_rows(interface) if isinstance(interface, Spi) else [],
+        "exchange_rows": _exchange_rows(interface),
         "layouts": [_layout(device, interface, item) for item in interface.layouts],
         "groups": [
             {
@@ -136,13 +137,13 @@ def _data_id_rows(interface: Rs485) -> Rows:
     ]
 
 
-def _exchange_rows(interface: Spi) -> Rows:
-    def frame(name: str) -> str:
-        return link(code(name), f"#layout-{name}")
+def _exchange_rows(interface: Interface) -> Rows:
+    def frame(layout: Layout | None) -> str:
+        return link(code(layout.name), f"#layout-{layout.name}") if layout is not None else "none"
 
     return [
-        (frame(item.request), frame(item.reply), PURPOSES[item.purpose], cited(item.source))
-        for item in interface.exchanges
+        (frame(each.request), frame(each.reply), PURPOSES[each.item.purpose], cited(each.item.source))
+        for each in exchanges(interface)
     ]
 
 

@@ -228,7 +228,9 @@ def _quantity_rows(alike: Alike) -> Iterator[Row]:
 
 def _quantity(alike: Alike, item: Parameter, is_held: bool) -> Row:
     shown = value(item, alike.variants[0].parameters[item.name])
-    held = f" Factory default, held in {text(field_at(alike.family, item.read_from))}." if item.read_from else ""
+    by_code = item.read_from and alike.family.register(item.register).default is None
+    kind = "Value of the order code" if by_code else "Factory default"
+    held = f" {kind}, held in {text(field_at(alike.family, item.read_from))}." if item.read_from else ""
     held = held or (" Factory default, set by registers." if is_held else "")
     about = f"{text(sentence(item.meaning))}{held} <small>{code(item.name)}</small>"
     return with_unit(shown, text(item.unit)), f"{about} <small>{cited(item.source)}</small>"

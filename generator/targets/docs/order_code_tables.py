@@ -87,6 +87,8 @@ def _kinds(device: Device, parameter: Parameter) -> list[str]:
 
 
 def _delivered(device: Device, parameter: Parameter) -> str:
+    if parameter.read_from and device.register(parameter.register).default is None:
+        return "by order code"
     kinds = _kinds(device, parameter)
     found = next((item.parameters[parameter.name] for item in device.variants if item.interface in kinds), None)
     return parameter_value(parameter, found) if found is not None else ""

@@ -70,9 +70,10 @@ def _plate(device: Device, variant: Variant, name: str) -> Plate | None:
     if measured is None:
         return None
     resolutions: list[Resolution] = []
-    if measured.step_um is not None:
+    step = measured.micrometres(variant.parameters)
+    if step is not None:
         encoder_type = _LINEAR
-        per_mm = 1000 / measured.step_um.value(variant.parameters)
+        per_mm = float(1000 / step)
         resolutions.append({"name": "ResolutionLinearAbsolute", "type": "Float", "value": per_mm})
     else:
         turns = measured.turns.value(variant.parameters) if measured.turns is not None else 1

@@ -25,9 +25,10 @@ class Reader:
         on_top = bits.low + bits.width == self.codec.layout.bits
         return shifted if on_top else Operation(shifted, "&", self.scope.ones(bits.width))
 
-    def exclusive_or(self, parts: Sequence[Bits]) -> Expr:
-        """Return the XOR of these fields. Its parity is that of all their bits."""
-        return joined("^", [self.bits(bits) for bits in parts])
+    def exclusive_or(self, parts: Sequence[Bits], counted: int) -> Expr:
+        """Return the XOR of these fields. Its parity is that of all their bits, or of those in the mask ``counted``."""
+        found = joined("^", [self.bits(bits) for bits in parts])
+        return Operation(found, "&", mask(counted)) if counted else found
 
     def of_bytes(self, pieces: Sequence[Piece]) -> Expr:
         return from_pieces(pieces, self.codec.length, self._byte)

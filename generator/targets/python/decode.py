@@ -180,8 +180,9 @@ class Decoder:
         match item:
             case AlwaysIs(value=value):
                 return found == value
-            case ParityIs(of_bits=of, odd=odd):
-                return found == sum(parity(_of(bits.pieces, byte), False) for bits in of) & 1 ^ odd
+            case ParityIs(of_bits=of, odd=odd, mask=counted):
+                parts = (_of(bits.pieces, byte) & (counted or -1) for bits in of)
+                return found == sum(parity(part, False) for part in parts) & 1 ^ odd
             case IsOneOf(values=values):
                 return found in values
             case _:

@@ -35,8 +35,8 @@ PACKAGE: Mapping[str, tuple[str, ...]] = {
         "codec": """BitField Data Rows Word Words as_bytes as_word check_encoder check_kind check_limits check_width
             choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed text_number too_long
             wrong_encoder""",
-        "encoder": "Encoder Positioned fact looked_up",
-        "measures": "Linear Rotary Wrapping",
+        "encoder": "Encoder Exchanged Positioned fact looked_up",
+        "measures": "FineLinear Linear Rotary Wrapping",
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
         "frames": """BitsOf BytesOf Failed FixedBits FixedBytes FixedRegister InBits InBytes RegisterOf Sent bound
             decode_many decoder encode_many needed_by raised reported returned shape_of""",
@@ -87,10 +87,10 @@ MODULE_NAMES = """ALARMS Address ArithmeticError BISS BissEncoder CHARACTERISTIC
     VARIANTS ValueError Variant Warning annotations decode_reply decode_request identify isinstance len
     lookup type""".split()
 #: Names that the class of the variants uses.
-VARIANT_NAMES = """bytes cls code counts_per_turn decode decode_many degrees encode_many family frame_bits from_degrees
-    from_millimetres from_radians from_turns highest interface metres micrometres millimetres modulus parts
-    pipeline radians self special special_code step_um tail try_decode turns unlisted unwrap with_registers
-    written_as_in""".split()
+VARIANT_NAMES = """bytes cls code counts_per_turn decode decode_many degrees encode_many exchanges family frame_bits
+    from_degrees from_millimetres from_radians from_turns highest interface metres micrometres millimetres modulus
+    nanometres parts per_counts pipeline radians self special special_code step_nm step_um tail try_decode turns
+    unlisted unwrap with_registers written_as_in""".split()
 #: Names that the generated classes and their methods use.
 CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode encode_many frame_bits index
     is_as_documented limits reports self to_dict usable_position variant verdict""".split()

@@ -197,7 +197,7 @@ class Readme:
             register = self.device.register(item.register)
             field = register.layout.field(item.field)
             variant = self._example_variant(register.interface)
-            if variant is None or register.length > 1 or field.low.constant or field.widest != 8:
+            if variant is None or item.by_code or register.length > 1 or field.low.constant or field.widest != 8:
                 continue
             name = self.context.parameters[item.name]
             value = max(variant.parameters[item.name] - 4, item.min or 0)
@@ -217,9 +217,8 @@ class Readme:
         if measurement.counts_per_turn is not None:
             quarter = measurement.counts_per_turn.value(variant.parameters) // 4
             shown.insert(0, Shown(variant.code, f"encoder.degrees({quarter})", "", "90.0"))
-        elif measurement.step_um is not None:
-            size_of_1000 = repr(measurement.step_um.value(variant.parameters) * 1000 / 1000)
-            shown.insert(0, Shown(variant.code, "encoder.millimetres(1000)", "", size_of_1000))
+        elif (step := measurement.micrometres(variant.parameters)) is not None:
+            shown.insert(0, Shown(variant.code, "encoder.millimetres(1000)", "", repr(float(step))))
         return shown
 
     @property

@@ -105,7 +105,9 @@ def of_variant(device: Device, names: dict[str, str]) -> str:
         if item.interface and len(device.interfaces) > 1:
             text += f" Applies only to {device.interface(item.interface).title}."
         if item.read_from:
-            text += " The value is the factory default unless set by with_registers()."
+            by_code = device.register(item.register).default is None
+            text += f" The value is {'that of the order code' if by_code else 'the factory default'} unless set by"
+            text += " with_registers()."
         set_here.append((names[item.name], text))
     parts = ", ".join(part.name for part in device.order_code.parts)
     attributes = [

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ...model import Interface, Measurement, Register, Spi, Variant
 from ...model.expressions import Expression
 from ...order_codes.labels import beginnings
 from ...plan.measurement import Cases, also_measured, by_interface, counts
+from ...plan.replies import Exchanged, exchanges
 from ...plan.run_time_parameters import Held, held_parameters
 from ...plan.values import meaning_of
+from ...say.parameter import initial
 from . import text
 from .codec import Coder
 from .context import Asked, Context, byte_order
 from .expr import Atom, Expr, Operation, joined, number
 from .literals import Call, Code, Literal, record
 from .meanings import of_number
-from .names import FUNCTIONS, attribute, camel, encoder_name
+from .names import FUNCTIONS, ClassNames, attribute, camel, encoder_name
 
 
 @dataclass(frozen=True)
@@ -110,8 +112,17 @@ class Variants:
 
     @property
     def with_requests(self) -> list[str]:
-        """Names of the interfaces over which requests have replies."""
+        """Names of the interfaces over which requests and replies form a pipeline of words."""
         return [item.name for item in self.device.interfaces if isinstance(item, Spi) and item.exchanges]
+
+    def exchanged(self, interface: Interface) -> tuple[Exchanged, ...]:
+        """Return the requests over an interface with their replies, unless they form a pipeline of words."""
+        return () if interface.name in self.with_requests else exchanges(interface)
+
+    def defaults(self, of: Exchanged) -> list[tuple[str, int]]:
+        """Return the factory defaults in a request, with the names of its attributes."""
+        names = ClassNames(of.request, None, ())
+        return [(names.attribute(name), value) for name, value in of.defaults.items()]
 
     @property
     def beginnings(self) -> tuple[str, ...]:
@@ -171,6 +182,16 @@ class Variants:
         return self._cases(lambda item: self._of(item.step_um))
 
     @cached_property
+    def step_nm(self) -> Cases[Expr]:
+        return self._cases(lambda item: self._of(item.step_nm))
+
+    @cached_property
+    def per_counts(self) -> Cases[Expr]:
+        """Number of counts to which ``step_nm`` applies, if it is not one everywhere."""
+        found = self._cases(lambda item: self._of(item.per_counts or Expression(1)) if item.step_nm else None)
+        return found if any(value != number(1) for value, _ in found.cases) else replace(found, cases=())
+
+    @cached_property
     def modulus(self) -> Cases[Expr]:
         """Number of counts after which the position wraps around."""
 
@@ -190,7 +211,8 @@ class Variants:
     @property
     def bases(self) -> list[str]:
         """Classes of the runtime that convert and unwrap its positions, or that of any encoder."""
-        cases = {"Rotary": self.counts_per_turn, "Linear": self.step_um, "Wrapping": self.modulus}
+        cases = {"Rotary": self.counts_per_turn, "Linear": self.step_um, "FineLinear": self.step_nm}
+        cases["Wrapping"] = self.modulus
         return [name for name, found in cases.items() if found.cases] or ["Encoder"]
 
     @cached_property
@@ -221,6 +243,11 @@ class Variants:
         ]
 
     @property
+    def initial(self) -> str:
+        """Kind of the values that they have until they are read."""
+        return initial(self.device)
+
+    @property
     def holding(self) -> str:
         """Registers that hold them."""
         registers = (item.register for item in held_parameters(self.device))
@@ -239,4 +266,8 @@ class Variants:
             "min": parameter.min or 0,
             "max": parameter.max if parameter.max is not None else held.most,
         }
-        return record("Held", needed, **of_number(meaning_of(held.field)))
+        if parameter.by_code:
+            needed["codes"] = tuple((item.code, item.value) for item in parameter.by_code)
+        if register.default is None:
+            needed["by_order_code"] = True
+        return record("Held", needed, **({} if parameter.by_code else of_number(meaning_of(held.field))))

@@ -295,15 +295,7 @@ def _short(rows: Any, kind: str, is_little: bool) -> Any:
 def _holds(chunk: Chunk, item: Check) -> Any:
     bits = chunk.take(item.low, item.width)
     if item.parity_of:
-        # The parity of several fields is the parity of their XOR.
-        parts = [chunk.take(*place) for place in item.parity_of]
-        of = parts[0] if len(parts) == 1 else np.bitwise_xor.reduce([part.astype(np.uint64) for part in parts])
-        width = max(width for _, width in item.parity_of)
-        kind, shift = of.dtype.type, 1 << max(width - 1, 0).bit_length() >> 1
-        while shift:
-            of = of ^ of >> kind(shift)
-            shift >>= 1
-        return bits == of & kind(1) ^ kind(item.odd)
+        return bits == parity_bits(chunk, item)
     if item.limit is not None:
         return bits <= bits.dtype.type(item.limit)
     values = [value for value in item.values if not value >> item.width]
@@ -313,6 +305,21 @@ def _holds(chunk: Chunk, item: Check) -> Any:
     for value in values:
         found |= bits == bits.dtype.type(value)
     return found
+
+
+def parity_bits(chunk: Chunk, item: Check) -> Any:
+    """Return the parity bit of each frame."""
+    # The parity of several fields is the parity of their XOR.
+    parts = [chunk.take(*place) for place in item.parity_of]
+    of = parts[0] if len(parts) == 1 else np.bitwise_xor.reduce([part.astype(np.uint64) for part in parts])
+    width = max(width for _, width in item.parity_of)
+    kind, shift = of.dtype.type, 1 << max(width - 1, 0).bit_length() >> 1
+    if item.mask:
+        of = of & kind(item.mask & (1 << width) - 1)
+    while shift:
+        of = of ^ of >> kind(shift)
+        shift >>= 1
+    return of & kind(1) ^ kind(item.odd)
 
 
 def crc_difference(chunk: Chunk, crc: CrcOf) -> Any:

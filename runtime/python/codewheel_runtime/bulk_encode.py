@@ -6,9 +6,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from .bulk_decode import CHUNK, Chunk, crc_difference, np
+from .bulk_decode import CHUNK, Chunk, crc_difference, np, parity_bits
 from .errors import RangeError
-from .shape import Check, Column, Join, Shape, width_of
+from .shape import Column, Join, Shape, width_of
 
 
 class RowError(RangeError):
@@ -105,7 +105,7 @@ def _made(given: Mapping[str, Any], shape: Shape, refused: Refused) -> list[Any]
     _put_unused(limbs, given, shape, refused)
     chunk = Chunk(limbs, shape.bits)
     for check in shape.parities:
-        _put(limbs, check.low, check.width, _parity(chunk, check))
+        _put(limbs, check.low, check.width, parity_bits(chunk, check).astype(np.uint64))
     _check_values(limbs, given, shape, refused)
     _finish(limbs, shape)
     return limbs
@@ -213,17 +213,6 @@ def _put_unused(limbs: list[Any], given: Mapping[str, Any], shape: Shape, refuse
     for item in shape.unused:
         mask = np.uint64((1 << item.width) - 1)
         _put(limbs, item.low, item.width, (bits >> np.uint64(item.place) ^ np.uint64(item.value)) & mask)
-
-
-def _parity(chunk: Chunk, check: Check) -> Any:
-    found: Any = np.uint64(0)
-    for low, width in check.parity_of:
-        found = found ^ chunk.take(low, width).astype(np.uint64)
-    shift = 1 << max(max(width for _, width in check.parity_of) - 1, 0).bit_length() >> 1
-    while shift:
-        found = found ^ found >> np.uint64(shift)
-        shift >>= 1
-    return found & np.uint64(1) ^ np.uint64(check.odd)
 
 
 def _check_values(limbs: list[Any], given: Mapping[str, Any], shape: Shape, refused: Refused) -> None:

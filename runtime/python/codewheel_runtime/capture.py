@@ -164,6 +164,9 @@ def _opened(
     if isinstance(encoder, Encoder) and encoder.interface is Interface.SPI:
         how = "let the analyser's own SPI decoder export the words, and decode them as a file of frames"
         raise UsageError(f"{encoder.code} has the interface SPI, whose captures are not read here: {how}")
+    if isinstance(encoder, Encoder) and encoder.exchanges():
+        how = "let the analyser's own serial decoder export the bytes, and decode the replies as a file of frames"
+        raise UsageError(f"the replies of {encoder.code} have no data ID, so they are not found in captures: {how}")
     is_serial = isinstance(encoder, Encoder) and encoder.interface is Interface.RS485
     names = Names(None if is_serial else probes.clock, probes.data)
     name = "the array"

@@ -39,6 +39,7 @@ __all__ = [
     "Transport",
     "WrongEncoderError",
     "open_encoder",
+    "serial_transport",
 ]
 
 _Result = TypeVar("_Result")
@@ -75,22 +76,28 @@ class Link:
         self.encoder, self.transport = encoder, transport
         self.session = Session(encoder, timeout_s=timeout_s, retries=retries)
 
-    def position(self) -> int:
+    def position(self, request: Any = None) -> int:
         """Return the position in counts.
+
+        Args:
+            request: Request for the position, if not that with the factory defaults. It has the encoder's address.
 
         Raises:
             NotUsableError: The encoder reports that its position is not usable.
             LinkError: There is no valid reply. The subclass indicates the reason.
         """
-        return self._do(self.session.position())
+        return self._do(self.session.position(request))
 
-    def read(self) -> PositionFrame:
+    def read(self, request: Any = None) -> PositionFrame:
         """Return a frame with the position. Check its ``verdict`` before you use the position.
+
+        Args:
+            request: Request for the position, if not that with the factory defaults. It has the encoder's address.
 
         Raises:
             LinkError: There is no valid reply. The subclass indicates the reason.
         """
-        return self._do(self.session.read())
+        return self._do(self.session.read(request))
 
     def exchange(self, request: Any) -> Frame:
         """Send a request, and return the reply to it.
@@ -168,18 +175,22 @@ class SerialTransport:
         port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
         baud: Baud rate.
         rs485: Let the driver of the port switch the direction of the line. Few adapters need this.
+        parity: Parity bit of a byte: ``none``, ``even`` or ``odd``.
+        stop_bits: Number of stop bits.
 
     Raises:
         PortError: pyserial is not installed, or the port cannot be opened.
     """
 
-    def __init__(self, port: str, baud: int, *, rs485: bool = False) -> None:
+    def __init__(self, port: str, baud: int, *, rs485: bool = False, parity: str = "none", stop_bits: int = 1) -> None:
         try:
             serial: Any = import_module("serial")
         except ImportError:
             raise PortError("a serial port needs pyserial: pip install pyserial") from None
         try:
-            self._port = serial.serial_for_url(port, baudrate=baud, timeout=0, write_timeout=1)
+            self._port = serial.serial_for_url(
+                port, baudrate=baud, timeout=0, write_timeout=1, parity=parity[0].upper(), stopbits=stop_bits
+            )
             if rs485:
                 self._port.rs485_mode = import_module("serial.rs485").RS485Settings()
         except (serial.SerialException, OSError, ValueError) as error:
@@ -231,10 +242,25 @@ def open_encoder(
         )
     return Link(
         encoder,
-        SerialTransport(port, rs485_facts(encoder).port.baud, rs485=rs485),
+        serial_transport(port, encoder, rs485=rs485),
         timeout_s=timeout_s,
         retries=retries,
     )
+
+
+def serial_transport(port: str, encoder: Encoder, *, rs485: bool = False) -> SerialTransport:
+    """Open a serial port with the settings of an encoder, without a link.
+
+    Args:
+        port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
+        encoder: The encoder, with RS-485.
+        rs485: Let the driver of the port switch the direction of the line. Few adapters need this.
+
+    Raises:
+        PortError: The port cannot be opened, or pyserial is not installed.
+    """
+    of = rs485_facts(encoder).port
+    return SerialTransport(port, of.baud, rs485=rs485, parity=of.parity, stop_bits=of.stop_bits)
 
 
 class Ports:

@@ -10,8 +10,8 @@ from inspect import isawaitable
 from typing import Any, Protocol, TypeVar
 
 from .encoder import Encoder, Frame, PositionFrame
-from .link import SerialTransport, Transport
-from .session import PortError, Session, Work, rs485_facts
+from .link import Transport, serial_transport
+from .session import PortError, Session, Work
 from .steps import Step
 
 __all__ = ["AsyncLink", "AsyncTransport", "StreamTransport", "ThreadTransport", "open_async"]
@@ -97,13 +97,13 @@ class AsyncLink:
         self.session = Session(encoder, timeout_s=timeout_s, retries=retries)
         self._lock = Lock()
 
-    async def position(self) -> int:
-        """Return the position in counts."""
-        return await self._do(self.session.position())
+    async def position(self, request: Any = None) -> int:
+        """Return the position in counts, requested by ``request`` or with factory defaults."""
+        return await self._do(self.session.position(request))
 
-    async def read(self) -> PositionFrame:
-        """Return a frame with the position."""
-        return await self._do(self.session.read())
+    async def read(self, request: Any = None) -> PositionFrame:
+        """Return a frame with the position, requested by ``request`` or with factory defaults."""
+        return await self._do(self.session.read(request))
 
     async def exchange(self, request: Any) -> Frame:
         """Send a request, and return the reply to it."""
@@ -159,5 +159,5 @@ def open_async(port: str, encoder: Encoder, *, timeout_s: float = 0.05, retries:
         PortError: The port cannot be opened, or pyserial is not installed.
     """
     Session(encoder)
-    line = ThreadTransport(SerialTransport(port, rs485_facts(encoder).port.baud))
+    line = ThreadTransport(serial_transport(port, encoder))
     return AsyncLink(encoder, line, timeout_s=timeout_s, retries=retries)

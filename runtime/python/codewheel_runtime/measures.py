@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from math import tau
 from operator import index
 
@@ -45,8 +46,28 @@ class Rotary(Encoder):
         return round(radians * self.counts_per_turn / tau)
 
 
-class Linear(Encoder):
+class Length(Encoder):
     """Encoder whose positions are lengths. If the interface has none, the methods raise ValueError."""
+
+    def micrometres(self, position: int) -> int | Fraction:
+        """Convert ``position`` from counts to micrometres, without rounding."""
+        raise NotImplementedError
+
+    def millimetres(self, position: int) -> float:
+        """Convert ``position`` from counts to millimetres."""
+        return float(self.micrometres(position) / 1000)
+
+    def metres(self, position: int) -> float:
+        """Convert ``position`` from counts to metres."""
+        return float(self.micrometres(position) / 1_000_000)
+
+    def from_millimetres(self, millimetres: float) -> int:
+        """Return the count nearest to ``millimetres``."""
+        return round(millimetres * 1000 / self.micrometres(1))
+
+
+class Linear(Length):
+    """Encoder whose positions are lengths in whole micrometres."""
 
     @property
     def step_um(self) -> int:
@@ -57,17 +78,27 @@ class Linear(Encoder):
         """Convert ``position`` from counts to micrometres."""
         return index(position) * self.step_um
 
-    def millimetres(self, position: int) -> float:
-        """Convert ``position`` from counts to millimetres."""
-        return self.micrometres(position) / 1000
 
-    def metres(self, position: int) -> float:
-        """Convert ``position`` from counts to metres."""
-        return self.micrometres(position) / 1_000_000
+class FineLinear(Length):
+    """Encoder whose positions are lengths, with counts that are not a whole number of micrometres."""
 
-    def from_millimetres(self, millimetres: float) -> int:
-        """Return the count nearest to ``millimetres``."""
-        return round(millimetres * 1000 / self.step_um)
+    @property
+    def step_nm(self) -> int:
+        """Length of ``per_counts`` counts in nanometres."""
+        raise NotImplementedError
+
+    @property
+    def per_counts(self) -> int:
+        """Number of counts that ``step_nm`` refers to."""
+        return 1
+
+    def nanometres(self, position: int) -> Fraction:
+        """Convert ``position`` from counts to nanometres, without rounding."""
+        return Fraction(index(position) * self.step_nm, self.per_counts)
+
+    def micrometres(self, position: int) -> Fraction:
+        """Convert ``position`` from counts to micrometres, without rounding."""
+        return self.nanometres(position) / 1000
 
 
 class Wrapping(Encoder):

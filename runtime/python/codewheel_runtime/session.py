@@ -19,14 +19,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Mapping, Sequence
 from enum import Enum, IntEnum
+from functools import partial
 from importlib import import_module
 from time import monotonic
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar, cast, get_args
 
-from .encoder import Encoder, Frame, PositionFrame
+from .encoder import Encoder, Exchanged, Frame, PositionFrame
 from .errors import CrcError, FrameError, InterfaceError
-from .frames import any_shape
+from .frames import any_shape, decoder, raised
 from .reports import Interface
 from .running import StepError
 from .shape import holds
@@ -129,13 +130,16 @@ class _Kind(NamedTuple):
     length: int
     tells_position: bool
     flags: tuple[str, ...]
+    repeats_first: bool = True
 
 
 class _Asked(NamedTuple):
-    """Request, its bytes on the line, and the answers to open questions that its reply needs."""
+    """Request, its bytes on the line, the decoder of its reply, and the answers to open questions that it needs."""
 
+    request: Any
     data: bytes
     kind: _Kind
+    decode: Callable[[bytes], Any]
     answers: Mapping[str, object] = MappingProxyType({})
 
 
@@ -159,7 +163,8 @@ class Session:
         if encoder.interface is not Interface.RS485:
             raise InterfaceError(encoder.code, encoder.interface, Interface.RS485)
         self.encoder, self.timeout_s, self.retries, self.clock = encoder, timeout_s, retries, clock
-        self.kinds = _kinds(encoder)
+        self.exchanges = encoder.exchanges()
+        self.kinds = {} if self.exchanges else _kinds(encoder)
         captures = [item for item in self.kinds.values() if item.purpose == "capture"]
         self._marks = [item.control for item in captures]
         #: First byte of the last request, if it failed.
@@ -168,9 +173,9 @@ class Session:
         self._odd_replies = 0
         self._position = next((item for item in captures if item.tells_position), None)
 
-    def position(self) -> Work[int]:
-        """Request the position in counts."""
-        frame = yield from self.read()
+    def position(self, request: Any = None) -> Work[int]:
+        """Request the position in counts, with ``request`` or with factory defaults."""
+        frame = yield from self.read(request)
         value = frame.usable_position
         if value is None:
             found = (item.meaning for item in frame.reports if item.makes_position is frame.verdict)
@@ -178,35 +183,48 @@ class Session:
             raise NotUsableError(f"the position of {self.encoder.code} is not usable: {reasons}", frame)
         return value
 
-    def read(self) -> Work[PositionFrame]:
-        """Request a frame with the position."""
-        if self._position is None:
-            raise LinkError(f"no reply of {self.encoder.code} contains the whole position")
-        frame = yield from self.exchange(bytes([self._position.control]))
+    def read(self, request: Any = None) -> Work[PositionFrame]:
+        """Request a frame with the position, with ``request`` or with factory defaults."""
+        frame = yield from self.exchange(self._position_request() if request is None else request)
         return cast(PositionFrame, frame)
+
+    def _position_request(self) -> Any:
+        if self._position is not None:
+            return bytes([self._position.control])
+        for item in self.exchanges:
+            if item.purpose == "position":
+                open_ = [name for name in item.request._fields if name not in item.defaults]
+                if open_:
+                    given = ", ".join(f"{name}=..." for name in open_)
+                    raise LinkError(f"{self.encoder.code} needs a request: {item.request.__name__}({given})")
+                return item.request(**item.defaults)
+        raise LinkError(f"no reply of {self.encoder.code} contains the whole position")
 
     def exchange(self, request: Any) -> Work[Frame]:
         """Send a request, and return the reply to it. A request to a busy memory is repeated."""
         asked = self._asked(request)
-        kind, decode = asked.kind, cast(Callable[..., Frame], self.encoder.decode)
+        kind = asked.kind
         end = self.clock() + _BUSY_S
         while True:
             reply = yield from self._repeated(asked)
-            frame = decode(reply, **asked.answers)
+            frame = cast(Frame, asked.decode(reply))
             busy = kind.purpose in ("read", "write") and any(getattr(frame, name) for name in kind.flags)
             if not busy:
-                self._compare(request, frame, asked)
+                differs = self._difference(asked, frame)
+                if differs:
+                    raise DisturbedError(differs)
                 return frame
             if self.clock() > end:
                 raise BusyError(f"the memory of {self.encoder.code} stayed busy for {_BUSY_S:g} s", reply)
             yield from self.pause(_BUSY_PAUSE_S)
 
-    def _compare(self, request: Any, frame: Frame, asked: _Asked) -> None:
-        """Require that a reply repeats the values of its request, such as an address."""
-        for name in getattr(request, "_fields", ()):
-            found, sent = getattr(frame, name, None), getattr(request, name)
+    def _difference(self, asked: _Asked, frame: Frame) -> str:
+        """Return how a reply differs from the values of its request, such as an address, or an empty string."""
+        for name in getattr(asked.request, "_fields", ()):
+            found, sent = getattr(frame, name, None), getattr(asked.request, name)
             if name not in asked.answers and found is not None and found != sent:
-                raise DisturbedError(f"the reply of {self.encoder.code} has {name} {found}, but {sent} was sent")
+                return f"the reply of {self.encoder.code} has {name} {found}, but {sent} was sent"
+        return ""
 
     def run(self, steps: Sequence[Step]) -> Work[None]:
         """Carry out the steps of a procedure. If a request in a series fails, the series starts again."""
@@ -284,7 +302,8 @@ class Session:
             reply = self._reply_in(received, asked)
             if reply:
                 # After other bytes, or an echo, part of the reply could look like a reply by chance.
-                is_clean = received.startswith(reply) and not received.startswith(asked.data + asked.data[:1])
+                echo = asked.data + asked.data[: asked.kind.repeats_first]
+                is_clean = received.startswith(reply) and not received.startswith(echo)
                 more = yield Ask(b"", 0.0 if is_clean else _QUIET_S)
                 if not more:
                     return reply
@@ -299,6 +318,10 @@ class Session:
     def _reply_in(self, received: bytes, asked: _Asked) -> bytes:
         """Return the reply found in the received bytes, or nothing. Only repetitions of the reply may follow it."""
         length = asked.kind.length
+        if not asked.kind.repeats_first:
+            # Nothing marks the start of the reply, so there must be no other bytes than an echo.
+            found = (received, received.removeprefix(asked.data))
+            return next((item for item in found if len(item) == length and self._error_in(item, asked) is None), b"")
         # The last one comes first, because an echo and a reply can look like a reply and one more byte.
         for start in range(len(received) - length, -1, -1):
             reply, rest = received[start : start + length], received[start + length :]
@@ -309,7 +332,7 @@ class Session:
 
     def _error_in(self, reply: bytes, asked: _Asked) -> FrameError | None:
         try:
-            cast(Callable[..., Frame], self.encoder.decode)(reply, **asked.answers)
+            asked.decode(reply)
         except FrameError as error:
             return error
         except TypeError:  # The rest of the frame needs an answer. Its CRC is an XOR.
@@ -329,6 +352,8 @@ class Session:
         if not any(received):
             text = f"the line is low after {what}: only 00 arrives; check whether A and B are swapped"
             return DisturbedError(text, received)
+        if self.exchanges:
+            return self._unanswered(received, asked, what, shown)
         odd = self._odd(received, asked)
         # 1 in 256 corrupted replies has a valid CRC, so one odd reply proves nothing.
         self._odd_replies = self._odd_replies + 1 if odd else 0
@@ -342,6 +367,15 @@ class Session:
             return DisturbedError(text, received)
         return DisturbedError(f"no valid reply to {what} in {shown}", received)
 
+    def _unanswered(self, received: bytes, asked: _Asked, what: str, shown: str) -> LinkError:
+        """Return the error for bytes without a valid reply of an exchange."""
+        if len(received) < asked.kind.length:
+            text = f"incomplete reply to {what}: {len(received)} of {asked.kind.length} bytes, {shown}"
+            return DisturbedError(text, received)
+        reply = received[-asked.kind.length :]
+        differs = self._difference(asked, asked.decode(reply)) if self._error_in(reply, asked) is None else ""
+        return DisturbedError(differs or f"no valid reply to {what} in {shown}", received)
+
     def _odd(self, received: bytes, asked: _Asked) -> str:
         """Return why the bytes look like a reply from another kind of encoder, or an empty string."""
         if received[0] != asked.kind.control or len(received) < 3 or _xor(received):
@@ -352,6 +386,8 @@ class Session:
 
     def _asked(self, given: Any) -> _Asked:
         """Return a request: bytes, an object of the encoder's module, or a member of its ``DataId``."""
+        if self.exchanges:
+            return self._asked_in_exchange(given)
         answers: dict[str, object] = {}
         if isinstance(given, IntEnum):
             data = bytes(item.control for item in self.kinds.values() if item.id == given)
@@ -368,7 +404,33 @@ class Session:
         if kind is None:
             known = ", ".join(f"{item.control:02X} ({item.name})" for item in self.kinds.values())
             raise LinkError(f"{self.encoder.code} has no request '{data.hex(' ').upper()}'; its requests are {known}")
-        return _Asked(data, kind, answers)
+        decode = cast(Callable[..., Frame], self.encoder.decode)
+        return _Asked(given, data, kind, partial(decode, **answers), answers)
+
+    def _asked_in_exchange(self, given: Any) -> _Asked:
+        """Return a request: bytes, or an object of the encoder's module."""
+        data = bytes(given) if isinstance(given, (bytes, bytearray)) else b""
+        for item in self.exchanges:
+            request = _request_in(item, data) if data else given
+            if type(request) is not item.request:
+                continue
+            name = item.request.__name__
+            if item.reply is None:
+                raise LinkError(f"{self.encoder.code} does not answer {name}: send its bytes with 'send'")
+            shape, data = any_shape(item.reply, self.encoder), request.encode()
+            tells = item.purpose == "position"
+            kind = _Kind(name, data[0], 0, item.purpose, shape.length, tells, (), item.repeats_first)
+            return _Asked(request, data, kind, decoder(item.reply._decoder, self.encoder, raised))
+        known = ", ".join(item.request.__name__ for item in self.exchanges)
+        told = data.hex(" ").upper() or f"{given!r}"
+        raise LinkError(f"{self.encoder.code} has no request '{told}'; its requests are {known}")
+
+
+def _request_in(item: Exchanged, data: bytes) -> Any:
+    try:
+        return item.request.decode(data)
+    except FrameError:
+        return None
 
 
 def _kinds(encoder: Encoder) -> dict[int, _Kind]:

@@ -36,7 +36,7 @@ class Check(NamedTuple):
     """Condition on the ``width`` bits that start at ``low``.
 
     They must be one of ``values``, or at most ``limit``, or the parity of the bits in ``parity_of``, inverted if
-    ``odd``.
+    ``odd``. ``mask`` selects the bits of each place in ``parity_of`` that count. 0 stands for all.
     """
 
     low: int
@@ -46,6 +46,12 @@ class Check(NamedTuple):
     limit: int | None = None
     parity_of: tuple[tuple[int, int], ...] = ()
     odd: bool = False
+    mask: int = 0
+
+    def parity(self, number: int) -> int:
+        """Return the parity bit for a frame."""
+        ones = ((number >> low & (1 << width) - 1 & (self.mask or -1)).bit_count() for low, width in self.parity_of)
+        return sum(ones) & 1 ^ self.odd
 
 
 class Fold(NamedTuple):
@@ -271,6 +277,5 @@ def holds(number: int, item: Check) -> bool:
     """Return whether the condition holds for one frame."""
     bits = number >> item.low & (1 << item.width) - 1
     if item.parity_of:
-        ones = sum((number >> low & (1 << width) - 1).bit_count() for low, width in item.parity_of)
-        return bits == ones & 1 ^ item.odd
+        return bits == item.parity(number)
     return bits <= item.limit if item.limit is not None else bits in item.values

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from enum import IntEnum
+from fractions import Fraction
 from importlib import import_module
 from math import tau
 from types import MappingProxyType
@@ -374,8 +375,8 @@ class Table(_Columns):
         if unit in _OF_A_TURN:
             per_turn: int = encoder.from_turns(1)
             return _OF_A_TURN[unit], per_turn
-        micrometres: int = encoder.micrometres(1)
-        return micrometres, _OF_A_LENGTH[unit]
+        micrometres = Fraction(encoder.micrometres(1))
+        return micrometres.numerator, micrometres.denominator * _OF_A_LENGTH[unit]
 
     def hidden(self, name: str) -> Any:
         """Return a mask of the rows in which a column has no meaning, or None if it always has one.

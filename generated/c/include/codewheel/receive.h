@@ -545,6 +545,27 @@ static inline bool cw_rs485_take(cw_rs485_line *line, uint8_t byte)
     return line->count == line->length;
 }
 
+/**
+ * Add a received byte of a reply that can begin with any byte, because the encoder does not repeat
+ * the first byte of the request. Return true if it completes the reply. Bytes after that are
+ * dropped. Nothing marks the start of such a reply, so _resume does not help: if the decoder
+ * rejects it, leave the line idle for at_most_us and ask again.
+ */
+static inline bool cw_rs485_take_any(cw_rs485_line *line, uint8_t byte)
+{
+    CW_ASSERT(line != NULL);
+    if (line->echo != 0U) {
+        line->echo--;
+        return false;
+    }
+    if (line->count == line->length) {
+        return false;
+    }
+    line->bytes[line->count] = byte;
+    line->count++;
+    return line->count == line->length;
+}
+
 /** Resume after the decoder has rejected a reply: search for another start after its first byte. */
 static inline void cw_rs485_resume(cw_rs485_line *line)
 {

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, Protocol, TypeVar, cast, runtime_checkable
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, NoReturn, Protocol, TypeVar, cast, runtime_checkable
 
 from .order_codes import OrderCode, checked
 from .reports import Family, Interface, Report, Verdict
@@ -71,6 +71,24 @@ else:
     Positioned = PositionFrame
 
 
+class Exchanged(NamedTuple):
+    """Request with its reply.
+
+    Attributes:
+        request: Class of the request.
+        reply: Class of the reply, or None if the encoder does not answer.
+        purpose: ``position`` if the reply contains the position, otherwise ``other``.
+        repeats_first: True if the reply begins with the first byte of the request.
+        defaults: Factory defaults of values in the request, such as the address of the encoder, by name.
+    """
+
+    request: Any
+    reply: Any
+    purpose: str
+    repeats_first: bool
+    defaults: Mapping[str, int]
+
+
 class Encoder:
     """Encoder of any family, as its order code describes it. Immutable.
 
@@ -122,6 +140,10 @@ class Encoder:
             special_code=special_code,
             written_as_in=written_as_in,
         )
+
+    def exchanges(self) -> tuple[Exchanged, ...]:
+        """Return the requests over RS-485 with their replies, unless they have data IDs."""
+        return ()
 
     @property
     def special(self) -> bool:

@@ -384,11 +384,11 @@ class BissFacts(NamedTuple):
 
 
 class Exchange(NamedTuple):
-    """Request over SPI, with the frame that answers it.
+    """Request over SPI or RS-485, with the frame that answers it.
 
     Attributes:
         request: Frame that the master sends.
-        reply: Frame with which the encoder answers.
+        reply: Frame with which the encoder answers, or empty if it does not answer.
         purpose: ``position``, ``read``, ``write`` or ``other``.
         source: Source of the exchange.
     """
@@ -424,11 +424,12 @@ class SpiFacts(NamedTuple):
 
 
 class Rs485Facts(NamedTuple):
-    """Facts about the RS-485 interface."""
+    """Facts about the RS-485 interface. Its requests have either ``data_ids`` or ``exchanges``."""
 
     port: Port
-    data_ids: tuple[DataIdFacts, ...]
+    data_ids: tuple[DataIdFacts, ...] = ()
     memory_access: tuple[MemoryAccess, ...] = ()
+    exchanges: tuple[Exchange, ...] = ()
     timings: tuple[Timing, ...] = ()
     note: str = ""
     source: str = ""

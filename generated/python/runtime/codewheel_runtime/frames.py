@@ -109,8 +109,7 @@ class Coded:
         if shape.limited is not None:
             check_limits(shape.limited[0], getattr(self, shape.limited[1]), fields.limits(*given))
         for check in shape.parities:
-            ones = sum((number >> low & (1 << width) - 1).bit_count() for low, width in check.parity_of)
-            number |= (ones & 1 ^ check.odd) << check.low
+            number |= check.parity(number) << check.low
         if shape.gray is not None:
             number = to_gray(number, *shape.gray)
         if shape.crc is not None:

@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple, Protocol, SupportsIndex
 
 from .codec import Data, as_bytes, check_limits, check_width, shown, whole_number
 from .encoder import Encoder
-from .errors import FrameError, LengthError
+from .errors import FrameError, LengthError, RangeError
 from .reports import Interface
 
 
@@ -35,7 +35,9 @@ def whole(
 class Held(NamedTuple):
     """Parameter that a register holds at run time, in the ``width`` bits that start at ``low``.
 
-    ``zero_means`` is the value that is stored as 0, if there is one.
+    ``zero_means`` is the value that is stored as 0, if there is one. ``codes`` lists the codes with their values, if
+    the register holds codes. ``by_order_code`` is true if the register has no default, so that the order code sets the
+    parameter.
     """
 
     parameter: str
@@ -48,16 +50,31 @@ class Held(NamedTuple):
     min: int
     max: int
     zero_means: int = 0
+    codes: tuple[tuple[int, int], ...] = ()
+    by_order_code: bool = False
 
     def value_in(self, data: bytes) -> int:
-        """Return the parameter for these bytes of the register."""
-        return int.from_bytes(data, self.order) >> self.low & ((1 << self.width) - 1) or self.zero_means
+        """Return the parameter for these bytes of the register.
+
+        Raises:
+            RangeError: The register holds a code that is not allowed.
+        """
+        held = int.from_bytes(data, self.order) >> self.low & ((1 << self.width) - 1)
+        if not self.codes:
+            return held or self.zero_means
+        codes = dict(self.codes)
+        if held not in codes:
+            raise RangeError(f"code for {self.parameter}", held, ", ".join(map(str, codes)))
+        return codes[held]
 
     def bytes_with(self, value: int) -> bytes:
         """Return the bytes of the register with this parameter and factory defaults for the rest."""
         mask = (1 << self.width) - 1
         number = int.from_bytes(self.default, self.order) & ~(mask << self.low)
-        bits = 0 if value == self.zero_means else value
+        if self.codes:
+            bits = next((code for code, stands_for in self.codes if stands_for == value), 0)
+        else:
+            bits = 0 if value == self.zero_means else value
         return (number | bits << self.low).to_bytes(len(self.default), self.order)
 
 
@@ -85,10 +102,11 @@ def held_parameters(items: tuple[Held, ...], held: Mapping[int, int], variant: E
 
 
 def held_text(items: tuple[Held, ...], variant: Encoder) -> str:
-    """Return the parameters that differ from the factory default, as text."""
+    """Return the parameters that differ from the factory default, as text. Without a default, they are always shown."""
     here = [item for item in items if item.interface is variant.interface]
     values = [(item, getattr(variant, item.parameter)) for item in here]
-    return "".join(f" {item.parameter}={value}" for item, value in values if value != item.value_in(item.default))
+    shown = ((item, value) for item, value in values if item.by_order_code or value != item.value_in(item.default))
+    return "".join(f" {item.parameter}={value}" for item, value in shown)
 
 
 class Located(Protocol):

@@ -1,0 +1,44 @@
+"""Rules for RS-485: requests either have data IDs, or they are listed with their replies."""
+
+from __future__ import annotations
+
+from ...model import Rs485
+from ..problems import DocumentReport, quoted
+from .exchanges import check_exchanges, report_unused
+from .walk import Spec, items, mapping
+
+_HERE = ("interfaces", Rs485.name)
+_RULE = "rs485-exchange"
+#: Keys that belong to data IDs, in the interface and in its layouts.
+_OF_DATA_IDS = ("data_ids", "memory_access")
+
+
+def requests(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that each request over RS-485 has a data ID, or is in an exchange with its reply."""
+    interface = mapping(spec, *_HERE)
+    if not interface:
+        return
+    if "exchanges" not in interface:
+        if "data_ids" not in mapping(raw, *_HERE):
+            wrong = "no request is described; add 'data_ids' for frames like those of the T-format, else 'exchanges'"
+            report.add(_RULE, _HERE, wrong)
+        return
+    for key in _OF_DATA_IDS:
+        if key in interface:
+            wrong = f"{quoted(key)} belongs to frames like those of the T-format; keep it, or 'exchanges'"
+            report.add(_RULE, (*_HERE, key), wrong, at_key=True)
+    found = check_exchanges(spec, raw, Rs485.name, _RULE, report)
+    positions = [(path, item) for path, item in found if item["purpose"] == "position"]
+    for path, item in positions:
+        if "reply" not in item:
+            report.add(_RULE, path, f"{quoted(item['request'])} asks for the position, so it needs a 'reply'")
+    for path, _ in positions[1:]:
+        report.add(_RULE, (*path, "purpose"), "a second request asks for the position; use 'other'")
+    for path, layout in items(spec, *_HERE, "layouts"):
+        report_unused(layout, path, found, _RULE, report)
+        if "when" in layout:
+            wrong = "the request decides which frame is the reply; leave 'when' out"
+            report.add(_RULE, (*path, "when"), wrong, at_key=True)
+        if layout.get("carried_as") == "bits":
+            wrong = f"{quoted(layout['name'])} is sent over a serial port, as bytes; use 'carried_as: bytes'"
+            report.add(_RULE, (*path, "carried_as"), wrong)

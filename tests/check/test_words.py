@@ -1,0 +1,197 @@
+"""The words of the spec language: who uses each, and that none belongs to one manufacturer."""
+
+from __future__ import annotations
+
+import copy
+import functools
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+from codewheel.language.schema_files import load_schema
+from codewheel.language.second_reading import is_second
+
+ROOT = Path(__file__).parents[2]
+LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+#: Manufacturer whose manuals were read as a whole. Its words were there before other encoders were described.
+WHOLE = "lika"
+#: Words that only one other manufacturer uses, with the reason to keep them.
+ALONE = {
+    "biss.bank_select": "banks are part of BiSS, and iC-Haus documents two more chips with them",
+    "register.bank": "as bank_select",
+    "parameter.by_code": "codes for widths in four iC-Haus chips, and in LENZ encoders without a public document",
+    "evidence.grade.quoted": "a grade of the issue on evidence",
+    "field.makes_position.usable": "one of three verdicts",
+    "field.over": "check bits over every other bit, of the AMT21 and the AMT22. No second manufacturer is known",
+    "field.over.even_bits": "as over",
+    "field.over.odd_bits": "as over",
+    "field.parity": "odd parity, for a UART or an encoder with odd parity",
+    "field.parity.odd": "as parity",
+    "spi.exchanges.purpose.other": "requests that neither read nor write",
+    "ssi.alignment.lsb_right": "the opposite of msb_left",
+}
+#: Words that no encoder uses, with the reason to keep them.
+UNUSED = {
+    **dict.fromkeys(
+        (
+            "biss.network.topology.bus",
+            "biss.timeout.rule.fixed",
+            "biss.timeout.typical_ns",
+            "change.add",
+            "change.severity.omission",
+            "change.severity.wrong_data",
+            "change.value",
+            "connector.interfaces.spi",
+            "example.refused.constant",
+            "example.refused.crc",
+            "example.refused.range",
+            "field_group.other_bits",
+            "input.names",
+            "layout.byte_order.high_byte_first",
+            "layout.channel",
+            "layout.other_bits",
+            "manual_edition.date",
+            "parameter.interface.spi",
+            "procedure.interface.spi",
+            "procedure.interface.ssi",
+            "register.above_max.refused",
+            "register.interface.rs485",
+            "register.interface.ssi",
+            "rs485.port.flow_control.hardware",
+            "rs485.port.flow_control.software",
+            "rs485.port.parity.even",
+            "rs485.port.parity.odd",
+            "spi.measurement",
+            "spi.timings",
+            "ssi.output_code.gray",
+        ),
+        "completes a list, or is the same key as in other places",
+    ),
+    "field.parity.even": "the opposite of odd",
+    "field.others": "values that a manual reserves. No encoder's spec uses it yet",
+    "field.others.reserved": "as others",
+    "spi.clock.min_hz": "the same key as in other interfaces",
+}
+#: Units and quantities are names of physics, not words of the language.
+PHYSICS = re.compile(r"quantity\.(unit|quantity)\.")
+
+
+def walk(schema: Mapping[str, Any], data: Iterable[Any] | None) -> Iterator[str]:
+    """Yield the words of a schema, or those that the data uses."""
+    seen: set[str] = set()
+
+    def below(node: Mapping[str, Any], owner: str, values: list[Any] | None) -> Iterator[str]:
+        if "$ref" in node:
+            owner = node["$ref"].rsplit("/", 1)[1]
+            if values is None and owner in seen:
+                return
+            seen.add(owner)
+            node = schema["$defs"][owner]
+        for other in (*node.get("oneOf", ()), *node.get("anyOf", ())):
+            yield from below(other, owner, values)
+        mappings = [item for item in values or () if isinstance(item, dict)]
+        for key, inner in node.get("properties", {}).items():
+            found = [item[key] for item in mappings if key in item]
+            if values is None or found:
+                yield f"{owner}.{key}"
+                yield from below(
+                    inner, owner if "$ref" in inner else f"{owner}.{key}", None if values is None else found
+                )
+        inner = node.get("additionalProperties")
+        if isinstance(inner, dict):
+            known = node.get("properties", {})
+            rest = [value for item in mappings for key, value in item.items() if key not in known]
+            if values is None or rest:
+                yield from below(inner, owner, None if values is None else rest)
+        if "items" in node:
+            elements = [value for item in values or () if isinstance(item, list) for value in item]
+            if values is None or elements:
+                yield from below(node["items"], owner, None if values is None else elements)
+        for value in node.get("enum", ()):
+            if values is None or value in [item for item in values if not isinstance(item, dict | list)]:
+                yield f"{owner}.{value}"
+
+    yield from below(schema, "device", None if data is None else list(data))
+
+
+@functools.cache
+def specs() -> dict[str, list[Any]]:
+    """Return the specs of all real encoders, by manufacturer."""
+    found: dict[str, list[Any]] = {}
+    for path in sorted([*(ROOT / "specs").glob("*/*.yaml"), *(ROOT / "examples" / "encoders").glob("*/*.yaml")]):
+        if path.name != "manufacturer.yaml" and path.parent.name != "masters" and not is_second(path):
+            text = path.read_text(encoding="utf-8")
+            found.setdefault(path.parent.name, []).append(yaml.load(text, LOADER))
+    return found
+
+
+def users(schema: Mapping[str, Any]) -> dict[str, set[str]]:
+    """Return the manufacturers that use each word of the language."""
+    found: dict[str, set[str]] = {word: set() for word in walk(schema, None) if not PHYSICS.match(word)}
+    for name, data in specs().items():
+        for word in walk(schema, data):
+            if word in found:
+                found[word].add(name)
+    return found
+
+
+def lonely(schema: Mapping[str, Any]) -> set[str]:
+    """Return the words that need a second manufacturer."""
+    return {word for word, found in users(schema).items() if found and WHOLE not in found and len(found) == 1}
+
+
+def unused(schema: Mapping[str, Any]) -> set[str]:
+    """Return the words that no encoder uses."""
+    return {word for word, found in users(schema).items() if not found}
+
+
+def test_each_word_has_users_at_two_manufacturers() -> None:
+    """Words are counted in the specs of real encoders. Words that only whole manuals need are older than the rule."""
+    schema = load_schema("device")
+    assert lonely(schema) - {*ALONE} == set()
+    assert unused(schema) - {*UNUSED} == set()
+
+
+def test_the_exceptions_are_words_of_the_language() -> None:
+    assert {*ALONE, *UNUSED} <= {*walk(load_schema("device"), None)}
+    assert ALONE.keys().isdisjoint(UNUSED)
+
+
+def test_a_word_of_one_encoder_is_found() -> None:
+    """A key that one spec uses is lonely, and a key or value that none uses is unused."""
+    schema: Any = copy.deepcopy(load_schema("device"))
+    schema["$defs"]["spi"]["properties"]["quirk"] = {"enum": ["a", "b"]}
+    assert {"spi.quirk", "spi.quirk.a", "spi.quirk.b"} <= unused(schema)
+    [spec] = [item for item in specs()["mps"] if item["device"] == "ma732"]
+    spec["interfaces"]["spi"]["quirk"] = "a"
+    try:
+        assert {"spi.quirk", "spi.quirk.a"} <= lonely(schema)
+        assert "spi.quirk.b" in unused(schema)
+        specs()["ams"][0]["interfaces"]["spi"]["quirk"] = "a"
+        assert "spi.quirk" not in lonely(schema)
+    finally:
+        specs.cache_clear()
+
+
+def names() -> set[str]:
+    """Return the names of manufacturers and families, and the parts of them that are words."""
+    families = [spec["device"] for found in specs().values() for spec in found]
+    return {part for name in (*specs(), *families) for part in (name, *name.split("_")) if len(part) > 2}
+
+
+def named(words: Iterable[str]) -> set[str]:
+    """Return the words that contain the name of a manufacturer or a family."""
+    known = names() - {"linear", "parity"}
+    return {word for word in words if not known.isdisjoint(re.split(r"[^a-z0-9]+", word.casefold()))}
+
+
+def test_no_word_names_a_manufacturer() -> None:
+    for kind in ("device", "manufacturer"):
+        assert named(walk(load_schema(kind), None)) == set()
+    assert named(["spi.as5047p_mode", "register.ichaus", "field.lika_bit", "ssi.clock"]) == {
+        "spi.as5047p_mode",
+        "register.ichaus",
+        "field.lika_bit",
+    }
