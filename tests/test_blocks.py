@@ -79,7 +79,10 @@ ELSEWHERE = {
         "python: ": "tests/virtual/test_exchanges.py::test_the_program_of_the_page",
         "console: ": "tests/virtual/test_exchanges.py::test_the_command_of_the_page",
     },
-    "docs/spi.md": {"python: ": "tests/virtual/test_spi.py::test_the_programs_of_the_pages"},
+    "docs/spi.md": {
+        "python: ": "tests/virtual/test_spi.py::test_the_programs_of_the_pages",
+        ": $ codewheel": "tests/docs/test_start_pages.py::test_its_commands",
+    },
     "docs/rules.md": {"yaml: ": "tests/docs/test_rules_page.py::test_the_page_is_that_of_today"},
     **{
         f"docs/start-{name}.md": {

@@ -416,3 +416,147 @@ POSITION = """\
           - {name: position, bits: singleturn_bits, unit: counts, meaning: Position within one revolution}
 """
 LAST_FIELD = "          - {name: crc, crc: biss_6}\n"
+
+SPI = """\
+# ----------------------------------------------------------------------------------------------------------- order code
+
+parameters: {}                            # values set by the order code, if there are any
+
+order_code:
+  pattern: "@CODE@-{output}"
+  source: Order code
+  parts:
+    - name: output
+      meaning: Interface
+      values:
+        SP: {meaning: SPI, interface: spi}
+
+# Resolution of the position.
+measurement: {of: position, counts_per_turn: 2^14, turns: 1, source: "1"}
+
+# ----------------------------------------------------------------------------------------------------------- interfaces
+
+interfaces:
+  spi:
+    source: "5"
+    mode: 1                               # 0 and 1: the clock idles low. 1 and 3: data is taken on the second edge
+    word_bits: 16                         # 8 to 48, the same for requests and replies
+    reply: next_word                      # or same_word
+    clock: {max_hz: 10000000, source: "5.1"}
+    # Which reply answers which request. Leave this out if the encoder ignores the words of the master.
+    exchanges:
+      - {request: position_request, reply: position_reply, purpose: position}
+      - {request: read_request, reply: register_reply, purpose: read}
+      - {request: write_request, reply: register_reply, purpose: write}
+      - {request: write_data, reply: register_reply, purpose: write}
+    # Fields in the order sent, most significant first. Each layout has word_bits bits.
+    layouts:
+      - name: position_request
+        from: master
+        source: "5.2"
+        fields:
+          # Even parity. It covers all other fields of the word. For odd parity, add parity: odd.
+          - {name: parity, parity_of: [read, address]}
+          - {name: read, bits: 1, constant: 1, meaning: 1 to read and 0 to write}
+          - {name: address, bits: 14, constant: 0x3FFF, meaning: Address of the position}
+      - name: read_request
+        from: master
+        source: "5.2"
+        fields:
+          - {name: parity, parity_of: [read, address]}
+          - {name: read, bits: 1, constant: 1, meaning: 1 to read and 0 to write}
+          - {name: address, bits: 14, meaning: Address of the register}
+      - name: write_request
+        from: master
+        source: "5.2"
+        fields:
+          - {name: parity, parity_of: [read, address]}
+          - {name: read, bits: 1, constant: 0, meaning: 1 to read and 0 to write}
+          - {name: address, bits: 14, meaning: Address of the register}
+      - name: write_data
+        from: master
+        source: "5.2"
+        fields:
+          - {name: parity, parity_of: [zero, data]}
+          - {name: zero, bits: 1, constant: 0}
+          - {name: data, bits: 14, meaning: Value to write}
+      - name: position_reply
+        from: encoder
+        source: "5.3"
+        fields:
+          - {name: parity, parity_of: [error, position]}
+          - {name: error, active: high, makes_position: not_usable, when_active: the encoder reports an error}
+          - {name: position, bits: 14, unit: counts, meaning: Position within one revolution}
+          # A CRC instead of the parity, which covers the fields before it. Describe it under crcs.
+          # - {name: crc, crc: spi_8}
+      - name: register_reply
+        from: encoder
+        source: "5.3"
+        fields:
+          - {name: parity, parity_of: [error, data]}
+          - {name: error, active: high, when_active: the encoder reports an error}
+          - {name: data, bits: 14, meaning: Value of the register}
+
+# crcs:
+#   - {name: spi_8, width: 8, poly: 0x07, init: 0, refin: false, refout: false, xorout: 0, source: "5.4"}
+
+# ------------------------------------------------------------------------------------------------------------ registers
+
+registers:
+  - name: diagnostics
+    printed_name: Diagnostics
+    meaning: State of the sensor
+    interface: spi
+    address: 0x3FFC
+    length: 2                             # bytes. A register has a single address, whatever its length
+    access: read_only                     # read_write, write_only
+    other_bits: unspecified
+    fields:
+      - {name: field_weak, at: 11, active: high, when_active: the magnetic field is too weak}
+      - {name: gain, at: 7:0, meaning: Value of the gain control}
+    source: "6.1"
+
+  - name: zero_position
+    printed_name: Zero position
+    meaning: Position that becomes 0
+    interface: spi
+    address: 0x0016
+    length: 2
+    access: read_write
+    default: 0
+    min: 0
+    max: 2^14 - 1
+    source: "6.2"
+
+procedures:
+  - name: set_zero
+    title: Set the zero position
+    interface: spi
+    arguments: [{name: position, of: zero_position, meaning: Position that becomes 0}]
+    steps:
+      - {do: write, register: zero_position, value: position, meaning: write the zero position}
+      - {do: read, register: zero_position, meaning: check the value}
+    source: "6.2"
+
+"""
+
+SPI_EXAMPLES = """\
+examples:
+  - name: position
+    kind: frame                           # frame, register, crc, procedure, measure
+    layout: position_reply
+    order_code: @CODE@-SP
+    from: encoder
+    bits: "0000001111101000"              # 1000 counts, no error
+    values: {position: 1000}
+    source: "5.3"
+  - name: read_diagnostics
+    kind: frame
+    layout: read_request
+    order_code: @CODE@-SP
+    from: master
+    bits: "1111111111111100"
+    values: {address: 0x3FFC}
+    source: "5.2"
+
+"""

@@ -306,9 +306,9 @@ def _add_new(commands: _Commands) -> None:
     )
     parser.add_argument(
         "--like",
-        choices=("biss", "ssi", "rs485", "linear"),
+        choices=("biss", "ssi", "rs485", "spi", "linear"),
         default="",
-        help="kind of encoder: multiturn over this interface, or linear over BiSS (default: singleturn over BiSS)",
+        help="kind of encoder: multiturn over this interface (SPI: singleturn), or linear over BiSS",
     )
 
 

@@ -36,7 +36,8 @@ _SHIFTED = re.compile(r"\(?1\s*<<\s*(\w+)\)?")
 #: Keys of other tools, each with the keys that may have the same meaning here.
 _ELSEWHERE = {
     "description": ("meaning",), "desc": ("meaning",), "comment": ("note",),
-    "offset": ("address", "at"), "size": ("length", "bits"), "type": ("length", "bits"), "width": ("bits", "length"),
+    "offset": ("address", "at"), "size": ("length", "bits"), "width": ("bits", "length"),
+    "type": ("length", "bits", "access"),
     "endianness": ("byte_order",), "endian": ("byte_order",), "active_low": ("active",), "active_high": ("active",),
     "reset": ("default",), "reset_value": ("default",), "enum": ("values",), "enums": ("values",),
     "permission": ("access",), "mode": ("access",),
@@ -119,7 +120,9 @@ def foreign_key_hint(key: str, value: Any, known: Collection[str], given: Collec
 
     ``known`` contains the keys that are allowed here, and ``given`` those that are used.
     """
-    right = next((word for word in _ELSEWHERE.get(key.lower(), ()) if word in known), "")
+    words = [word for word in _ELSEWHERE.get(key.lower(), ()) if word in known]
+    fitting = (word for word in words if word_hint(word, value) or value in _VALUES.get(word, {}).values())
+    right = next(fitting, words[0] if words else "")
     if not right:
         return ""
     if right in given:

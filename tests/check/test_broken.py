@@ -24,7 +24,7 @@ RULES_WITH_BROKEN_SPECS = """
     makes-position-missing measurement-shape merge-key missing-key not-a-map not-allowed not-text number-base
     number-too-long order-code-ambiguous order-code-pattern out-of-range parameter-cycle parameter-interface
     parameter-origin printed-number procedure-name quantity-repeated quantity-text register-range repeated-item
-    repeated-text rs485-exchange several-documents spi-exchange step-shape supply-range table-shape tag
+    repeated-text rs485-exchange several-documents spi-exchange spi-parity step-shape supply-range table-shape tag
     timeout-mismatch timing-order
     timing-without-bound
     too-deep too-large too-long too-short typographic-quotes undefined-reference unit-mismatch unknown-key unused-crc

@@ -54,6 +54,7 @@ MISTAKES = {
     "offset": ("address: 0x50", "offset: 0x50", "121", "unknown-key", "it is called 'address' here"),
     "size": ("    length: 4", "    size: 4", "122", "unknown-key", "it is called 'length' here"),
     "type": ("    length: 4", "    type: uint32_t", "122", "unknown-key", "write 'length: 4'"),
+    "type of access": ("access: read_write", "type: read_write", "123", "unknown-key", "it is called 'access' here"),
     "endianness": (
         "byte_order: high_byte_first", "endianness: big", "124", "unknown-key", "write 'byte_order: high_byte_first'",
     ),

@@ -13,6 +13,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted((ROOT / "docs").glob("start-*.md"))
+SPI = ROOT / "docs" / "spi.md"
 QUESTIONS = sorted((ROOT / "docs").glob("questions-*.md"))
 
 
@@ -39,7 +40,7 @@ def environment(folder: Path) -> dict[str, str]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", [*PAGES, *QUESTIONS], ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", [*PAGES, *QUESTIONS, SPI], ids=lambda page: page.stem)
 def test_its_commands(page: Path, tmp_path: Path) -> None:
     text, work, tools = page.read_text(encoding="utf-8"), tmp_path / "work", tmp_path / "tools"
     work.mkdir()

@@ -38,12 +38,13 @@ def test_it_passes_check_and_decodes(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert "no frame error" in capsys.readouterr().out
 
 
-#: Per kind, an order code, a frame with 5 revolutions and 1000 counts (linear: 1000 steps), and its position. The CRC
-#: over RS-485 is the XOR of the bytes. That over BiSS is the inverted remainder of the division by x^6 + x + 1.
+#: Per kind, an order code, a frame with 5 revolutions and 1000 counts, and its position. Linear and SPI: only 1000. The
+#: CRC over RS-485 is the XOR of the bytes. That over BiSS is the inverted remainder of the division by x^6 + x + 1.
 STARTS = {
     "ssi": ("MY-ENCODER-13-4096-BG", "0b000000000101_0001111101000", 5 * 8192 + 1000),
     "rs485": ("MY-ENCODER-17-4096-JP", "1A 00 E8 03 00 17 05 00 00 00 E3", 5 * 131_072 + 1000),
     "biss": ("MY-ENCODER-13-1-SC", "0b0001111101000_1_1_011010", 1000),
+    "spi": ("MY-ENCODER-SP", "0b0_0_00001111101000", 1000),
     "linear": ("MY-ENCODER-5-SC", "0b000000000_0001111101000_1_1_011010", 1000),
 }
 
@@ -55,7 +56,7 @@ def test_each_start_passes_check_and_decodes(
     assert main(["new", "my_encoder", "--like", kind, "-o", str(tmp_path)]) == 0
     assert not load_for([tmp_path], targets_named())[1].problems
     text = (tmp_path / "my_encoder.yaml").read_text(encoding="utf-8")
-    assert ("join: {position: [multiturn, singleturn]}" in text) == (kind != "linear")
+    assert ("join: {position: [multiturn, singleturn]}" in text) == (kind not in {"linear", "spi"})
     assert "@" not in text
     capsys.readouterr()
     assert main(["decode", code, frame, "--json", "--specs", str(tmp_path)]) == 0

@@ -34,6 +34,7 @@ def exchanges(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             wrong = f"a parameter cannot be read from a register over SPI; leave 'read_from' out of {quoted(name)}"
             report.add("spi-exchange", ("parameters", name, "read_from"), wrong, at_key=True)
     _check_frames(layouts, found, report)
+    _check_parities(raw, report)
     _check_accesses(raw, layouts, found, report)
 
 
@@ -50,6 +51,28 @@ def _check_frames(layouts: dict[str, Spec], found: list[tuple[Path, Spec]], repo
         if layout.get("carried_as") == "bytes":
             wrong = f"{quoted(layout['name'])} is an SPI word, which is always carried as bits; remove 'carried_as'"
             report.add("spi-exchange", (*_HERE, *path, "carried_as"), wrong)
+
+
+def _check_parities(raw: Spec, report: DocumentReport) -> None:
+    """Check that the parity bits of a word without a CRC cover all other fields, unless a note explains it."""
+    for path, layout in items(mapping(raw, *_HERE), "layouts"):
+        found = [(below, field) for below, field in items(layout, "fields") if "parity_of" in field]
+        covered = {name for _, field in found for name in _covered(layout, field["parity_of"])}
+        fields = [field for _, field in items(layout, "fields") if "parity_of" not in field]
+        left_out = [field["name"] for field in fields if "name" in field and field["name"] not in covered]
+        explained = any("note" in field for _, field in found)
+        if found and left_out and not explained and not any("crc" in field for field in fields):
+            below, field = found[0]
+            wrong = f"{quoted(field.get('name', ''))} leaves out {quoted(left_out[0])}"
+            way = "add it to 'parity_of', or add a 'note' that the manual leaves it out"
+            report.add("spi-parity", (*_HERE, *path, *below, "parity_of"), f"{wrong}; {way}")
+
+
+def _covered(layout: Spec, of: object) -> Iterator[str]:
+    """Yield the fields that a parity bit covers, with those of joined numbers."""
+    joins = mapping(layout, "join")
+    for name in map(str, of if isinstance(of, list) else [of]):
+        yield from joins.get(name, [name])
 
 
 def _free(layout: Spec) -> Iterator[str]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, TypedDict
 
-from ...model import Crc, Device, Layout, Manufacturer, Ssi, choices
+from ...model import Crc, Device, Layout, Manufacturer, choices
 from ...plan.crc_residual import Residual, residual
 from ...say.name import words
 from .. import Library
@@ -27,7 +27,7 @@ class Assumptions(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
     frames: Annotated[list[Frames], "the frames with a CRC, by CRC and length"]
     silent: Annotated[list[str], "the frames with a position that have no status bit"]
-    has_ssi: Annotated[bool, "whether an encoder has SSI"]
+    interfaces: Annotated[frozenset[str], "the interfaces of the encoders"]
     parity: Annotated[list[str], "the frames with a position that have a parity bit and no CRC"]
 
 
@@ -40,7 +40,7 @@ def assumptions_files(
             "maker": maker,
             "frames": list(_frames(devices)),
             "silent": list(_silent(devices)),
-            "has_ssi": any(isinstance(item, Ssi) for device in devices for item in device.interfaces),
+            "interfaces": frozenset(item.name for device in devices for item in device.interfaces),
             "parity": list(_with_parity(devices)),
         }
         yield f"ASSUMPTIONS-{maker.name}.md", render(TEMPLATE, values)
