@@ -340,7 +340,7 @@ def _check_step(path: Path, measurement: Spec, report: DocumentReport) -> None:
         wrong = "'step_um' and 'step_nm' exclude each other; keep the one that is a whole number"
         report.add("measurement-shape", (*path, "step_nm"), wrong, at_key=True)
     elif "per_counts" in measurement and "step_nm" not in measurement:
-        wrong = "'per_counts' is only for 'step_nm', the number of nanometres for so many counts"
+        wrong = "'per_counts' is only for 'step_nm', the number of nanometres for that many counts"
         report.add("measurement-shape", (*path, "per_counts"), wrong, at_key=True)
 
 
