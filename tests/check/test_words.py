@@ -34,7 +34,6 @@ ALONE = {
     "rs485.port.parity.even": "one of the three parities of a UART",
     "spi.exchanges.purpose.other": "requests that neither read nor write",
     "ssi.alignment.lsb_right": "the opposite of msb_left",
-    "measurement.per_counts": "completes step_nm, for a pitch divided into 2^n counts",
 }
 #: Words that no encoder uses, with the reason to keep them.
 UNUSED = {
