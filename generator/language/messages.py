@@ -50,6 +50,7 @@ PATTERNS = {
         "a write is an address and a byte, as in 0x48 = 0x01, an address and a bit, as in 0x49 bit 2 = 0, or only"
         " addresses, as in 0x50-0x54"
     ),
+    "^(0|[1-9][0-9]{0,9}|0x[0-9A-Fa-f]{1,8})$": "a code in a register is a whole number, as in 6 or 0x1F",
     "^[01]+$": "bits are written with the digits 0 and 1 only",
     "^[A-Za-z0-9]+(/[A-Za-z0-9]+)*$": (
         "a value of an order code contains only letters, digits and single slashes between them"

@@ -38,8 +38,11 @@ def origin(device: Device, item: Parameter) -> Iterator[Said]:
 
 def initial(device: Device) -> str:
     """Return the kind of the values that apply until registers are read, in the plural."""
-    held = (device.register(item.register) for item in device.run_time_parameters)
-    return "factory defaults" if any(item.default is not None for item in held) else "values of the order code"
+    names = {item.register for item in device.run_time_parameters}
+    # A device of one interface lacks the registers of the others.
+    held = [item for item in device.registers if item.name in names]
+    has_default = not held or any(item.default is not None for item in held)
+    return "factory defaults" if has_default else "values of the order code"
 
 
 def value(item: Parameter, count: int) -> str:
