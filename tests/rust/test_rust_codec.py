@@ -146,7 +146,8 @@ def _contents(item: HeldBy, random_: random.Random) -> Iterator[bytes]:
     yield from (bytes(length - 1), bytes(length), bytes(length + 1))
     for held in item.parameters:
         low, high = held.parameter.min or 0, held.parameter.max or 0
-        for value in (low - 1, low, high, high + 1):
+        codes = (code.code for code in held.parameter.by_code)
+        for value in (low - 1, low, high, high + 1, *codes):
             if 0 <= value < 1 << held.field.widest:
                 number = value << held.field.low.constant
                 yield number_to_bytes(item.register.layout, number, 8 * length)
