@@ -11,7 +11,7 @@ _REFUSED = {"write": "read_only", "read": "write_only", "poll": "write_only"}
 
 
 def step_access(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that procedures write only writable and read only readable registers."""
+    """Check that only writable registers are written, and that whatever is read is readable."""
     registers = by_name(raw, "registers")
     for path, procedure in items(spec, "procedures"):
         for below, step in items(procedure, "steps"):
@@ -27,6 +27,16 @@ def step_access(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 (*path, "opened_by", "register"),
                 f"{quoted(opener)} is read_only, so it cannot open {quoted(register['name'])}",
             )
+    for name, parameter in mapping(spec, "parameters").items():
+        held_by = str(parameter.get("read_from", "")).partition(".")[0]
+        if registers.get(held_by, {}).get("access") == "write_only":
+            wrong = f"{quoted(held_by)} is write_only, so {quoted(name)} cannot be read from it"
+            report.add("access-mismatch", ("parameters", name, "read_from"), wrong)
+    for path, alarm in items(spec, "alarms"):
+        held_by = str(alarm.get("register", ""))
+        if registers.get(held_by, {}).get("access") == "write_only":
+            wrong = f"{quoted(held_by)} is write_only, so it cannot signal {quoted(alarm['name'])}"
+            report.add("access-mismatch", (*path, "register"), wrong)
     select = bank_select(spec)
     if registers.get(str(select), {}).get("access") == "read_only":
         report.add(
