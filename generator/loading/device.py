@@ -372,7 +372,7 @@ def _check_control_bytes(device: Device, report: DocumentReport) -> None:
 
 
 def _check_requests(device: Device, report: DocumentReport) -> None:
-    """Check that an encoder can tell its requests apart, by constants in the bytes that two of them share."""
+    """Check that an encoder can distinguish its requests by constants in the bytes that two of them share."""
     interface = device.over(Rs485)
     if interface is None or not interface.exchanges or not sound_so_far(report).has_frames:
         return
@@ -381,7 +381,8 @@ def _check_requests(device: Device, report: DocumentReport) -> None:
     for index, layout in enumerate(found):
         other = next((item for item in found[:index] if not _differ(item, layout)), None)
         if other is not None:
-            wrong = f"no constant tells '{layout.name}' from '{other.name}'; add the command as a 'constant' to both"
+            pair = f"'{layout.name}' from '{other.name}'"
+            wrong = f"no constant distinguishes {pair}; add the command as a 'constant' to both"
             report.add("rs485-exchange", ("interfaces", interface.name, "layouts", layout.name), wrong)
 
 

@@ -130,7 +130,7 @@ def _check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None
 
 
 def _no_run(layout: Layout, kind: CrcValue) -> Iterator[str]:
-    """Yield the reasons that the fields of a CRC are not one run of bits at a fixed place."""
+    """Yield the reasons why the fields of a CRC are not adjacent bits at a fixed place."""
     fields = {item.name: item for item in layout.fields}
     of = [fields[name] for name in kind.of if name in fields]
     if of and layout.in_bytes:
@@ -138,9 +138,9 @@ def _no_run(layout: Layout, kind: CrcValue) -> Iterator[str]:
         return
     moving = next((item for item in of if not item.is_fixed), None)
     if moving is not None:
-        yield f"'{moving.name}' has another place or width for other order codes, so 'crc_of' cannot list it"
+        yield f"'{moving.name}' differs in place or width between order codes, so 'crc_of' cannot list it"
         return
     for above, below in pairwise(of):
         if below.low + below.width != above.low:
-            yield f"'{above.name}' and '{below.name}' are not adjacent; list all fields of one run, in the order sent"
+            yield f"'{above.name}' and '{below.name}' are not adjacent; list adjacent fields, in the order sent"
             return

@@ -31,7 +31,7 @@ def test_broken(name: str) -> None:
 
 
 def test_a_wrong_start_value_is_named_if_every_example_fits_another(tmp_path: Path) -> None:
-    """The examples are frames that the manual of the AMM5 and public sources print. All of them start with 0."""
+    """The examples are from the manual of the AMM5 and from public sources. All of them need the start value 0."""
     spec = packaged_specs() / "lika" / "amm5.yaml"
     text = spec.read_text(encoding="utf-8")
     crc = text[text.index("name: rs485_8") :]

@@ -1,4 +1,4 @@
-"""Rules for requests with their replies, over SPI and RS-485: every frame has its place, and all names exist."""
+"""Rules for requests with their replies, over SPI and RS-485: every frame is in an exchange, and all names exist."""
 
 from __future__ import annotations
 

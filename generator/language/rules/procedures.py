@@ -11,7 +11,7 @@ _REFUSED = {"write": "read_only", "read": "write_only", "poll": "write_only"}
 
 
 def step_access(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that only writable registers are written, and that whatever is read is readable."""
+    """Check that registers that are written are writable, and that those that are read are readable."""
     registers = by_name(raw, "registers")
     for path, procedure in items(spec, "procedures"):
         for below, step in items(procedure, "steps"):

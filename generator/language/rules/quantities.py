@@ -94,7 +94,7 @@ def _possible(text: str, unit: str) -> Iterator[Decimal]:
 
 
 def quantity_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that a supply in a characteristic or a contact, and a threshold in a text, are those given elsewhere."""
+    """Check that a supply in a characteristic or a contact, and a threshold in a text, match those given elsewhere."""
     values = [value for _, part in items(spec, "order_code", "parts") for value in part["values"].values()]
     supplies = [mapping(item, "supply") for item in (spec, *values)]
     ranges = [(item.get("min_mv"), item.get("max_mv")) for item in supplies if item]

@@ -20,12 +20,12 @@ def requests(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         return
     if "exchanges" not in interface:
         if "data_ids" not in mapping(raw, *_HERE):
-            wrong = "no request is described; add 'data_ids' for frames like those of the T-format, else 'exchanges'"
+            wrong = "no request is described; add 'data_ids' (for frames like those of the T-format) or 'exchanges'"
             report.add(_RULE, _HERE, wrong)
         return
     for key in _OF_DATA_IDS:
         if key in interface:
-            wrong = f"{quoted(key)} belongs to frames like those of the T-format; keep it, or 'exchanges'"
+            wrong = f"{quoted(key)} belongs to frames like those of the T-format; keep either it or 'exchanges'"
             report.add(_RULE, (*_HERE, key), wrong, at_key=True)
     found = check_exchanges(spec, raw, Rs485.name, _RULE, report)
     positions = [(path, item) for path, item in found if item["purpose"] == "position"]
