@@ -1,8 +1,8 @@
 """Compiled templates, kept where Python keeps its own compiled modules: in ``__pycache__`` next to the source.
 
 Compiled code is never read from the user's cache or from a folder for temporary files. Whoever can write to
-``__pycache__`` can change the modules of this tool as well. As for modules, ``PYTHONPYCACHEPREFIX`` selects another
-folder, ``PYTHONDONTWRITEBYTECODE`` keeps it from being written, and a folder that cannot be written is done without.
+``__pycache__`` can change the modules of this tool as well. As with modules, ``PYTHONPYCACHEPREFIX`` selects another
+folder, and ``PYTHONDONTWRITEBYTECODE`` disables writing. If the folder is not writable, nothing is kept.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class CompiledTemplates(BytecodeCache):
                 bucket.code = code if isinstance(code, CodeType) else None
 
     def dump_bytecode(self, bucket: Bucket) -> None:
-        """Write the code of a template at once, so that no process reads part of it."""
+        """Write the code of a template atomically, so that no process reads part of it."""
         if sys.dont_write_bytecode or not bucket.key or bucket.code is None:
             return
         unfinished = f"{bucket.key}.{os.getpid()}"

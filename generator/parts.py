@@ -25,7 +25,7 @@ from .targets.registry import BUILT_IN
 #: Highest number of processes, and the free memory in bytes that each of them needs.
 _MOST_PROCESSES = 4
 _MEMORY = 256 * 2**20
-#: Fewest parts for which further processes are worth their start, and most that they hold before they return them.
+#: Least number of parts that justifies more processes, and largest number that a process holds before returning them.
 _FEWEST, _MOST = 4, 256
 _NUMBER = 4
 

@@ -46,13 +46,13 @@ def refuse_unproved(families: Sequence[Family], what: str, cache: Cache | None =
     Args:
         families: Families whose specs have no other problems.
         what: Participle of the refused action, such as ``written``.
-        cache: The place for families without such problems. They are not checked again until a file changes.
+        cache: Cache of families without such problems. They are not checked again until a file changes.
 
     Raises:
         Stop: There are problems. The exit code is 1.
     """
     report, cache = Report(), cache or Cache(None)
-    # One family after the other, because a second reading needs as much memory as its spec.
+    # Check one family at a time, because a second reading needs as much memory as its spec.
     for item in families:
         if item.content and cache.get(_PROVED, item.content) is True:
             continue

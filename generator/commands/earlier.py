@@ -43,7 +43,7 @@ class Earlier:
             self.cache.put(self.kind, self.content, result)
 
     def of_models(self, digests: Sequence[str]) -> Models:
-        """Return the results for the same models and options, whatever the rest of the specs is."""
+        """Return the results for the same models and options, regardless of the rest of the specs."""
         content = [*self.options, "", *digests, *_masters()] if self.content and all(digests) else []
         return Models(self.cache, f"{self.kind} of models", content)
 
@@ -68,7 +68,7 @@ class Models:
         return self.cache.get(self.kind, self.content) if self.content else None
 
     def put(self, result: Any) -> None:
-        """Keep the result for these models."""
+        """Store the result for these models."""
         if self.content:
             self.cache.put(self.kind, self.content, result)
 

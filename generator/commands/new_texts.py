@@ -487,7 +487,7 @@ interfaces:
           - {name: parity, parity_of: [error, position]}
           - {name: error, active: high, makes_position: not_usable, when_active: the encoder reports an error}
           - {name: position, bits: 14, unit: counts, meaning: Position within one revolution}
-          # A CRC instead of the parity, which covers the fields before it. Describe it under crcs.
+          # Instead of the parity: a CRC that covers the fields before it. Describe it under crcs.
           # - {name: crc, crc: spi_8}
       - name: register_reply
         from: encoder

@@ -160,7 +160,7 @@ def after_write(device: Device, variant: Variant, register: Register, number: in
     parameters: dict[str, int] = {}
     for name, item in held.items():
         value = _value_in(register, item, number)
-        if value is not None:  # An encoder that holds no valid code keeps the format of its frames.
+        if value is not None:  # With an invalid code, the encoder keeps its frame format.
             parameters[name] = value
     return replace(variant, parameters=with_changed(device, variant, parameters))
 

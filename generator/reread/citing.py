@@ -24,7 +24,7 @@ _LABELS = ("name", "printed_name", "title", "symbol", "contact", "signal")
 _SHORT = {"read_only": ("ro", "r"), "read_write": ("rw",), "write_only": ("wo", "w")}
 #: Weights of the words that differ, and of those close to them. All words near them weigh as much as 2.
 _DIFFERS, _CLOSE = 6.0, 2.0
-#: Weight of the words of an insertion, which no fact of the old edition holds.
+#: Weight of the words of an insertion, which no fact of the old edition contains.
 _INSERTED = 1.0
 #: A number with its unit, printed without a space.
 _WITH_UNIT = re.compile(r"(\d[\d.]*)[kmµn]?(?:hz|vdc|v|a|s|m)")

@@ -29,7 +29,7 @@ _EDGE, _MOSTLY = 4, 0.8
 _PAGE_EDGE = 2
 #: Least share of a text over which page numbers are spread, unlike the numbers of steps or of the rows of a table.
 _SPREAD = 0.5
-#: Least number of lines from one page to the next, and how many times longer or shorter than usual a page is.
+#: Least number of lines from one page to the next, and largest factor by which a page is longer or shorter than usual.
 _SHORT_PAGE, _FACTOR = 12, 2
 #: Largest step between two page numbers that are found. The first page of a chapter often has none.
 _PAGE_STEP = 3

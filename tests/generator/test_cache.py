@@ -526,7 +526,7 @@ def test_a_comment_renders_nothing(
     with monkeypatch.context() as patch:
         patch.setattr("codewheel.commands.outputs.rendered", None)
         assert said(capsys, *command) == unchanged
-    # The files on the disk count, not what they should be.
+    # The files on the disk count, not their expected content.
     (tmp_path / "out" / "biss" / "tolvarn-tv63.xml").write_text("spoilt", encoding="utf-8")
     spec.write_text("# again\n" + spec.read_text(encoding="utf-8"), encoding="utf-8")
     code, out, _ = said(capsys, *command)

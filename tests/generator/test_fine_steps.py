@@ -18,7 +18,7 @@ from codewheel.say.numbers import decimal
 ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
 #: A frame of real hardware, whose position is 2,979,902,961.
 CAPTURED = "0b1011000110011101101101011111000111010011"
-#: The same lines for a package of Python, with values that follow from the data sheets.
+#: The same lines for a Python package, with values that follow from the data sheets.
 IN_PYTHON = """
 from fractions import Fraction
 from codewheel_runtime.measures import FineLinear, Linear

@@ -83,7 +83,7 @@ def test_python_decodes_their_frames(made: Path) -> None:
 
 
 def test_the_registers_of_an_ic_mhm_select_its_frame() -> None:
-    """The example of iC-Haus for its library reads 12 + 1 + 1 + 6 bits; the data sheet has 20 bits in a field of 24."""
+    """The example of iC-Haus for its library reads 12 + 1 + 1 + 6 bits. The data sheet has 20 bits in a field of 24."""
     devices, _ = load_library([ENCODERS])
     device = next(item for item in devices if item.name == "icmhm")
     (variant,) = device.variants

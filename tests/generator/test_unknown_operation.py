@@ -82,7 +82,7 @@ def rendered(output: str) -> None:
     target = target_of(output)
     options = {item.name: item.default for item in target.options}
     for spec in SPECS:
-        # Targets remember what they have made from a family, so each rendering has families of its own.
+        # Targets remember what they have made from a family, so each rendering needs its own families.
         assert target.files(Library(tuple(map(replace, library(spec).devices))), options)
 
 

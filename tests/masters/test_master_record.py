@@ -202,7 +202,7 @@ def test_other_frames_are_refused(devices: Mapping[str, Device]) -> None:
 
 
 def test_a_step_of_nanometres() -> None:
-    """Expected widths: ecmcEL5042-Encoder-Renishaw_RL26BUT001B30V.cmd of ecmccfg. 5 nm are no whole µm."""
+    """Expected widths: ecmcEL5042-Encoder-Renishaw_RL26BUT001B30V.cmd of ecmccfg. 5 nm is not a whole µm."""
     devices, report = load_library([Path(__file__).parents[2] / "examples" / "encoders" / "renishaw"])
     assert not report
     (device,) = (item for item in devices if item.name == "resolute_linear")

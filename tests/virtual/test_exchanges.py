@@ -127,7 +127,7 @@ def test_requests_that_cannot_be_exchanged(modules: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize(("code", "counts"), [("AMT212B", 1 << 14), ("SKM36", 1 << 24)])
 def test_a_virtual_encoder_answers(code: str, counts: int, modules: dict[str, Any]) -> None:
-    """Positions arrive, also with a request byte by byte and after a broken one. Other addresses get no answer."""
+    """Positions arrive, even if a request comes byte by byte or after a broken one. Other addresses get no answer."""
     from codewheel_runtime.link import NoReplyError
 
     chance = random.Random(485)

@@ -27,7 +27,7 @@ from .style import S
 from .types import number
 
 _PARITIES = {"none": "'N'", "even": "'E'", "odd": "'O'"}
-#: Allowance until an encoder answers a request, in examples.
+#: Time allowed for an encoder to answer a request, in microseconds, in examples.
 ANSWER_US = 10_000
 _KINDS = {"encoder": "reply", "master": "request"}
 
@@ -54,9 +54,9 @@ class FrameTeller:
 
 @dataclass(frozen=True, slots=True)
 class Asking:
-    """Request of a reply: its values, the function that receives the reply, and a time-out.
+    """Request for a reply: its values, the function that receives the reply, and a time-out.
 
-    The time-out is the time of both on the line, and ``ANSWER_US`` until the encoder answers.
+    The time-out is the time that both take on the line, plus ``ANSWER_US`` until the encoder answers.
     """
 
     codec: StructCodec

@@ -80,7 +80,7 @@ class Link:
         """Return the position in counts.
 
         Args:
-            request: Request for the position, if not that with the factory defaults. It has the encoder's address.
+            request: Request for the position, with the encoder's address. Default: that with the factory defaults.
 
         Raises:
             NotUsableError: The encoder reports that its position is not usable.
@@ -92,7 +92,7 @@ class Link:
         """Return a frame with the position. Check its ``verdict`` before you use the position.
 
         Args:
-            request: Request for the position, if not that with the factory defaults. It has the encoder's address.
+            request: Request for the position, with the encoder's address. Default: that with the factory defaults.
 
         Raises:
             LinkError: There is no valid reply. The subclass indicates the reason.
