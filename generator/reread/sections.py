@@ -126,7 +126,7 @@ def divide(text: str) -> Manual:
     """Divide a text into its sections."""
     pages = [[line for line in map(plain, page.split("\n")) if line.strip()] for page in text.split("\f")]
     has_pages = len(pages) >= _RUNNING
-    lines = [line for page in (_without_edges(pages) if has_pages else pages) for line in page]
+    lines = _joined([line for page in (_without_edges(pages) if has_pages else pages) for line in page])
     numbered = {index: found for index, line in enumerate(lines) if (found := _numbered(line)) is not None}
     listed = _contents(lines, numbered)
     titles = {numbered[index][0]: numbered[index][1] for index in sorted(listed, reverse=True)}
@@ -134,9 +134,15 @@ def divide(text: str) -> Manual:
     left_out = set() if has_pages else _page_numbers(lines) | _running_heads(lines, set(headings))
     bodies: list[tuple[str, str, list[str]]] = [(COVER, COVER, [])]
     start = min((index for index, (number, _) in headings.items() if number[0].isdigit()), default=0)
+    rest: list[str] = []
     for index, line in enumerate(lines):
+        words = _folded(line)
         if index in headings:
+            title = headings[index][1]
             bodies.append((*headings[index], []))
+            rest = _folded(title)[len(_folded(_without_number(line))) :]
+        elif words and words == rest[: len(words)]:
+            rest = rest[len(words) :]  # The heading continues on this line.
         elif not (index < start and (index in listed or _IN_CONTENTS.search(line))) and index not in left_out:
             bodies[-1][2].append(line)
     sections = (
@@ -151,7 +157,27 @@ def plain(line: str) -> str:
     """Return a line without markup, with ASCII letters, dashes and quotes, and a tab between the cells of a table."""
     line = line.strip().strip("|").replace("|", "\t")
     line = _MARKUP.sub(lambda found: found["shown"] or " ", unicodedata.normalize("NFKC", line).translate(_DASHES))
+    line = re.sub(r"[^\S\t]{2,}(\d{1,4})$", r"\t\1", line)
     return re.sub(r" ?\t[ \t]*", "\t", re.sub(r"[^\S\t]+", " ", line)).strip()
+
+
+def _joined(lines: Sequence[str]) -> list[str]:
+    """Join the two lines of a long entry of the contents, which has its page at the end of the second one."""
+    found: list[str] = []
+    for line in lines:
+        before = found[-2:]
+        if (
+            len(before) == 2
+            and _IN_CONTENTS.search(line)
+            and _numbered(line) is None
+            and _numbered(before[1]) is not None
+            and _IN_CONTENTS.search(before[0])
+            and not _IN_CONTENTS.search(before[1])
+        ):
+            found[-1] = f"{before[1]} {line}"
+        else:
+            found.append(line)
+    return found
 
 
 def _words(lines: Iterable[str], titles: Mapping[str, str]) -> list[str]:
@@ -297,9 +323,18 @@ def _title(line: str) -> str:
     return _IN_CONTENTS.sub("", line).strip()
 
 
+def _without_number(line: str) -> str:
+    found = _numbered(line)
+    return line if found is None else found[1]
+
+
+def _folded(text: str) -> list[str]:
+    return WORD.findall(text.casefold())
+
+
 def _same_start(listed: str, title: str) -> bool:
     """Return whether two titles have the same first words."""
-    first, second = (WORD.findall(text.casefold())[:3] for text in (listed, title))
+    first, second = (_folded(text)[:3] for text in (listed, title))
     return bool(first) and first[: len(second)] == second[: len(first)]
 
 

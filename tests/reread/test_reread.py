@@ -75,6 +75,19 @@ def test_another_layout_of_the_same_text_is_no_difference(tmp_path: Path, capsys
     assert passages(tmp_path, capsys, text) == []
 
 
+def test_contents_in_columns_and_long_headings_are_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A page number can follow spaces instead of a tab. A narrow page breaks headings and entries of the contents."""
+    new = re.sub(r"^\| (\d.*) \| (\d+) \|$", r"\1    \2", MANUAL, flags=re.MULTILINE)
+    assert "4.6 Setting the limits of the temperature    3\n" in new
+    assert passages(tmp_path, capsys, new) == []
+    new = new.replace("the limits of the temperature    3", "the limits\nof the temperature    3")
+    assert passages(tmp_path, capsys, new) == []
+    new = new.replace(
+        "### 4.6 Setting the limits of the temperature", "### 4.6 Setting the\nlimits of\nthe temperature"
+    )
+    assert passages(tmp_path, capsys, new) == []
+
+
 def test_a_decimal_comma_is_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     old = re.sub(r"(?<=\d)\.(?=\d °C)", ",", MANUAL)
     (found,) = passages(tmp_path, capsys, old.replace("95,0 °C | Upper", "90,0 °C | Upper"), old)

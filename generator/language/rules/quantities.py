@@ -33,7 +33,7 @@ _UNITS = {
     "voltage": "V Vpp",
 }
 #: Units as texts write them.
-_WRITTEN = {"diameters": "×", "min": "min(?:ute)?s?"}
+_WRITTEN = {"diameters": "×", "min": "min(?:ute)?s?", "s": "s(?:ec(?:ond)?s?)?"}
 _BOUNDS = ("min", "typical", "max")
 _NUMBER = r"(?<![\w.,])(?P<sign>[±−+-]?)\s?(?P<number>\d+(?:,\d{3})*(?:\.\d+)?)"
 _MILLIVOLTS = {"V": 1000, "mV": 1}
