@@ -51,6 +51,7 @@ ALLOWED: Sequence[tuple[str, str, str]] = (
     (".*", r".*\bmeaning\.lower\(\).*", "text of a manual"),
     (".*", r"'(send|write)' in does", "a set of what steps do"),
     (".*", r"name == 'H'", "one of five names that each header has"),
+    ("", r".*\"\w+\" in interfaces.*", "a set of the names of interfaces"),
     ("", r"f?'.*'\.split\(\)", "a list of words"),
     ("about_access", r"does == 'Writes'", "the verb of a sentence"),
     ("about_access", r"name\.lower\(\)\.endswith\(.*", "a title of the spec, which may contain the word register"),

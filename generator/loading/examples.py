@@ -181,6 +181,8 @@ def _starts(device: Device, crc: Crc, example: Example) -> Iterator[int]:
     if isinstance(example, CrcExample) and example.crc == crc.name:
         yield start_for(crc, *in_order(crc, example.bytes), example.check)
     elif isinstance(example, FrameExample) and not example.refused:
+        if example.layout and example.layout not in {layout.name for _, layout in device.layouts()}:
+            return  # The layout has an error.
         try:
             decoded = decode_example(device, example, example_variant(device, example))
         except UnknownOrderCode:  # Reported for that example.

@@ -226,7 +226,9 @@ def _poison(data: Any, text: str) -> None:
         for key, value in data.items():
             if key in texts and isinstance(value, str) and not (key == "value" and "register" in data):
                 # What counts steps still does: remedies name it.
-                data[key] = f"1. {text} 2. {text} 3. {text}" if has_steps(value) else text
+                poison = f"1. {text} 2. {text} 3. {text}" if has_steps(value) else text
+                # Neighbours must not have the same name or meaning.
+                data[key] = f"{value} {poison}" if key in ("printed_name", "meaning") else poison
             else:
                 _poison(value, text)
     elif isinstance(data, list):

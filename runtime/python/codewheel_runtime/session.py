@@ -411,7 +411,7 @@ class Session:
         """Return a request: bytes, or an object of the encoder's module."""
         data = bytes(given) if isinstance(given, (bytes, bytearray)) else b""
         for item in self.exchanges:
-            request = _request_in(item, data) if data else given
+            request: Any = _request_in(item, data) if data else given
             if type(request) is not item.request:
                 continue
             name = item.request.__name__
