@@ -313,11 +313,12 @@ class Codec:
 
     @cached_property
     def depends(self) -> bool:
-        """True if any position or width depends on the order code."""
+        """True if any position or width, or the highest position, depends on the order code."""
         chosen = {name for item in self.alternatives for name in item.answers[0].sets}
         places = (place for item in self.layout.fields for place in (item.low, item.width))
+        highest = (item.highest for item in self.checks if isinstance(item, NotAbove))
         return self.gray is not None or any(
-            not chosen.issuperset(item.parameters) for item in (self.layout.bits, *places)
+            not chosen.issuperset(item.parameters) for item in (self.layout.bits, *places, *highest)
         )
 
     @property
