@@ -427,8 +427,8 @@ class Device:
     def highest_in(self, layout: Layout) -> tuple[Field, Expression] | None:
         """Return the field of a frame that has a highest valid value lower than its width allows, and that value.
 
-        It is the position, or the count of revolutions above it, if the counts and turns of the encoder do not use all
-        bits. A signed position and one with an offset have no such limit.
+        It is the position, or the number of revolutions if another field counts one revolution in all its bits. Other
+        positions in several fields, signed ones and those with an offset have no such limit.
         """
         interface = next((item.name for item, each in self.layouts() if each is layout), "")
         measurement = self.measurement_of(interface) if interface and layout.sender == "encoder" else None
@@ -437,7 +437,7 @@ class Device:
         by_name = {item.name: item for item in layout.fields}
         fields = [by_name[name] for name in layout.names_in(measurement.of) if name in by_name]
         sets = [item.parameters for item in self.variants if item.interface == interface]
-        highest = _highest(measurement, fields)
+        highest = _highest(measurement, fields, sets)
         if highest is None or any(not isinstance(item.kind, Number) or item.kind.signed for item in fields):
             return None
         widths = ((item, fields[0].width.value(item)) for item in sets)
@@ -466,7 +466,7 @@ class Device:
         return next(item for item in self.variants if item.code == code)
 
 
-def _highest(measurement: Measurement, fields: Sequence[Field]) -> Expression | None:
+def _highest(measurement: Measurement, fields: Sequence[Field], sets: Sequence[Mapping[str, int]]) -> Expression | None:
     """Return the highest value of the first field of a position, or None if it does not follow from the measurement."""
     counts, turns = measurement.counts_per_turn, measurement.turns
     if len(fields) == 1 and measurement.modulus is not None:
@@ -475,5 +475,8 @@ def _highest(measurement: Measurement, fields: Sequence[Field]) -> Expression | 
         if counts.is_constant and turns.is_constant:
             return Expression(counts.constant * turns.constant - 1)
         return counts - Expression(1) if turns == Expression(1) else None
-    # The fields below a number of revolutions count one revolution in all their bits.
-    return turns - Expression(1) if len(fields) == 2 and turns is not None else None
+    if len(fields) == 2 and counts is not None and turns is not None:
+        # Both fields can also be parts of one revolution.
+        is_turn = all(counts.value(item) == 1 << fields[1].width.value(item) for item in sets)
+        return turns - Expression(1) if is_turn else None
+    return None

@@ -10,6 +10,7 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import Device
+from codewheel.plan.codec import codec_of
 from codewheel.reference import codec
 
 SPECS = [Path(__file__).parents[1] / "specs" / name for name in ("manufacturer.yaml", "ring.yaml")]
@@ -78,6 +79,28 @@ def test_all_bits_of_4096_counts_are_used(device: Device) -> None:
     placed = device.layout("word").place(device.variant("R4096").parameters)
     frame = codec.encode(device, placed, {"position": 4095, "error": False, "warning": False})
     assert not codec.decode(device, placed, frame).problems
+
+
+def test_parts_of_one_revolution_have_no_highest_value(tmp_path: Path) -> None:
+    """The upper bits of 5,760 counts are not a number of revolutions, so 1 in them is valid."""
+    split = "{name: upper, bits: position_bits - 5}\n          - {name: lower, bits: 5}"
+    text = SPECS[1].read_text(encoding="utf-8").replace("{name: position, bits: position_bits}", split)
+    text = text.replace("        fields:\n", "        join: {position: [upper, lower]}\n        fields:\n")
+    (tmp_path / "ring.yaml").write_text(text, encoding="utf-8")
+    (found,), report = load_library([SPECS[0], tmp_path / "ring.yaml"])
+    assert not report
+    placed = found.layout("word").place(found.variant("R5760").parameters)
+    assert not codec.decode(found, placed, FRAMES[5759][0]).problems
+
+
+def test_the_highest_position_of_equal_widths_depends_on_the_order_code(tmp_path: Path) -> None:
+    text = SPECS[1].read_text(encoding="utf-8").replace("bits: position_bits}", "bits: 13}")
+    text = text.replace("  position_bits: {meaning: Bits of the position, unit: bits, source: \"2\"}\n", "")
+    text = text.replace("position_bits: 13, ", "").replace("position_bits: 12, ", "")
+    (tmp_path / "ring.yaml").write_text(text, encoding="utf-8")
+    (found,), report = load_library([SPECS[0], tmp_path / "ring.yaml"])
+    assert not report
+    assert codec_of(found, found.layout("word")).depends
 
 
 def test_decode_gives_the_reason(capsys: pytest.CaptureFixture[str]) -> None:
