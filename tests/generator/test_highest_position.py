@@ -95,7 +95,7 @@ def test_parts_of_one_revolution_have_no_highest_value(tmp_path: Path) -> None:
 
 def test_the_highest_position_of_equal_widths_depends_on_the_order_code(tmp_path: Path) -> None:
     text = SPECS[1].read_text(encoding="utf-8").replace("bits: position_bits}", "bits: 13}")
-    text = text.replace("  position_bits: {meaning: Bits of the position, unit: bits, source: \"2\"}\n", "")
+    text = text.replace('  position_bits: {meaning: Bits of the position, unit: bits, source: "2"}\n', "")
     text = text.replace("position_bits: 13, ", "").replace("position_bits: 12, ", "")
     (tmp_path / "ring.yaml").write_text(text, encoding="utf-8")
     (found,), report = load_library([SPECS[0], tmp_path / "ring.yaml"])
