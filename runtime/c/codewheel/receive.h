@@ -525,26 +525,6 @@ static inline cw_result cw_rs485_ask(
     return CW_OK;
 }
 
-/** Add a received byte. Return true if it completes the reply. Bytes after that are dropped. */
-static inline bool cw_rs485_take(cw_rs485_line *line, uint8_t byte)
-{
-    CW_ASSERT(line != NULL);
-    if (line->echo != 0U) {
-        line->echo--;
-        return false;
-    }
-    if (line->count == line->length) {
-        return false;
-    }
-    if ((line->count == 0U) && (byte != line->control)) {
-        line->dropped += (line->dropped < CW_RECEIVE_RS485_BYTES) ? 1U : 0U;
-        return false;
-    }
-    line->bytes[line->count] = byte;
-    line->count++;
-    return line->count == line->length;
-}
-
 /**
  * Add a received byte of a reply that can begin with any byte, because the encoder does not repeat
  * the first byte of the request. Return true if it completes the reply. Bytes after that are
@@ -564,6 +544,17 @@ static inline bool cw_rs485_take_any(cw_rs485_line *line, uint8_t byte)
     line->bytes[line->count] = byte;
     line->count++;
     return line->count == line->length;
+}
+
+/** Add a received byte. Return true if it completes the reply. Bytes after that are dropped. */
+static inline bool cw_rs485_take(cw_rs485_line *line, uint8_t byte)
+{
+    CW_ASSERT(line != NULL);
+    if ((line->echo == 0U) && (line->count == 0U) && (byte != line->control)) {
+        line->dropped += (line->dropped < CW_RECEIVE_RS485_BYTES) ? 1U : 0U;
+        return false;
+    }
+    return cw_rs485_take_any(line, byte);
 }
 
 /** Resume after the decoder has rejected a reply: search for another start after its first byte. */
