@@ -44,16 +44,14 @@ def faults(browser: Browser, page: Path, width: int) -> Iterator[str]:
     yield from browser.complaints
 
 
-def tables(browser: Browser, page: Path) -> tuple[int, list[str]]:
-    """Return the number of tables of a page, with all folds open, and those that do not fit."""
-    browser.open(page.as_uri())
+def tables_of(browser: Browser) -> tuple[int, list[str]]:
+    """Return the number of tables of the open page, and those that do not fit. Opens all folds."""
     count, wide = browser.run(_TABLES)
     return count, wide
 
 
-def axe_finds(browser: Browser, page: Path, axe: str) -> list[str]:
-    """What axe-core calls serious or critical."""
-    browser.open(page.as_uri())
+def axe_finds(browser: Browser, axe: str) -> list[str]:
+    """List what axe-core calls serious or critical on the open page."""
     browser.run(f"{axe};0")
     found: list[str] = browser.run(_AXE)
     return found

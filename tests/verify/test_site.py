@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from building import build
 from chromium import CHROMIUM, Browser
-from looks import LOOKS, axe_finds, faults, tables
+from looks import LOOKS, axe_finds, faults, tables_of
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -42,27 +42,24 @@ def test_every_page(site: Path, browser: Browser, width: int, dark: bool) -> Non
     assert {page: said for page, said in found.items() if said} == {}
 
 
-@pytest.mark.parametrize(("width", "most"), [(1280, 0.0), (375, 0.05)])
-def test_tables_fit(site: Path, browser: Browser, width: int, most: float) -> None:
-    """No table scrolls inside its box at 1280 pixels, and fewer than one of twenty at 375."""
-    with browser:
-        browser.look(width)
-        found = {str(page.relative_to(site)): tables(browser, page) for page in pages(site)}
-    count = sum(all_ for all_, _ in found.values())
-    wide = {page: items for page, (_, items) in found.items() if items}
-    assert count > 1000
-    assert sum(map(len, wide.values())) <= most * count, wide
-
-
-@pytest.mark.parametrize(("width", "dark"), [LOOKS[1], LOOKS[2]])
-def test_axe_finds_nothing_serious(site: Path, browser: Browser, width: int, dark: bool) -> None:
+@pytest.mark.parametrize(("width", "dark", "most"), [(1280, False, 0.0), (375, True, 0.05)])
+def test_tables_and_access(site: Path, browser: Browser, width: int, dark: bool, most: float) -> None:
+    """No table scrolls inside its box at 1280 pixels, and fewer than one of twenty at 375. axe finds nothing serious."""
     if not AXE.exists():
         pytest.skip("axe-core is not there; make axe fetches it")
+    script = AXE.read_text(encoding="utf-8")
+    count, wide, serious = 0, {}, {}
     with browser:
         browser.look(width, dark)
-        script = AXE.read_text(encoding="utf-8")
-        found = {str(page.relative_to(site)): axe_finds(browser, page, script) for page in pages(site)}
-    assert {page: said for page, said in found.items() if said} == {}
+        for page in pages(site):
+            name = str(page.relative_to(site))
+            browser.open(page.as_uri())
+            serious[name] = axe_finds(browser, script)
+            tables, wide[name] = tables_of(browser)
+            count += tables
+    assert {page: said for page, said in serious.items() if said} == {}
+    assert count > 1000
+    assert sum(map(len, wide.values())) <= most * count, wide
 
 
 def test_built_again_it_is_the_same(site: Path, tmp_path: Path) -> None:
