@@ -1,4 +1,4 @@
-"""Run lint, the tests and each part of the longer evidence, and count what did not run.
+"""Run lint, the tests and each part of the longer evidence, two parts at a time, and count what did not run.
 
 Exit codes: 0 if all ran and passed, 1 if something failed, 2 if something did not run. ``--allow-missing`` or
 ``CODEWHEEL_ALLOW_MISSING`` turns 2 into 0. The last line has the sum of pytest's own counts.
@@ -15,11 +15,13 @@ import sys
 import threading
 import time
 from collections import Counter
-from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 #: Seconds from the start to the last moment of a part, and the least that a part is started with.
-DEADLINE, LEAST = 80 * 60, 60
+DEADLINE, LEAST = 85 * 60, 60
+#: Parts at a time. Most have a few long tests, and while the last of them runs, the other processors would wait.
+LANES = 2
 #: Frames of each layout. The parts take a million by themselves.
 FRAMES = "100000"
 #: Reasons for which a test is skipped on a complete Debian 12.
@@ -33,6 +35,7 @@ class Log:
         self.failed = list[str]()
         self.not_run = [f"not installed: {name}" for name in missing]
         self.counts = Counter[str]()
+        self.lock = threading.Lock()
 
     def read(self, part: str, line: str) -> None:
         """Take skipped tests and the closing counts from a line that pytest has written."""
@@ -51,15 +54,8 @@ class Log:
         return 1 if self.failed else 2 if self.not_run and not allow_missing else 0
 
 
-def show(part: str, lines: Iterable[str], log: Log) -> None:
-    """Pass on the output of a part, line by line."""
-    for line in lines:
-        print(line, end="", flush=True)
-        log.read(part, line)
-
-
-def run(part: str, seconds: float, log: Log) -> int | None:
-    """Make a part, show its output, and return its exit code, or None if it was killed after this many seconds."""
+def run(part: str, seconds: float, lines: list[str]) -> int | None:
+    """Make a part, collect its output, and return its exit code, or None if it was killed after this many seconds."""
     made = subprocess.Popen(
         ["make", part],
         stdout=subprocess.PIPE,
@@ -68,7 +64,7 @@ def run(part: str, seconds: float, log: Log) -> int | None:
         errors="replace",
         start_new_session=True,
     )
-    reader = threading.Thread(target=show, args=(part, made.stdout, log), daemon=True)
+    reader = threading.Thread(target=lines.extend, args=(made.stdout,), daemon=True)
     reader.start()
     try:
         return made.wait(seconds)
@@ -89,6 +85,24 @@ def parts() -> list[str]:
     return [f"verify-{name}" for name in found[first:] + found[:first]]
 
 
+def take(part: str, deadline: float, log: Log) -> None:
+    """Run a part if there is time for it, then print its output and record its result."""
+    begun, lines = time.time(), list[str]()
+    enough = deadline - begun >= LEAST
+    with log.lock:
+        print(f"== make {part}", flush=True)
+    code = run(part, deadline - begun, lines) if enough else None
+    with log.lock:
+        for line in lines:
+            print(line, end="")
+            log.read(part, line)
+        print(f"== make {part}: {time.time() - begun:.0f} s", flush=True)
+        if code is None:
+            log.not_run.append(f"make {part}: {'ended at the deadline' if enough else 'no time left'}")
+        elif code != 0:
+            log.failed.append(f"make {part}")
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(prog=".ci/run", description=__doc__)
     parser.add_argument("--allow-missing", action="store_true", help="accept what did not run")
@@ -97,16 +111,12 @@ def main() -> int:
     given = parser.parse_args()
     os.environ.setdefault("CODEWHEEL_FRAMES", FRAMES)
     log = Log([name for name in given.missing.split(",") if name])
-    for part in ("lint", "test", *parts()):
-        left = given.started + DEADLINE - time.time()
-        print(f"== make {part}", flush=True)
-        begun = time.time()
-        code = run(part, left, log) if left >= LEAST else None
-        print(f"== make {part}: {time.time() - begun:.0f} s", flush=True)
-        if code is None:
-            log.not_run.append(f"make {part}: {'ended at the deadline' if left >= LEAST else 'no time left'}")
-        elif code != 0:
-            log.failed.append(f"make {part}")
+    deadline = given.started + DEADLINE
+    for part in ("lint", "test"):
+        take(part, deadline, log)
+    os.environ["PYTEST_XDIST_AUTO_NUM_WORKERS"] = str(max(1, (os.cpu_count() or 1) // LANES))
+    with ThreadPoolExecutor(LANES) as lanes:
+        list(lanes.map(lambda part: take(part, deadline, log), parts()))
     return log.close(given.allow_missing or bool(os.environ.get("CODEWHEEL_ALLOW_MISSING")))
 
 

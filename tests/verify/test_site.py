@@ -44,7 +44,7 @@ def test_every_page(site: Path, browser: Browser, width: int, dark: bool) -> Non
 
 @pytest.mark.parametrize(("width", "dark", "most"), [(1280, False, 0.0), (375, True, 0.05)])
 def test_tables_and_access(site: Path, browser: Browser, width: int, dark: bool, most: float) -> None:
-    """No table scrolls inside its box at 1280 pixels, and fewer than one of twenty at 375. axe finds nothing serious."""
+    """No table scrolls in its box at 1280 pixels, fewer than one of twenty do at 375, and axe finds nothing serious."""
     if not AXE.exists():
         pytest.skip("axe-core is not there; make axe fetches it")
     script = AXE.read_text(encoding="utf-8")
