@@ -23,7 +23,7 @@ DEADLINE, LEAST = 85 * 60, 60
 #: Parts at a time. Most have a few long tests, and while the last of them runs, the other processors would wait.
 LANES = 2
 #: Frames of each layout. The parts take a million by themselves.
-FRAMES = "100000"
+FRAMES = "40000"
 #: Reasons for which a test is skipped on a complete Debian 12.
 KNOWN = re.compile(r"no Python 3\.\d+ here|root may read everything")
 
