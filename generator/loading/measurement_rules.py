@@ -111,16 +111,18 @@ def _does_not_fit(
 
 def _uneven(case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:
     """Return an error if the fields below a number of revolutions do not count one revolution in all their bits."""
-    for index, (name, _) in enumerate(case.fields[:-1]):
+    for index, (name, width) in enumerate(case.fields[:-1]):
         below = sum(width for _, width in case.fields[index + 1 :])
-        if case.layout.field(name).unit in _REVOLUTIONS and key == "counts_per_turn" and values[key] != 1 << below:
-            return (
-                key,
-                (
-                    f"'{name}' counts revolutions, and {below} bits follow it for {case.variant.code}, so a turn must"
-                    f" have {1 << below} counts, not {values[key]}"
-                ),
+        # The number of revolutions does not need a unit if both fields are as wide as revolutions and counts need.
+        is_whole_turn = len(case.fields) == 2 and values[key] < 1 << below and 1 < values.get("turns", 1) <= 1 << width
+        is_turns = case.layout.field(name).unit in _REVOLUTIONS or is_whole_turn
+        if is_turns and key == "counts_per_turn" and values[key] != 1 << below:
+            wrong = (
+                f"'{name}' counts revolutions, and {below} bits follow it for {case.variant.code}, so a turn must have"
+                f" {1 << below} counts, not {values[key]}"
             )
+            alone = f"; measure '{case.fields[1][0]}' alone, with 'turns: 1'" if is_whole_turn else ""
+            return key, wrong + alone
     return None
 
 

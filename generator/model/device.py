@@ -427,8 +427,8 @@ class Device:
     def highest_in(self, layout: Layout) -> tuple[Field, Expression] | None:
         """Return the field of a frame that has a highest valid value lower than its width allows, and that value.
 
-        It is the position, or the number of revolutions if another field counts one revolution in all its bits. Other
-        positions in several fields, signed ones and those with an offset have no such limit.
+        It is the position, or the number of revolutions if another field counts one revolution in all its bits. Parts
+        of one revolution in several fields, signed positions and those with an offset have no such limit.
         """
         interface = next((item.name for item, each in self.layouts() if each is layout), "")
         measurement = self.measurement_of(interface) if interface and layout.sender == "encoder" else None
@@ -472,9 +472,7 @@ def _highest(measurement: Measurement, fields: Sequence[Field], sets: Sequence[M
     if len(fields) == 1 and measurement.modulus is not None:
         return measurement.modulus - Expression(1)
     if len(fields) == 1 and counts is not None and turns is not None:
-        if counts.is_constant and turns.is_constant:
-            return Expression(counts.constant * turns.constant - 1)
-        return counts - Expression(1) if turns == Expression(1) else None
+        return counts * turns - Expression(1)
     if len(fields) == 2 and counts is not None and turns is not None:
         # Both fields can also be parts of one revolution.
         is_turn = all(counts.value(item) == 1 << fields[1].width.value(item) for item in sets)

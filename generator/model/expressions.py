@@ -34,9 +34,9 @@ class Factor:
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """``sign`` times the product of one or more factors."""
+    """``multiple`` times the product of one or more factors. A spec can only write the multiples 1 and -1."""
 
-    sign: int
+    multiple: int
     factors: tuple[Factor, ...]
 
     @property
@@ -103,7 +103,7 @@ class Expression:
         """
         total = self.constant
         for term in self.terms:
-            number = term.sign
+            number = term.multiple
             for factor in term.factors:
                 number *= _value(factor, parameters)
             total += number
@@ -122,15 +122,20 @@ class Expression:
                 result += Expression(0, (term,))
             else:
                 inner = inner.substitute(definitions)
-                result = result + inner if term.sign > 0 else result - inner
+                result = result + inner if term.multiple > 0 else result - inner
         return result
 
     def __add__(self, other: Expression) -> Expression:
         return _simplified(self.constant + other.constant, self.terms + other.terms)
 
     def __sub__(self, other: Expression) -> Expression:
-        negated = tuple(Term(-term.sign, term.factors) for term in other.terms)
+        negated = tuple(Term(-term.multiple, term.factors) for term in other.terms)
         return _simplified(self.constant - other.constant, self.terms + negated)
+
+    def __mul__(self, other: Expression) -> Expression:
+        one, two = ((Term(item.constant, ()), *item.terms) for item in (self, other))
+        found = [Term(a.multiple * b.multiple, (*a.factors, *b.factors)) for a in one for b in two]
+        return _simplified(found[0].multiple, tuple(item for item in found[1:] if item.multiple))
 
     def render(self, prefix: str = "", power: str = "2^{}", suffix: str = "") -> str:
         """Return the expression as text with the terms first, such as ``variant.singleturn_bits + 8``.
@@ -142,14 +147,17 @@ class Expression:
         """
         text = ""
         for term in self.terms:
-            atom = " * ".join(
+            factors = [
                 power.format(prefix + item.parameter) if item.power else prefix + item.parameter
                 for item in term.factors
-            )
+            ]
+            if abs(term.multiple) != 1:
+                factors.insert(0, f"{abs(term.multiple)}{suffix}")
+            atom = " * ".join(factors)
             if text:
-                text += (" + " if term.sign > 0 else " - ") + atom
+                text += (" + " if term.multiple > 0 else " - ") + atom
             else:
-                text = ("" if term.sign > 0 else "-") + atom
+                text = ("" if term.multiple > 0 else "-") + atom
         if not text:
             return f"{self.constant}{suffix}"
         if text.startswith("-") and self.constant > 0:
@@ -163,12 +171,12 @@ def _simplified(constant: int, terms: tuple[Term, ...]) -> Expression:
     """Return the sum with opposite terms cancelled and positive terms first."""
     kept: list[Term] = []
     for term in terms:
-        opposite = Term(-term.sign, term.factors)
+        opposite = Term(-term.multiple, term.factors)
         if opposite in kept:
             kept.remove(opposite)
         else:
             kept.append(term)
-    return Expression(constant, tuple(sorted(kept, key=lambda term: -term.sign)))
+    return Expression(constant, tuple(sorted(kept, key=lambda term: term.multiple < 0)))
 
 
 def _atom(match: re.Match[str]) -> Expression:

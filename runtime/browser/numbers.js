@@ -29,11 +29,11 @@ function decimal(numerator, denominator) {
   return exact > places ? `≈ ${text}` : text;
 }
 
-/** The value of an expression, which is a number and terms of sign and factors. */
+/** The value of an expression, which is a number and terms of a multiple and factors. */
 function value(item, parameters) {
   if (!Array.isArray(item)) return big(item);
-  return item.slice(1).reduce((sum, [sign, ...factors]) => sum + factors.reduce(
-    (product, name) => product * factor(name, parameters), big(sign)), big(item[0]));
+  return item.slice(1).reduce((sum, [multiple, ...factors]) => sum + factors.reduce(
+    (product, name) => product * factor(name, parameters), big(multiple)), big(item[0]));
 }
 
 function factor(name, parameters) {

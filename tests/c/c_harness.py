@@ -47,6 +47,7 @@ _HERE = Path(__file__).resolve().parent
 MADE_UP = {
     "banks": SPECS / "banks.yaml",
     "bits22": SPECS / "bits22.yaml",
+    "ring_turns": SPECS / "ring_turns.yaml",
     "reserved": _HERE / "specs" / "reserved.yaml",
     "shapes": _HERE / "specs" / "shapes.yaml",
     "tv62": _HERE.parents[1] / "docs" / "example",

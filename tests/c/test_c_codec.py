@@ -244,6 +244,7 @@ def test_decode_and_encode_are_inverse_for_every_order_code(machine: tuple[Devic
             "sma21": 45,
             "banks": 1,
             "bits22": 1,
+            "ring_turns": 8,
             "reserved": 4,
             "shapes": 4,
             "tv62": 10,
@@ -273,6 +274,7 @@ def test_disturbed_frames_have_the_same_fault_as_in_the_model(machine: tuple[Dev
     assert kinds >= {
         "banks": {"0", "2"},
         "bits22": {"0", "2"},
+        "ring_turns": {"0", "2", "4"},
         "amm5": {"0", "2", "3", "4"},
         "words": {"0", "2", "3", "4"},
     }.get(device.name, {"0", "2", "3"})

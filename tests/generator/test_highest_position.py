@@ -1,7 +1,11 @@
-"""A position that the encoder does not have is an error of the frame: 5,760 counts need 13 bits, which hold 8,192."""
+"""A position that the encoder does not have is an error of the frame: 5,760 counts need 13 bits, which hold 8,192.
+
+The codecs of C, Python, Rust and the browser are also compared with the reference on random frames of the same specs.
+"""
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -55,6 +59,41 @@ int main(void) {
     return 0;
 }
 """
+RINGS_IN_PYTHON = """
+import numpy
+from test_encoders import FrameError, RangeError, lookup
+for code, bits, frames in {cases}:
+    ring = lookup(code)
+    found = [ring.try_decode(frame, bits=bits) for frame in frames]
+    assert [isinstance(item, RangeError) for item in found] == [not item for item in frames.values()]
+    assert [isinstance(item, FrameError) for item in found] == [not item for item in frames.values()]
+    table = ring.decode_many(numpy.array([*frames], numpy.uint64))
+    assert [not item for item in table.fault] == [*frames.values()]
+"""
+RINGS_IN_C = """
+#include <stdio.h>
+#include "test/ring_turns_biss.h"
+int main(void) {
+    test_ring_turns_biss_frame frame;
+    int ok = 1;
+%s
+    printf("%%d", ok);
+    return 0;
+}
+"""
+
+
+def run_python(folder: Path, program: str) -> None:
+    packages = folder / "python"
+    paths = [str(packages), *map(str, packages.glob("*")), str(Path(__file__).parents[2] / "runtime" / "python")]
+    subprocess.run([sys.executable, "-c", program], env={"PYTHONPATH": ":".join(paths)}, check=True)
+
+
+def run_c(folder: Path, program: str) -> str:
+    (folder / "main.c").write_text(program, encoding="utf-8")
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-pedantic", f"-I{folder}/c/include"]
+    subprocess.run(["gcc", *flags, str(folder / "main.c"), "-o", str(folder / "main")], check=True)
+    return subprocess.run([str(folder / "main")], capture_output=True, text=True, check=True).stdout
 
 
 @pytest.fixture(scope="module")
@@ -108,14 +147,76 @@ def test_decode_gives_the_reason(capsys: pytest.CaptureFixture[str]) -> None:
     assert "range error: position is 5760, but the highest is 5759" in capsys.readouterr().out
 
 
+#: Counts, turns and bits of the position of each order code of ``ring_turns.yaml`` with BiSS.
+RINGS = {
+    "5760x1000B": (5760, 1000, 23),
+    "5760x16B": (5760, 16, 17),
+    "4096x1000B": (4096, 1000, 22),
+    "4096x16B": (4096, 16, 16),
+}
+#: Counts and turns in the spec, with the order codes that have that many.
+FORMULAS = {
+    "both from the order code": ("counts", "turns", tuple(RINGS)),
+    "fixed counts": ("5760", "2^turns_bits", ("5760x16B",)),
+    "fixed turns": ("2^counts_bits", "1000", ("4096x1000B",)),
+}
+#: A value of an order code in this spec.
+VALUE = re.compile(r" +(5760|4096|1000|16):.*\n")
+
+
+def ring_frame(position: int) -> int:
+    """Return the frame of a position, with its CRC computed bit by bit."""
+    remainder, word = 0, position << 2 | 3
+    for place in reversed(range(word.bit_length())):
+        remainder ^= (word >> place & 1) << 5
+        remainder = (remainder << 1 ^ (0x43 if remainder & 0x20 else 0)) & 0x3F
+    return word << 6 | remainder ^ 0x3F
+
+
+def ring_frames(code: str) -> dict[int, bool]:
+    """Return frames around the highest position of an order code, and whether the encoder has their positions."""
+    counts, turns, bits = RINGS[code]
+    highest = counts * turns - 1
+    positions = {0, 1, highest // 2, highest, min(highest + 1, (1 << bits) - 1), (1 << bits) - 1}
+    return {ring_frame(item): item <= highest for item in sorted(positions)}
+
+
+def test_frames_of_rings_have_the_right_crc() -> None:
+    assert {ring_frame(position): is_valid for position, (_, is_valid) in FRAMES.items()} == dict(FRAMES.values())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("formula", FORMULAS)
+def test_a_product_that_depends_on_the_order_code(formula: str, tmp_path: Path) -> None:
+    """As many positions as counts times turns are valid in the reference, Python, its columns, and C."""
+    counts, turns, codes = FORMULAS[formula]
+    text = SPECS[1].with_name("ring_turns.yaml").read_text(encoding="utf-8")
+    text = text.replace("counts_per_turn: counts, turns: turns,", f"counts_per_turn: {counts}, turns: {turns},")
+    kept = {value for code in codes for value in code[:-1].split("x")}
+    text = VALUE.sub(lambda line: line[0] if line[1] in kept else "", text)
+    spec = tmp_path / "ring_turns.yaml"
+    spec.write_text(text, encoding="utf-8")
+    (found,), report = load_library([SPECS[0], spec])
+    assert not report
+    for code in codes:
+        placed = found.layout("word").place(found.variant(code).parameters)
+        answers = {item: not codec.decode(found, placed, item).problems for item in ring_frames(code)}
+        assert answers == ring_frames(code)
+    assert main(["generate", str(SPECS[0]), str(spec), "-o", str(tmp_path), "--target", "c", "--target", "python"]) == 0
+    cases = [(code, RINGS[code][2] + 8, ring_frames(code)) for code in codes]
+    run_python(tmp_path, RINGS_IN_PYTHON.format(cases=cases))
+    lines = [
+        f"    ok &= (test_ring_turns_biss_decode(&TEST_RING_TURNS_BISS_{code.upper()}, {frame}U, &frame)"
+        f" == {'CW_OK' if is_valid else 'CW_FAULT_RANGE'});"
+        for code, _, frames in cases
+        for frame, is_valid in frames.items()
+    ]
+    assert run_c(tmp_path, RINGS_IN_C % "\n".join(lines)) == "1"
+
+
 @pytest.mark.slow
 def test_python_columns_and_c_reject_it(tmp_path: Path) -> None:
     assert main(["generate", *map(str, SPECS), "-o", str(tmp_path), "--target", "c", "--target", "python"]) == 0
-    packages = tmp_path / "python"
-    paths = [str(packages), *map(str, packages.glob("*")), str(Path(__file__).parents[2] / "runtime" / "python")]
-    subprocess.run([sys.executable, "-c", IN_PYTHON], env={"PYTHONPATH": ":".join(paths)}, check=True)
-    (tmp_path / "main.c").write_text(IN_C, encoding="utf-8")
-    flags = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-pedantic", f"-I{tmp_path}/c/include"]
-    subprocess.run(["gcc", *flags, str(tmp_path / "main.c"), "-o", str(tmp_path / "main")], check=True)
-    found = subprocess.run([str(tmp_path / "main")], capture_output=True, text=True, check=True).stdout
+    run_python(tmp_path, IN_PYTHON)
+    found = run_c(tmp_path, IN_C)
     assert found == "0 0 1 1 1 1"

@@ -115,8 +115,8 @@ class Scope:
     def expression(self, item: Expression, type_: str = "u32") -> str:
         """Return an expression in a type that can hold it, with subtractions last."""
         alone = item.constant == 0 and len(item.terms) == 1 and not item.terms[0].is_product
-        plus = [self._term(term, type_, alone) for term in item.terms if term.sign > 0]
-        minus = [self._term(term, type_, False) for term in item.terms if term.sign < 0]
+        plus = [self._term(term, type_, alone) for term in item.terms if term.multiple > 0]
+        minus = [self._term(term, type_, False) for term in item.terms if term.multiple < 0]
         if item.constant > 0 or not plus:
             plus.append(f"{max(item.constant, 0)}")
         if item.constant < 0:
@@ -145,7 +145,10 @@ class Scope:
                 assert_never(other)
 
     def _term(self, term: Term, type_: str, alone: bool) -> str:
-        return " * ".join(self._factor(factor, type_, alone) for factor in term.factors)
+        multiple = [f"{abs(term.multiple)}"] if abs(term.multiple) != 1 else []
+        return " * ".join(
+            [*multiple, *(self._factor(factor, type_, alone and not multiple) for factor in term.factors)]
+        )
 
     def _factor(self, factor: Factor, type_: str, alone: bool) -> str:
         name = self.parameter(factor.parameter)

@@ -27,14 +27,18 @@ def number(value: int) -> int | str:
 
 
 def expression(item: Expression) -> Any:
-    """Return a number, or a list of a number and terms of sign and factors. ``^name`` is two to the power ``name``."""
+    """Return a number, or a list of a number and terms of a multiple and factors.
+
+    ``^name`` is two to the power ``name``.
+    """
     if item.is_constant:
         return number(item.constant)
     return [number(item.constant), *map(_term, item.terms)]
 
 
 def _term(item: Term) -> list[int | str]:
-    return [item.sign, *(f"^{factor.parameter}" if factor.power else factor.parameter for factor in item.factors)]
+    factors = (f"^{factor.parameter}" if factor.power else factor.parameter for factor in item.factors)
+    return [number(item.multiple), *factors]
 
 
 def bound(item: Expression | None) -> Any:

@@ -148,8 +148,8 @@ class Scope:
         match expression:
             case Expression(-1, (Term(1, (Factor(name, True),)),)):
                 return Call("cw_mask", (self.atom(name),))
-        plus = [self._term(term) for term in expression.terms if term.sign > 0]
-        minus = [self._term(term) for term in expression.terms if term.sign < 0]
+        plus = [self._term(term) for term in expression.terms if term.multiple > 0]
+        minus = [self._term(term) for term in expression.terms if term.multiple < 0]
         if expression.constant > 0 or not plus:
             plus.insert(0, Number(max(expression.constant, 0)))
         elif isinstance(plus[0], Name) and (len(expression.terms) > 1 or expression.constant < 0):
@@ -164,23 +164,26 @@ class Scope:
         A power of two is written as its mask plus one, since the power itself may not fit.
         """
         masks = [term for term in expression.terms if term.is_power and not term.is_product]
-        constant = expression.constant + sum(term.sign for term in masks)
+        constant = expression.constant + sum(term.multiple for term in masks)
         total: Expr | None = Number(constant, signed=True)
-        if constant == 0 and expression.terms and expression.terms[0].sign > 0:
+        if constant == 0 and expression.terms and expression.terms[0].multiple > 0:
             total = None
         for term in expression.terms:
             one = Call("cw_mask", (self.atom(term.factors[0].parameter),)) if term in masks else None
             wide = Cast("int64_t", one or self._term(term))
-            total = Operation("+" if term.sign > 0 else "-", (total, wide)) if total is not None else wide
+            total = Operation("+" if term.multiple > 0 else "-", (total, wide)) if total is not None else wide
         return total or Number(0, signed=True)
 
     def _term(self, term: Term) -> Expr:
         """Return a product, in 64 bits if 32 may be too few. A single parameter keeps its own type."""
         first, *others = (self._factor(item) for item in term.factors)
+        if abs(term.multiple) != 1:
+            others.append(Number(abs(term.multiple)))
         if not others:
             return first
         if not term.factors[0].power:
-            largest = prod(self.largest.get(item.parameter, 1) for item in term.factors)
+            # A parameter that an order code does not set has up to 32 bits.
+            largest = abs(term.multiple) * prod(self.largest.get(item.parameter, 1 << 32) for item in term.factors)
             first = Cast("uint64_t" if term.is_power or largest >> 32 else "uint32_t", first)
         return Operation("*", (first, *others))
 

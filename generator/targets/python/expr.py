@@ -131,7 +131,7 @@ class Scope:
     def of(self, value: Expression) -> Expr:
         if value.is_constant:
             return number(value.constant)
-        terms = [(term.sign, self._product(term)) for term in value.terms]
+        terms = [(1 if term.multiple > 0 else -1, self._product(term)) for term in value.terms]
         if value.constant:
             constant = Atom(str(abs(value.constant)))
             sign = 1 if value.constant > 0 else -1
@@ -153,7 +153,8 @@ class Scope:
         return Operation(number(1), "<<", self.of(width))
 
     def _product(self, term: Term) -> Expr:
-        return joined("*", map(self._factor, term.factors))
+        multiple = [number(abs(term.multiple))] if abs(term.multiple) != 1 else []
+        return joined("*", [*multiple, *map(self._factor, term.factors)])
 
     def _factor(self, item: Factor) -> Expr:
         found = Atom(self.names[item.parameter])
