@@ -1,6 +1,7 @@
 """Virtual encoders against the generated package: frames of each layout, and links with each fault, in virtual time.
 
-The link gets 100,000 requests for each fault. ``CODEWHEEL_FRAMES`` lowers both numbers.
+The link gets 100,000 requests for each fault, and a tenth of that for each encoder with its own requests.
+``CODEWHEEL_FRAMES`` lowers all of these numbers.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ from tree import number_from_environment
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "virtual"))
 
+import test_exchanges as exchanges
 import test_link_faults as shorter
+from test_exchanges import modules, outputs  # noqa: F401
 
 Package = tuple[Path, ModuleType]
 FRAMES = number_from_environment("CODEWHEEL_FRAMES", 1_000_000)
@@ -46,6 +49,12 @@ def test_no_fault_makes_a_position_wrong(generated_python: Package, library: Lib
     assert injected[fault] + injected_too[fault] > REQUESTS / 50
     # Four faults in a row, so that no retry is left, occur once in six million requests.
     assert more["right"] >= REQUESTS // 2 - 2 or fault in ("busy", "restart", "brownout")
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("code", exchanges.ASK)
+def test_exchanges_with_faults(modules: dict[str, Any], code: str, fault: str) -> None:  # noqa: F811
+    exchanges.check_positions(modules[code], code, fault, REQUESTS // 10)
 
 
 @pytest.mark.parametrize(("family", "interface", "name"), LAYOUTS)

@@ -31,7 +31,8 @@ class Bench:
         self.line = Rs485Line(self.virtual)
         encoder = package.lookup(code)
         self.session: Any = Session(encoder, timeout_s=TIMEOUT_S, retries=retries, clock=lambda: self.now)
-        self.control = self.session._position.control
+        kind = self.session._position
+        self.control = kind.control if kind is not None else self.session._position_request().encode()[0]
         self.later = b""
         self.outcomes: Counter[str] = Counter()
 

@@ -7,13 +7,17 @@ import random
 import re
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 import pytest
+from bench import Bench
 from codewheel.commands.cli import main
-from codewheel.virtual import Rs485Line, VirtualEncoder
+from codewheel.virtual import FAULTS, Rs485Line, VirtualEncoder
+from test_link_faults import ERRORS
 
 pytestmark = pytest.mark.slow
 
@@ -143,6 +147,40 @@ def test_a_virtual_encoder_answers(code: str, counts: int, modules: dict[str, An
         line.receive(bytes([byte]))
     assert line.send() == reply
     assert modules[code].lookup(code).decode(reply).position == 1
+
+
+def outcomes(module: Any, code: str, fault: str, total: int) -> tuple[Counter[str], Counter[str], int]:
+    """Return the outcomes without retries and many faults, those with retries and few, and the number of faults."""
+    found, injected = [], 0
+    for rate, retries in ((0.2, 0), (0.02, 3)):
+        seed = crc32(f"{code} {fault}".encode())
+        bench = Bench(module, code, f"{fault}:{rate}", seed=seed, retries=retries, specs=[SPECS])
+        for _ in range(total // 2):
+            bench.position()
+        found.append(bench.outcomes)
+        injected += bench.virtual.faults.injected[fault]
+    return found[0], found[1], injected
+
+
+def check_positions(module: Any, code: str, fault: str, requests: int) -> None:
+    """Half of the requests without retries and many faults, half with retries and few: no position is wrong.
+
+    The replies of the AMT21 can begin with any byte, so those with other bytes around them are refused.
+    """
+    refused = ("DisturbedError",) if fault in ("doubled", "junk") and code == "AMT212B" else ()
+    plain, retried, injected = outcomes(module, code, fault, requests)
+    assert set(plain) - {"right"} <= {*ERRORS[fault], *refused}
+    assert plain["right"] > requests / 4
+    # Four faults in a row, so that no retry is left, occur once in six million requests.
+    assert retried["right"] >= requests // 2 - 2
+    assert not retried["wrong"]
+    assert injected > requests / 20
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("code", ASK)
+def test_no_fault_makes_a_position_wrong(code: str, fault: str, modules: dict[str, Any]) -> None:
+    check_positions(modules[code], code, fault, 1000)
 
 
 def test_the_program_of_the_page(modules: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:

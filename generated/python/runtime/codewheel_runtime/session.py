@@ -301,9 +301,10 @@ class Session:
         while True:
             reply = self._reply_in(received, asked)
             if reply:
-                # After other bytes, or an echo, part of the reply could look like a reply by chance.
+                # After other bytes, or an echo, part of the reply could look like a reply by chance. So could other
+                # bytes before a reply that begins with any byte.
                 echo = asked.data + asked.data[: asked.kind.repeats_first]
-                is_clean = received.startswith(reply) and not received.startswith(echo)
+                is_clean = asked.kind.repeats_first and received.startswith(reply) and not received.startswith(echo)
                 more = yield Ask(b"", 0.0 if is_clean else _QUIET_S)
                 if not more:
                     return reply
