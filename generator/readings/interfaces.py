@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..language.problems import Path
-from ..model import Biss, ControlField, Interface, Layout, Rs485, Ssi, Timeout, Timing
+from ..model import Biss, Constant, ControlField, Interface, Layout, Rs485, Spi, Ssi, Timeout, Timing
 from .fact import Fact, Facts, Key, Name, Sort
 from .field_properties import Properties
 from .frame_bits import word
@@ -20,18 +20,32 @@ _BYTE = 8
 def add_interfaces(reading: Reading, facts: Facts) -> None:
     """Add the facts of all interfaces, and the timings of the device."""
     for interface in reading.device.interfaces:
+        marks = _marks(interface)
         for layout in interface.layouts:
-            _add_frames(reading, interface, layout, facts)
+            _add_frames(reading, interface, layout, marks.get(layout.name, -1), facts)
             facts.follows(Sort.POSITION, len(layout.joins))
         facts.add(_of_interface(reading, interface))
         facts.add(timings(interface.timings, interface.name, ("interfaces", interface.name, "timings")))
     facts.add(timings(reading.device.timings, "", ("timings",)))
 
 
-def _add_frames(reading: Reading, interface: Interface, layout: Layout, facts: Facts) -> None:
-    """Add each frame with this layout."""
+def _marks(interface: Interface) -> dict[str, str]:
+    """Return what identifies the frames of exchanges, by their names: the constants of the request."""
+    found: dict[str, str] = {}
+    layouts = {item.name: item for item in interface.layouts}
+    for item in interface.exchanges if isinstance(interface, (Rs485, Spi)) else ():
+        fields = layouts[item.request].fields
+        constants = [(field.low, field.kind.value) for field in fields if isinstance(field.kind, Constant)]
+        mark = ", ".join(f"{in_hex(value)} from bit {low.render()}" for low, value in constants)
+        found[item.request] = mark
+        found.setdefault(item.reply, mark)
+    return found
+
+
+def _add_frames(reading: Reading, interface: Interface, layout: Layout, mark: str | int, facts: Facts) -> None:
+    """Add each frame with this layout. ``mark`` identifies it if it has no selector."""
     owner: Path = ("interfaces", interface.name, "layouts", layout.name)
-    for value in layout.selects or (-1,):
+    for value in layout.selects or (mark,):
         key: Key = ("frame", interface.name, layout.sender, layout.channel or 0, value)
         what = f"'{layout.name}'"
         facts.add(_of_frame(Subject(reading, key, owner, what, interface.name), layout))
@@ -84,6 +98,9 @@ def _of_interface(reading: Reading, interface: Interface) -> Iterator[Fact]:
         case Rs485():
             yield from part("port", "port", " of the port over ").stated(interface.port)
             yield from _rs485(reading, interface)
+            yield from _exchanges(interface)
+        case Spi():
+            yield from _exchanges(interface)
 
 
 def _timeout(subject: Subject, timeout: Timeout) -> Iterator[Fact]:
@@ -123,6 +140,15 @@ def _rs485(reading: Reading, interface: Rs485) -> Iterator[Fact]:
         what = f"reply to a {access.access} while the busy flag is {access.busy}"
         value = f"address {plain(access.address)}, data {plain(access.data)}"
         yield Fact(Sort.SETTING, ("memory", access.access, access.busy), value, what, (*owner, "memory_access", index))
+
+
+def _exchanges(interface: Rs485 | Spi) -> Iterator[Fact]:
+    marks = _marks(interface)
+    for index, item in enumerate(interface.exchanges):
+        key: Key = ("exchange", interface.name, marks[item.request])
+        value = f"{item.purpose}, {'with' if item.reply else 'without'} a reply"
+        place = ("interfaces", interface.name, "exchanges", index)
+        yield Fact(Sort.SETTING, key, value, f"request with {marks[item.request] or 'no constant'}", place)
 
 
 def timings(found: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[Fact]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pathlib
+import re
 import shutil
 from collections.abc import Iterator
 
@@ -353,3 +354,37 @@ def test_waits_that_follow_each_other_are_one(folder: pathlib.Path) -> None:
     assert wait in text
     (folder / "twice.yaml").write_text(text.replace(wait, wait + wait), encoding="utf-8")
     assert any("60 ms" in line for line in told())
+
+
+#: An encoder whose requests have other names in the second reading.
+EXCHANGES = HERE.parents[1] / "examples" / "encoders" / "sick"
+RENAMED = {"position_request": "ask", "type_label_reply": "label", "reset_request": "restart", "xor_8": "xor"}
+LEFT_OUT = re.compile(r"^(evidence|documents|examples|errata):.*\n((  .*)?\n)*", re.MULTILINE)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("", "", []),
+        ("constant: 0x53", "constant: 0x54", ["request with 0x54 from bit 8: other, without a reply here, nothing in"]),
+        ("request: restart,", "request: restart, reply: label,", ["other, with a reply here, other, without a reply"]),
+        ("{name: zero, bits: 8, unused: 0}", "{name: zero, bits: 8, constant: 0}", ["constant 00000000"]),
+        ("{name: type_label, bits: 32", "{name: type_label, bits: 24", ["bits of 'type_label_reply': 48 here, 56 in"]),
+    ],
+)
+def test_requests_and_replies_are_compared(
+    old: str, new: str, expected: list[str], tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The constants of a request identify it, and the frame that answers it."""
+    text = LEFT_OUT.sub("", (EXCHANGES / "skm36.yaml").read_text(encoding="utf-8"))
+    text = re.sub(r',? *source: "[^"]*"', "", text)
+    for name, other in RENAMED.items():
+        text = text.replace(name, other)
+    assert old in text
+    (tmp_path / "skm36.second.yaml").write_text(text.replace(old, new, 1), encoding="utf-8")
+    for name in ("manufacturer.yaml", "skm36.yaml"):
+        shutil.copy(EXCHANGES / name, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    found = told()
+    assert bool(found) == bool(expected), found
+    assert all(any(words in line for line in found) for words in expected), found
