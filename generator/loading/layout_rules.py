@@ -26,6 +26,8 @@ from .joins import check_joined
 
 #: Width of the numbers in the generated C.
 LARGEST_NUMBER = 64
+#: Width up to which frames of whole bytes are tested.
+LARGEST_BYTES = 128
 
 
 def is_sound(layout: Layout, site: Site) -> bool:
@@ -35,7 +37,9 @@ def is_sound(layout: Layout, site: Site) -> bool:
         wrong = f"'{layout.name}' has {layout.bits.render()} bits, not a whole number of bytes"
         site.report("width-mismatch", wrong)
     if not layout.in_bytes and layout.widest > LARGEST_NUMBER:
-        site.report("too-long", f"'{layout.name}' has {layout.widest} bits; the maximum is {LARGEST_NUMBER}")
+        wrong = f"'{layout.name}' has {layout.widest} bits; the maximum is {LARGEST_NUMBER}"
+        is_whole = layout.bits.is_constant and layout.widest % 8 == 0 and layout.widest <= LARGEST_BYTES
+        site.report("too-long", f"{wrong}, or {LARGEST_BYTES} with 'carried_as: bytes'" if is_whole else wrong)
     for field in layout.fields:
         _check_field(layout, field, replace(site, path=(*site.path, "fields", field.name)))
     selector = next((field for field in layout.fields if field.name == layout.selector), None)

@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 TESTS = Path(__file__).resolve().parents[1]
 #: These are made up of what no device has.
 MADE_UP = ("specs/words", "specs/bits22", "c/specs/shapes", "c/specs/words", "c/specs/reserved", "c/specs/crcs")
-MADE_UP += ("specs/ring", "specs/ring_turns", "python/specs/odd_shapes", "browser/specs/names")
+MADE_UP += ("specs/ring", "specs/ring_turns", "specs/wide", "python/specs/odd_shapes", "browser/specs/names")
 MADE_UP += ("../examples/encoders/ams/as5047p", "../examples/encoders/cui/amt21", "../examples/encoders/sick/skm36")
 #: The order code of the made-up encoder of 22 bits.
 BITS_22 = "T22SC"

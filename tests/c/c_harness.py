@@ -48,6 +48,7 @@ MADE_UP = {
     "banks": SPECS / "banks.yaml",
     "bits22": SPECS / "bits22.yaml",
     "ring_turns": SPECS / "ring_turns.yaml",
+    "wide": SPECS / "wide.yaml",
     "reserved": _HERE / "specs" / "reserved.yaml",
     "shapes": _HERE / "specs" / "shapes.yaml",
     "tv62": _HERE.parents[1] / "docs" / "example",
@@ -410,6 +411,7 @@ def _position(view: DeviceView, codec: StructCodec) -> str:
     if codec.name != view.prefix or not view.measured:
         return ""
     given = answers(codec) + ("number(text)" if not codec.plan.in_bytes else "b, bytes_of(text, b)")
+    none = "b, 0U" if codec.plan.in_bytes else "~(uint64_t)0U"
     return f"""
         {codec.struct.member_type(view.measured)} position = 0x5A;
         const cw_verdict verdict = {codec.name}_position(variant, {given}, &position);
@@ -417,7 +419,7 @@ def _position(view: DeviceView, codec: StructCodec) -> str:
             || position != (verdict == CW_NOT_USABLE ? 0x5A : out.{c_name(view.measured)})) {{
             abort();
         }}
-        if ({codec.name}_position(variant, {answers(codec)}~(uint64_t)0U, &position) != CW_NOT_USABLE) {{
+        if ({codec.name}_position(variant, {answers(codec)}{none}, &position) != CW_NOT_USABLE) {{
             abort();
         }}"""
 

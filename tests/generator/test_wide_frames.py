@@ -1,0 +1,60 @@
+"""Frames of more than 64 bits, carried as bytes. The outputs are compared with the reference on the same spec."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import pytest
+from codewheel.commands.cli import main
+from codewheel.loading.library import load_library
+from codewheel.model import Device
+from codewheel.reference import codec
+
+SPECS = [Path(__file__).parents[1] / "specs" / name for name in ("manufacturer.yaml", "wide.yaml")]
+#: Fields with their widths, most significant first, as in the spec.
+FIELDS = {
+    "WB": {"multiturn": 32, "singleturn": 32, "error": 1, "warning": 1, "life": 6},
+    "WS": {"multiturn": 32, "singleturn": 32, "first": 7, "speed": 33, "life": 8},
+}
+
+
+@pytest.fixture(scope="module")
+def device() -> Device:
+    (found,), report = load_library(SPECS)
+    assert not report
+    return found
+
+
+def with_crc(word: int) -> int:
+    """Append the inverted CRC-16 0x190D9, by long division."""
+    rest = word << 16
+    while rest >> 16:
+        rest ^= 0x190D9 << (rest.bit_length() - 17)
+    return word << 16 | rest ^ 0xFFFF
+
+
+@pytest.mark.parametrize("code", FIELDS)
+def test_fields_are_cut_from_88_and_128_bits(code: str, device: Device) -> None:
+    chance = random.Random(code)
+    variant = device.variant(code)
+    placed = device.interface(variant.interface).layouts[0].place(variant.parameters)
+    assert placed.bits == {"WB": 88, "WS": 128}[code]
+    for _ in range(200):
+        word, raw = 0, {}
+        for name, width in FIELDS[code].items():
+            raw[name] = chance.getrandbits(width)
+            word = word << width | raw[name]
+        frame = with_crc(word)
+        decoded = codec.decode_placed(device, placed, frame.to_bytes(placed.bits // 8, "big"))
+        assert not decoded.problems
+        assert {item.name: item.raw for item in decoded.fields if item.name in raw} == raw
+        assert decoded.values["position"] == raw["multiturn"] << 32 | raw["singleturn"]
+        wrong = frame ^ 1 << chance.randrange(placed.bits)
+        assert codec.decode_placed(device, placed, wrong.to_bytes(placed.bits // 8, "big")).problems
+
+
+def test_decode_prints_a_frame_of_88_bits(capsys: pytest.CaptureFixture[str]) -> None:
+    frame = with_crc((1 << 32 | 2) << 8 | 0xC1).to_bytes(11, "big").hex(" ")
+    assert main(["decode", "WB", *frame.split(), *[item for path in SPECS for item in ("--specs", str(path))]]) == 0
+    assert "4294967298" in capsys.readouterr().out
