@@ -200,6 +200,15 @@ def test_two_languages_are_compared_by_their_numbers(tmp_path: Path, capsys: pyt
     assert (found["section"], found["old"], found["new"]) == ("4.3", "95.0", "91.0")
 
 
+def test_an_option_renamed_in_headings_leads_to_its_facts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    old = MANUAL.replace("5 Connector", "5 Connector (S1 order codes)")
+    assert old.count("S1 order codes") == 2
+    (found,) = passages(tmp_path, capsys, old.replace("S1 order codes", "S2 order codes"), old)
+    assert (found["section"], found["old"], found["new"]) == ("5", "S1", "S2")
+    assert isinstance(found["facts"], list)
+    assert "order_code.parts.output.values.S1.interface" in [item["path"] for item in found["facts"][:5]]
+
+
 @pytest.mark.parametrize(
     ("data", "said"),
     [
