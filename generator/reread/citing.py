@@ -61,7 +61,6 @@ class Citing:
         """The words of its name and of the names above it."""
         return frozenset(word for name in self.names for word in WORD.findall(name.replace("_", " ").casefold()))
 
-
     def is_at(self, sections: Collection[str], passage: Passage) -> bool:
         """Return whether it cites one of the sections, or is an option of the order code that the passage names.
 

@@ -171,7 +171,7 @@ def _compare_times(
         if time not in own | named:
             known = listed([nanoseconds(item) for item in sorted(own)], "or")
             wrong = f"the text says {found['number']} {found['unit']}, but the time here is {known}"
-            report.add("quantity-repeated", place, f"{wrong}; correct one of the two, or add the time to 'timings'")
+            report.add("time-repeated", place, f"{wrong}; correct one of the two, or add the time to 'timings'")
             return
 
 
