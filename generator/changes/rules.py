@@ -123,6 +123,12 @@ _CHANGES = (
     ("limit-wider", "+++D", "a value has wider limits, or none", _MORE),
     ("wait-longer", "WWWD", "a required waiting time is longer or was added", _LESS),
     ("wait-shorter", "+++D", "a required waiting time is shorter or was removed", _MORE),
+    (
+        "time-limit",
+        "WWWD",
+        "the upper bound of a time is different",
+        "A higher bound may mean a longer wait, and a lower one less time for what you must do.",
+    ),
     ("timing-typical", "+++D", "a typical time or its symbol has changed", "Code cannot rely on typical times."),
     ("clock-narrower", "WWWD", "the clock has narrower limits", _LESS),
     ("clock-wider", "+++D", "the clock has wider limits", _MORE),

@@ -31,7 +31,7 @@ _CANNOT = (
 
 @dataclass(frozen=True)
 class _Touched:
-    """A passage with the facts whose value or name appears in it, and the number of all facts that cite its section."""
+    """A passage with the facts whose value or name appears in it, and the number of all facts that belong to it."""
 
     passage: Passage
     facts: Sequence[Citing]
@@ -88,7 +88,7 @@ def _without_number(family: Family) -> Mapping[int, str]:
 def _touched(passage: Passage, facts: Sequence[Citing], old: Manual, without_number: Mapping[int, str]) -> _Touched:
     sections = {passage.section.number} | old.without_heading_after(passage.section.number)
     sections.add(without_number.get(passage.section.page or 0, passage.section.number))
-    here = [fact for fact in facts if fact.sections & sections]
+    here = [fact for fact in facts if fact.is_at(sections, passage)]
     return _Touched(passage, ranked(here, passage), len(here))
 
 

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Container, Iterator, Mapping, Sequence
 from typing import Any
 
 import yaml
 
 from ..changes.change import Change
 from ..language.document import label_of
+from ..language.places import resolve, steps_of, value_at
 from ..language.rules.bases import HEXADECIMAL
 from ..loading.library import Family
+from ..model import Variant
 
 #: Parts of a spec that editions do not describe.
 _APART = frozenset("manual errata examples editions documents lost_figures printed_defaults".split())
 #: Maps of named items.
 _MAPS = frozenset(("interfaces", "parameters", "values"))
+_OPTION = re.compile(r"order_code\.parts\.(?P<part>\w+)\.values\.(?P<label>[^.]+)")
+#: Keys whose values name options or whole order codes.
+_REFERENCES = frozenset(("only", "only_with", "open_only_with", "order_code"))
 _WIDTH = 10_000
 
 
@@ -33,30 +39,117 @@ _Dumper.add_representer(_Hexadecimal, lambda made, item: made.represent_scalar("
 def offers(olds: Sequence[Family], news: Sequence[Family], changes: Sequence[Change]) -> Iterator[str]:
     """Yield, for each family with a new edition that lacks items of the old one, the entry that keeps them.
 
-    Renamed items are still there.
+    Renamed items are still there, except options of the order code: labels of older encoders have the old text.
     """
     renamed = {(item.family, item.old) for item in changes if item.rule.name.endswith("-renamed")}
     before = {family.device.name: family for family in olds}
     for family in news:
         old = before.get(family.device.name)
-        revision = family.device.manual.revision
-        if old is None or old.device.manual.revision == revision:
+        if old is None or old.device.manual.revision == family.device.manual.revision:
             continue
-        found = _gone(old.document.data, family.document.data, "")
-        name = family.device.name
-        gone = [item for item in found if (name, label_of(item[1]) or item[0].rpartition(".")[2]) not in renamed]
-        if gone:
-            told = f"Edition {old.device.manual.revision} has it, edition {revision} does not"
-            entries = [{"add": place, "value": item, "why": told, "source": "Document release"} for place, item in gone]
-            lines = [
-                f'  - revision: "{revision}"',
-                "    before:",
-                *(f"      - {_in_one_line(item)}" for item in entries),
-            ]
-            begin = (
-                f"{family.device.name}: edition {revision} removed these items. To keep them for older encoders, add"
-            )
-            yield "\n".join([f"{begin} to its spec, with their source:", "", "editions:", *lines])
+        known = {item for name, item in renamed if name == family.device.name and isinstance(item, str)}
+        if entries := list(_entries(old, family, known)):
+            yield "\n".join(_offer(old, family, entries))
+
+
+def _offer(old: Family, new: Family, entries: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    name, revision = new.device.name, new.device.manual.revision
+    begin = f"{name}: edition {revision} removed these items. To keep them for older encoders, add to its spec"
+    history = [item["revision"] for item in new.document.data["manual"].get("history", ())]
+    if revision not in history[1:]:
+        yield f"{name}: give the revisions in the history of the manual, under 'manual':"
+        yield ""
+        yield "  history:"
+        for item in (old.device.manual, new.device.manual):
+            row = {"revision": item.revision, **({"date": item.date} if item.date else {}), "changes": "Not listed"}
+            yield f"    - {_in_one_line(row)}"
+        yield ""
+    has_editions = "editions" in new.document.data
+    yield f"{begin}{', under its editions' * has_editions}, with their source:"
+    yield ""
+    if not has_editions:
+        yield "editions:"
+    yield f"  - revision: {_in_one_line([revision])[1:-1]}"
+    yield "    before:"
+    yield from (f"      - {_in_one_line(item)}" for item in entries)
+
+
+def _entries(old: Family, new: Family, renamed: Container[str]) -> Iterator[Mapping[str, Any]]:
+    """Yield the changes that lead from the new edition to the old one."""
+    before, after = old.document.data, new.document.data
+    has, lacks = old.device.manual.revision, new.device.manual.revision
+    gone = [
+        (place, item)
+        for place, item in _gone(before, after, "")
+        if (label_of(item) or place.rpartition(".")[2]) not in renamed
+    ]
+    removed = f"Edition {has} has it, edition {lacks} does not"
+    sources = {place: _source(before, place, item) for place, item in gone}
+    yield from ({"add": place, "value": item, "why": removed, "source": sources[place]} for place, item in gone)
+    options = [(place, item) for place, item in gone if _OPTION.fullmatch(place)]
+    if not options:
+        return
+    source = sources[options[0][0]]
+    labels = [label for place, item in options for label in _other_labels(place, item, before, after)]
+    for place in labels:
+        yield {"remove": place, "why": f"Edition {lacks} has this label for it", "source": source}
+    examples = {item["name"] for item in before.get("examples", ())}
+    codes = {item.code for item in new.device.variants if any(_selects(item, place) for place in labels)}
+    for item in after.get("examples", ()):
+        if item["name"] not in examples and item.get("order_code") in codes:
+            yield {"remove": f"examples.{item['name']}", "why": f"Edition {has} lacks its order code", "source": source}
+    for place, value in _references(before, after, ""):
+        yield {"set": place, "to": value, "why": f"Order codes of edition {has}", "source": source}
+
+
+def _source(data: Any, place: str, item: Any) -> str:
+    """Return the source of an item if that is a document other than the manual, else the table of revisions."""
+    source, node = "", data
+    for step in steps_of(place):
+        inside = {label_of(item): item for item in node} if isinstance(node, list) else node
+        node = inside.get(step, {}) if isinstance(inside, dict) else {}
+        source = node.get("source", source) if isinstance(node, dict) else source
+    source = item.get("source", source) if isinstance(item, dict) else source
+    return source if ":" in source else "Document release"
+
+
+def _other_labels(place: str, old: Any, before: Any, after: Any) -> Iterator[str]:
+    """Yield the option that only the new edition has, if it differs from a removed one only in its label."""
+    holder, _, _ = place.rpartition(".")
+    olds, news = (value_at(data, resolve(data, holder)) for data in (before, after))
+    for label, new in news.items():
+        if label not in olds and _meant(new) == _meant(old):
+            yield f"{holder}.{label}"
+            return
+
+
+def _meant(option: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return what an option selects, or its meaning if it selects nothing."""
+    selects = {key: option[key] for key in ("interface", "sets", "supply") if key in option}
+    return selects or {"meaning": option.get("meaning")}
+
+
+def _selects(variant: Variant, place: str) -> bool:
+    option = _OPTION.fullmatch(place)
+    return option is not None and variant.parts.get(option["part"]) == option["label"]
+
+
+def _references(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:
+    """Yield the places in both editions that refer to different order codes, and the value in the old one."""
+    if isinstance(old, dict) and isinstance(new, dict):
+        for key in [key for key in old if key in new]:
+            further = f"{place}.{key}".removeprefix(".")
+            if place and (key in _REFERENCES or (key == "values" and "also_written" in place)):
+                yield from [(further, old[key])] if old[key] != new[key] else []
+            elif place or key not in _APART - {"examples"}:
+                yield from _references(old[key], new[key], further)
+    elif isinstance(old, list) and isinstance(new, list):
+        named = {label_of(item): item for item in old}
+        for index, item in enumerate(new):
+            label = label_of(item)
+            step = f"[{index + 1}]" if label is None else f".{label}"
+            other = named.get(label) if label is not None else old[index] if index < len(old) else None
+            yield from _references(other, item, f"{place}{step}")
 
 
 def _gone(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:

@@ -152,10 +152,15 @@ def as_affected(data: Any, path: Path) -> str:
 
 def leads_somewhere(data: Any, affected: str) -> bool:
     """Return True if a path of an erratum refers to something in the data."""
+    return bool(found_at(data, affected))
+
+
+def found_at(data: Any, affected: str) -> list[Any]:
+    """Return everything in the data to which a path of an erratum refers."""
     nodes = [data]
     for step in affected.split("."):
         nodes = [found for node in nodes for found in _named(node, step)]
-    return bool(nodes)
+    return nodes
 
 
 def _named(node: Any, step: str) -> list[Any]:

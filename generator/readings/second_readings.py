@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path as File
@@ -20,6 +21,8 @@ from .fact import NOTHING, Facts, Sort
 from .reading import Reading
 
 RULE = "readings-disagree"
+#: A value with its unit.
+_QUANTITY = re.compile(r"(?<![\w.,])([\d.,]*\d) ([µmn]?s|[kM]?Hz|m?V)(?!\w)")
 _MEND = "check the manual; if it prints both, add an erratum with both under 'readings'"
 
 
@@ -116,11 +119,13 @@ class Errata:
 
     def __init__(self, spec: Document) -> None:
         self._said: list[tuple[Path, Sequence[str], str, str]] = []
+        self._printed: list[str] = []
         self._used: set[Path] = set()
         for number, item in enumerate(spec.data.get("errata", ())):
             for index, reading in enumerate(item.get("readings", ())):
                 place: Path = ("errata", number, "readings", index)
                 self._said.append((place, item.get("affects", ()), reading["second"], reading["used"]))
+                self._printed.append(item["printed"])
 
     def explain(self, item: Disagreement) -> bool:
         """Return True if an erratum that affects the place has exactly these two values."""
@@ -134,12 +139,22 @@ class Errata:
         return bool(found)
 
     def tell_unused(self, spec: Document, report: Report) -> None:
-        """Report pairs of values that explain nothing."""
-        for place, _, second, used in self._said:
+        """Report pairs of values that explain nothing, or that the printed text contradicts."""
+        for (place, _, second, used), printed in zip(self._said, self._printed, strict=True):
+            if place in self._used and _lacks(printed, second):
+                wrong = f"the printed text has other values than {second}, which the second reading has; correct it"
+                report.add("readings-unused", spec, (*place[:2], "printed"), wrong)
             if place not in self._used:
                 values = f"{quoted(second)} in the second reading and {quoted(used)} here"
                 wrong = f"no fact affected by this erratum is {values}; correct or remove it"
                 report.add("readings-unused", spec, place, wrong)
+
+
+def _lacks(text: str, value: str) -> bool:
+    """Return True if a value has a unit, and a text has only other values with this unit."""
+    found = _QUANTITY.fullmatch(value)
+    others = [item for item in _QUANTITY.findall(text) if found is not None and item[1] == found[2]]
+    return found is not None and bool(others) and found.groups() not in others
 
 
 #: Keys of lists and maps that a path of an erratum omits.

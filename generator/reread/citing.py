@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -28,6 +28,8 @@ _DIFFERS, _CLOSE = 6.0, 2.0
 _INSERTED = 1.0
 #: A number with its unit, printed without a space.
 _WITH_UNIT = re.compile(r"(\d[\d.]*)[kmµn]?(?:hz|vdc|v|a|s|m)")
+#: The path of a fact about an option of the order code.
+_OPTION = re.compile(r"order_code\.parts\.[^.]+\.values\.([^.]+)(?:\..*)?")
 #: An order code that ends in a number, such as the resolution.
 _ORDER_CODE = re.compile(r"[a-z]{2}\w*?(\d\d)")
 
@@ -58,6 +60,16 @@ class Citing:
     def named(self) -> frozenset[str]:
         """The words of its name and of the names above it."""
         return frozenset(word for name in self.names for word in WORD.findall(name.replace("_", " ").casefold()))
+
+    def is_at(self, sections: Collection[str], passage: Passage) -> bool:
+        """Return whether it cites one of the sections, or is an option of the order code that the passage names.
+
+        Manuals print order codes in many sections, and in headings. A spec cites few of them.
+        """
+        option = _OPTION.fullmatch(self.path)
+        name = option[1].casefold() if option is not None else ""
+        is_named = not name.isdigit() and name in {word.casefold() for word in passage.old}
+        return is_named or not self.sections.isdisjoint(sections)
 
 
 def _here(file: str) -> str:

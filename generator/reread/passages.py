@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
 
-from .sections import Manual, Section, aligned
+from .sections import WORD, Manual, Section, aligned
 
 #: Differences with no more equal words between them are one passage.
 _TOGETHER = 6
@@ -60,12 +60,15 @@ def changed(old: Manual, new: Manual) -> Iterator[Passage]:
                 words,
                 (shown if gone else "", "" if gone else shown),
             )
-        elif before.words != after.words:
-            yield from _in_section(before, after.words)
+        else:
+            titles = (WORD.findall(item.title) for item in (before, after))
+            for texts in (titles, (before.words, after.words)):
+                yield from _in_section(before, *texts)
 
 
-def _in_section(section: Section, new: Sequence[str]) -> Iterator[Passage]:
-    old = section.words
+def _in_section(section: Section, old: Sequence[str], new: Sequence[str]) -> Iterator[Passage]:
+    if old == new:
+        return
     for low, high, new_low, new_high in _groups(old, new):
         if "".join(old[low:high]) == "".join(new[new_low:new_high]):
             continue  # the same letters, divided otherwise at the end of a line

@@ -15,7 +15,9 @@ from pathlib import Path
 MOST_BYTES = 20_000_000
 #: Section of the text before the first heading.
 COVER = "Cover"
-_MARKUP = re.compile(r"</?\w+>|[#*_`•▪●■]+|\[(?P<shown>[^]]*)\]\([^)]*\)")
+_MARKUP = re.compile(r"</?\w+>|[#*_`•▪●■]+")
+#: A link of Markdown, which can continue on the next line.
+_LINK = re.compile(r"\[(?P<shown>[^]\f]{0,200})\]\([^)\f]{0,300}\)")
 _HEADING = re.compile(r"(?P<number>\d{1,2}(?:\.\d{1,2}){0,3})\.?\s*(?:-\s*)?(?P<title>[^\W\d].*|\"\S.*|\d\w+.*)")
 _IN_CONTENTS = re.compile(r"\.{3,}\s*\d+$|\.{5,}$|\t\s*\d+$")
 _PAGE = re.compile(r"[\s\-]*\d{1,4}[\s\-]*|(?:page|pag\.?|seite)\s+\d{1,4}(?:\s*(?:of|di|/)\s*\d{1,4})?", re.IGNORECASE)
@@ -124,6 +126,7 @@ def _of_pdf(path: Path) -> str:
 
 def divide(text: str) -> Manual:
     """Divide a text into its sections."""
+    text = _LINK.sub(lambda found: found["shown"], text)
     pages = [[line for line in map(plain, page.split("\n")) if line.strip()] for page in text.split("\f")]
     has_pages = len(pages) >= _RUNNING
     lines = _joined([line for page in (_without_edges(pages) if has_pages else pages) for line in page])
@@ -156,13 +159,17 @@ def divide(text: str) -> Manual:
 def plain(line: str) -> str:
     """Return a line without markup, with ASCII letters, dashes and quotes, and a tab between the cells of a table."""
     line = line.strip().strip("|").replace("|", "\t")
-    line = _MARKUP.sub(lambda found: found["shown"] or " ", unicodedata.normalize("NFKC", line).translate(_DASHES))
+    line = _MARKUP.sub(" ", unicodedata.normalize("NFKC", line).translate(_DASHES))
     line = re.sub(r"[^\S\t]{2,}(\d{1,4})$", r"\t\1", line)
     return re.sub(r" ?\t[ \t]*", "\t", re.sub(r"[^\S\t]+", " ", line)).strip()
 
 
 def _joined(lines: Sequence[str]) -> list[str]:
-    """Join the two lines of a long entry of the contents, which has its page at the end of the second one."""
+    """Join the two lines of a long entry of the contents, which has its page at the end of the second one.
+
+    A running head between two rows of a table can look like one, but occurs often.
+    """
+    often = Counter(map(_head, lines))
     found: list[str] = []
     for line in lines:
         before = found[-2:]
@@ -173,6 +180,7 @@ def _joined(lines: Sequence[str]) -> list[str]:
             and _numbered(before[1]) is not None
             and _IN_CONTENTS.search(before[0])
             and not _IN_CONTENTS.search(before[1])
+            and often[_head(before[1])] < _RUNNING
         ):
             found[-1] = f"{before[1]} {line}"
         else:
@@ -225,7 +233,10 @@ def _running_heads(lines: Sequence[str], headings: set[int]) -> set[int]:
         for head, found in spread.items()
         if _counts_pages([[int(number) for number in re.findall(r"\d{1,4}", lines[at])] for at in found])
     }
-    edges = [at for head in counting for at in often[head]]
+    edges: list[int] = []
+    for at in sorted(at for head in counting for at in often[head]):
+        if not edges or at - edges[-1] > _EDGE:  # One page has only one, or the lines near it would count twice.
+            edges.append(at)
     at_edges = Counter(
         head for at in edges for head in {_head(line) for line in lines[max(at - _EDGE, 0) : at + _EDGE + 1]}
     )

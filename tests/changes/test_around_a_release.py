@@ -175,6 +175,62 @@ def test_the_entry_for_an_older_edition_keeps_what_was_taken_away(
     assert "removed these items" not in run(capsys, "diff", old, old, "--editions")[1]
 
 
+FIRST = '  history:\n    - {revision: "1.0", changes: First issue.}\n'
+SECOND = ('  revision: "1.0"', '  revision: "1.1"')
+EDITIONS = """
+editions:
+  - revision: "1.0"
+    before:
+      - {also: The label was on the shaft, why: The table of revisions says so, source: Document release}
+"""
+LABELS = {
+    "a part": [('"17": {meaning', '"17A": {meaning'), ("MY-ENCODER-17-SC", "MY-ENCODER-17A-SC")],
+    "an interface": [("SC: {meaning", "SX: {meaning"), ("-SC", "-SX"), ("output: [SC]", "output: [SX]")],
+    "an example": [
+        ('"17": {meaning', '"17A": {meaning'),
+        ("MY-ENCODER-17-SC", "MY-ENCODER-17A-SC"),
+        ("name: preset_register", "name: other_register"),
+    ],
+}
+
+
+@pytest.mark.parametrize("labels", LABELS.values(), ids=LABELS)
+@pytest.mark.parametrize("around", ["history", "no history", "editions"])
+def test_the_entry_for_an_option_with_another_label_passes_check(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], labels: list[tuple[str, str]], around: str
+) -> None:
+    before = [("sets: {singleturn_bits: 13}", "sets: {singleturn_bits: 13}, only_with: {output: [SC]}")]
+    more = f'{FIRST}    - {{revision: "1.1", changes: New labels}}\n'
+    if around == "editions":
+        first = FIRST.replace("1.0", "0.9")
+        before.append((FIRST, f'{first}    - {{revision: "1.0", changes: More}}\n'))
+        more = f'{first}    - {{revision: "1.0", changes: More}}\n    - {{revision: "1.1", changes: New labels}}\n'
+    old = written(tmp_path / "old", *before)
+    new = written(tmp_path / "new", before[0], SECOND, (FIRST, "" if around == "no history" else more), *labels)
+    spec = new / "my_encoder.yaml"
+    if around == "editions":
+        spec.write_text(spec.read_text(encoding="utf-8") + EDITIONS, encoding="utf-8")
+    assert run(capsys, "check", old)[0] == run(capsys, "check", new)[0] == 0
+    begin, _, entry = run(capsys, "diff", old, new, "--editions")[1].partition("with their source:\n\n")
+    text = spec.read_text(encoding="utf-8")
+    if around == "editions":
+        assert begin.endswith("under its editions, ")
+        text = text.replace("editions:\n  - revision", f"editions:\n{entry.rstrip()}\n  - revision")
+    else:
+        text += entry
+    if around == "no history":
+        history = begin.partition("under 'manual':\n\n")[2].partition("\n\n")[0]
+        text = text.replace(SECOND[1], f"{SECOND[1]}\n{history}", 1)
+    spec.write_text(text, encoding="utf-8")
+    code, out, _ = run(capsys, "check", new)
+    assert code == 0, out
+    codes = [
+        {item["code"] for item in json.loads(run(capsys, "show", "my_encoder", *of, "--json")[1])["order_codes"]}
+        for of in (["--specs", old], ["--edition", "1.0", "--specs", new])
+    ]
+    assert codes[0] == codes[1]
+
+
 def test_the_commands_of_the_page_are_right(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     page = (Path(__file__).parents[2] / "docs/check-in-ci.md").read_text(encoding="utf-8")
     hook, workflow, entry = map(yaml.safe_load, re.findall(r"```yaml\n(.*?)```", page, re.DOTALL))

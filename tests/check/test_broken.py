@@ -25,7 +25,7 @@ RULES_WITH_BROKEN_SPECS = """
     number-too-long order-code-ambiguous order-code-pattern out-of-range parameter-cycle parameter-interface
     parameter-origin printed-number procedure-name quantity-repeated quantity-text register-range repeated-item
     repeated-text rs485-exchange several-documents spi-exchange spi-parity step-shape supply-range table-shape tag
-    timeout-mismatch timing-order
+    timeout-mismatch time-repeated timing-order
     timing-without-bound
     too-deep too-large too-long too-short typographic-quotes undefined-reference unit-mismatch unknown-key unused-crc
     value-clash value-too-wide wrong-type yaml-syntax

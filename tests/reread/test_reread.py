@@ -138,6 +138,24 @@ def test_regular_lines_are_running_heads_without_form_feeds(tmp_path: Path, caps
     assert passages(tmp_path, capsys, text) == []
 
 
+def test_a_page_end_with_two_numbers_counts_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A word that occurs in every section is not a running head because some of its places are near page ends."""
+    old = re.sub(r"^(## [1-5].*)$", r"\1\n\nWARNING\n\nSwitch off first.", MANUAL, flags=re.MULTILINE)
+    lines = [line for line in re.sub(r"^#+ |\*\*", "", old, flags=re.MULTILINE).splitlines() if line]
+    for length in range(16, 30):
+        pages = [lines[at : at + length] for at in range(0, len(lines), length)]
+        text = "\n".join(
+            "\n".join(["Handbook", *page, f"Tolvarn  page {number} of {len(pages)}", f"{number}"])
+            for number, page in enumerate(pages, 1)
+        )
+        assert passages(tmp_path, capsys, text, old) == [], length
+
+
+def test_a_link_that_continues_on_the_next_line_is_its_text(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    old = MANUAL.replace("The code is binary.", "The code is binary, see [the page](https://tolvarn.example/codes).")
+    assert passages(tmp_path, capsys, old.replace("[the page](https", "[the\npage](https"), old) == []
+
+
 def test_rows_of_a_table_are_no_page_numbers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rows = "\n".join(f"{bit} | Not used" for bit in (0, 1, 3, 4, 7))
     old = MANUAL.replace("All three are two's", f"{rows}\n\nAll three are two's")
@@ -198,6 +216,15 @@ def test_two_languages_are_compared_by_their_numbers(tmp_path: Path, capsys: pyt
     foreign = re.sub(r"(?<=\d)\.(?=\d °C)", ",", foreign)
     (found,) = passages(tmp_path, capsys, foreign)
     assert (found["section"], found["old"], found["new"]) == ("4.3", "95.0", "91.0")
+
+
+def test_an_option_renamed_in_headings_leads_to_its_facts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    old = MANUAL.replace("5 Connector", "5 Connector (S1 order codes)")
+    assert old.count("S1 order codes") == 2
+    (found,) = passages(tmp_path, capsys, old.replace("S1 order codes", "S2 order codes"), old)
+    assert (found["section"], found["old"], found["new"]) == ("5", "S1", "S2")
+    assert isinstance(found["facts"], list)
+    assert "order_code.parts.output.values.S1.interface" in [item["path"] for item in found["facts"][:5]]
 
 
 @pytest.mark.parametrize(

@@ -119,6 +119,7 @@ RULES: tuple[Rule, ...] = (
     shapes.table_shape,
     quantities.quantity_text,
     quantities.quantity_repeated,
+    quantities.time_repeated,
     quantities.column_units,
     repeated.repeated_text,
 )

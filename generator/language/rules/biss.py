@@ -139,7 +139,10 @@ def _names(sent: list[tuple[Path, Spec]]) -> set[str]:
 
 
 def biss_control(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that the control frame has the widths, the directions and the CRC of BiSS."""
+    """Check that the control frame has the widths, the directions and the CRC of BiSS.
+
+    Its rules are those of every master, so an erratum only records what the manual prints. The spec has what is right.
+    """
     crcs = by_name(raw, "crcs")
     for here, field in items(spec, "interfaces", Biss.name, "control_data", "fields"):
         name = field.get("name")
@@ -163,6 +166,6 @@ def biss_control(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if crc is not None and any(crc.get(key) != value for key, value in _CONTROL_CRC.items()):
             wrong = (
                 f"{quoted(field['crc'])} is not the CRC of the BiSS control frame: 4 bits, poly 0x3, init 0, not"
-                " reflected, xorout 0xF"
+                " reflected, xorout 0xF; write these numbers. If the manual prints others, add an erratum with both"
             )
             report.add("biss-protocol", (*here, "crc"), wrong)

@@ -1,4 +1,4 @@
-"""Rules for quantities with units: characteristics, columns of tables, and voltages in the text of an alarm."""
+"""Rules for quantities with units: characteristics, columns of tables, and voltages and times in texts."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from collections.abc import Iterator
 from decimal import Decimal
 from typing import Any
 
-from ...say.words import counted
+from ...say.words import counted, nanoseconds
+from ..places import found_at
 from ..problems import DocumentReport, Path, listed, quoted
 from .meanings import supply_named
-from .walk import Spec, items, mapping
+from .walk import Spec, items, leaves, mapping
 
 _UNITS = {
     "angle": "°",
@@ -38,6 +39,15 @@ _BOUNDS = ("min", "typical", "max")
 _NUMBER = r"(?<![\w.,])(?P<sign>[±−+-]?)\s?(?P<number>\d+(?:,\d{3})*(?:\.\d+)?)"
 _MILLIVOLTS = {"V": 1000, "mV": 1}
 _VOLTAGE = re.compile(r"(?<![\w.,])(\d+(?:\.\d+)?) ?(V|mV)\b")
+#: Nanoseconds by the ends of keys and by the units in texts.
+_NANOSECONDS = {"ns": 1, "us": 1000, "µs": 1000, "ms": 1_000_000, "s": 1_000_000_000}
+_TIME = r"(?<![\w.,])(?P<number>\d+(?:,\d{3})*(?:\.\d+)?) ?(?P<unit>ns|us|µs|ms|s(?:econds?)?)\b(?!/)"
+_ANY_TIME = re.compile(_TIME)
+#: A time that the reader or the encoder must keep.
+_KEPT_TIME = re.compile(rf"\b(?:[Ww]ait|[Pp]ause|[Tt]ake|[Ww]ithin|[Aa]t least|[Aa]t most)\w*\b[^.;:,]{{0,40}}?{_TIME}")
+#: Parts of a spec in which a text may repeat a time.
+_TIMED = ("registers", "procedures", "timings", "inputs")
+_NO_TEXTS = frozenset(("source", "bytes", "bits", "name", "address"))
 _CELL = re.compile(r"(?:(?:above|at least|at most|below) |[<>≤≥] ?)?-?\d+(?:\.\d+)?")
 
 
@@ -133,6 +143,58 @@ def _fields(spec: Spec, alarm: Spec) -> Iterator[tuple[Path, Spec]]:
             if item.get("name") == alarm.get(owner, ""):
                 found = items(item, "fields")
                 yield from (((*path, *at), field) for at, field in found if field.get("name") == alarm.get("field"))
+
+
+def time_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that a text does not contradict the times of its item, nor an erratum those of the facts it affects.
+
+    A text may also repeat any of the ``timings`` of the spec.
+    """
+    interfaces = [(("interfaces", name), item) for name, item in mapping(spec, "interfaces").items()]
+    timings = [mapping(item).get("timings") for item in (spec, *(item for _, item in interfaces))]
+    named = set(_times(timings))
+    for path, item in (*((path, item) for key in _TIMED for path, item in items(spec, key)), *interfaces):
+        if whole := set(_times(item)):
+            for place, text, own in _texts(item, path):
+                _compare_times(_KEPT_TIME, text, own or whole, named, place, report)
+    for path, item in items(spec, "errata"):
+        affected = set(_times([found for text in item.get("affects", ()) for found in found_at(spec, text)]))
+        if affected:
+            _compare_times(_ANY_TIME, item.get("used", ""), affected, named, (*path, "used"), report)
+
+
+def _compare_times(
+    pattern: re.Pattern[str], text: str, own: set[int], named: set[int], place: Path, report: DocumentReport
+) -> None:
+    for found in pattern.finditer(text):
+        time = Decimal(found["number"].replace(",", "")) * _NANOSECONDS.get(found["unit"], _NANOSECONDS["s"])
+        if time not in own | named:
+            known = listed([nanoseconds(item) for item in sorted(own)], "or")
+            wrong = f"the text says {found['number']} {found['unit']}, but the time here is {known}"
+            report.add("time-repeated", place, f"{wrong}; correct one of the two, or add the time to 'timings'")
+            return
+
+
+def _times(node: Any) -> Iterator[int]:
+    """Yield every time below a place, in nanoseconds."""
+    for path, value in leaves(node):
+        unit = str(path[-1]).rpartition("_")[2] if path else ""
+        if unit in _NANOSECONDS and isinstance(value, int):
+            yield value * _NANOSECONDS[unit]
+
+
+def _texts(node: Any, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
+    """Yield every text below a place, with the times next to it."""
+    if isinstance(node, dict):
+        own = set(_times({key: item for key, item in node.items() if isinstance(item, int)}))
+        for key, item in node.items():
+            if isinstance(item, str) and key not in _NO_TEXTS:
+                yield (*path, key), item, own
+            else:
+                yield from _texts(item, (*path, key))
+    elif isinstance(node, list):
+        for index, item in enumerate(node):
+            yield from _texts(item, (*path, index))
 
 
 def column_units(spec: Spec, raw: Spec, report: DocumentReport) -> None:

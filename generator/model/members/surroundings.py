@@ -16,7 +16,7 @@ SURROUNDINGS = (
         ),
         Member("at_least_us", "integer?", "Lower bound in microseconds.", "wait-longer", "at least"),
         Member("typical_us", "integer?", "Typical value in microseconds.", "timing-typical", "typically"),
-        Member("at_most_us", "integer?", "Upper bound in microseconds.", "wait-longer", "at most"),
+        Member("at_most_us", "integer?", "Upper bound in microseconds.", "time-limit", "at most"),
         Member(
             "only",
             "string",
