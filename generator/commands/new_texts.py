@@ -477,9 +477,9 @@ interfaces:
         from: master
         source: "5.2"
         fields:
-          - {name: parity, parity_of: [zero, data]}
-          - {name: zero, bits: 1, constant: 0}
-          - {name: data, bits: 14, meaning: Value to write}
+          - {name: parity, parity_of: [zeros, data]}
+          - {name: zeros, bits: 7, constant: 0}
+          - {name: data, bits: 8, meaning: Value to write}
       - name: position_reply
         from: encoder
         source: "5.3"
@@ -493,9 +493,10 @@ interfaces:
         from: encoder
         source: "5.3"
         fields:
-          - {name: parity, parity_of: [error, data]}
+          - {name: parity, parity_of: [error, zeros, data]}
           - {name: error, active: high, when_active: the encoder reports an error}
-          - {name: data, bits: 14, meaning: Value of the register}
+          - {name: zeros, bits: 6, constant: 0}
+          - {name: data, bits: 8, meaning: Value of the register}
 
 # crcs:
 #   - {name: spi_8, width: 8, poly: 0x07, init: 0, refin: false, refout: false, xorout: 0, source: "5.4"}
@@ -508,32 +509,30 @@ registers:
     meaning: State of the sensor
     interface: spi
     address: 0x3FFC
-    length: 2                             # bytes. A register has a single address, whatever its length
+    length: 1                             # bytes of the value. A register has a single address, whatever its length
     access: read_only                     # read_write, write_only
     other_bits: unspecified
     fields:
-      - {name: field_weak, at: 11, active: high, when_active: the magnetic field is too weak}
-      - {name: gain, at: 7:0, meaning: Value of the gain control}
+      - {name: field_weak, at: 7, active: high, when_active: the magnetic field is too weak}
+      - {name: gain, at: 3:0, meaning: Value of the gain control}
     source: "6.1"
 
   - name: zero_position
     printed_name: Zero position
-    meaning: Position that becomes 0
+    meaning: Upper 8 bits of the position that becomes 0
     interface: spi
     address: 0x0016
-    length: 2
+    length: 1
     access: read_write
     default: 0
-    min: 0
-    max: 2^14 - 1
     source: "6.2"
 
 procedures:
   - name: set_zero
     title: Set the zero position
     interface: spi
-    arguments: [{name: position, of: zero_position, meaning: Position that becomes 0}]
-    steps:
+    arguments: [{name: position, of: zero_position, meaning: Upper 8 bits of the position that becomes 0}]
+    steps:                                # each accesses one byte
       - {do: write, register: zero_position, value: position, meaning: write the zero position}
       - {do: read, register: zero_position, meaning: check the value}
     source: "6.2"

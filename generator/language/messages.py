@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -93,6 +94,9 @@ _ALL_THERE_IS: dict[str | int, str] = {
 }
 
 
+#: Keys of fields that are easily given to a register.
+_OF_FIELDS = ("values", "signed", "unit")
+
 #: Current names of keys, by their names in earlier versions of the language.
 RENAMED = {"steps_per_turn": "counts_per_turn", "steps": "modulus"}
 
@@ -167,6 +171,8 @@ def _key_hint(error: Any, path: Path, key: str) -> str:
         return f"; did you mean '{near}'?"
     if path and path[-1] in _ALL_THERE_IS:
         return f"; {_ALL_THERE_IS[path[-1]]}"
+    if key in _OF_FIELDS and "fields" in known:
+        return f"; it is a key of a field: add 'fields: [{{name: all, at: 7:0, {key}: ...}}]', with your name and bits"
     if " " in key.strip():
         return "; keys have no spaces: if this is part of a string, put the whole string in quotes"
     return key_hint(key, error.instance[key], known)
@@ -224,11 +230,21 @@ def _type(error: Any, subject: str) -> tuple[str, str]:
     wanted = sums or listed([_TYPES[name] for name in types], "or")
     if error.instance is None:
         return "wrong-type", f"{subject} has no value; it must be {wanted}"
-    hint = "; put it in quotes" if "string" in types and isinstance(error.instance, (int, float)) else ""
+    hint = _text_hint(error) if "string" in types and isinstance(error.instance, (int, float)) else ""
     if sums or types == ["integer"]:
         hint = number_hint(key, error.instance)
     hint = hint or value_hint(key, error.instance, error.schema)
     return "wrong-type", f"{subject} must be {wanted}, not {quoted(error.instance)}{hint}"
+
+
+def _text_hint(error: Any) -> str:
+    """Return the correction of a number that has to be text. In a step it stands for a value, which needs a name."""
+    path = list(error.absolute_path)
+    if "steps" in path and path[-1] == "value":
+        return "; give the number a name, under 'values' of a field of the register, and write the name"
+    pattern = error.schema.get("pattern", "")
+    # As text, true is a name. A number is none, so quotes would not help.
+    return "; put it in quotes" if re.search(pattern, str(error.instance).lower()) else ""
 
 
 def _enum(error: Any, subject: str) -> tuple[str, str]:

@@ -55,6 +55,7 @@ from .procedures import build_procedures
 from .repeated_facts import check_agreement
 from .run_time_parameters import coded_values, extreme_states, held_in_registers
 from .samples import samples
+from .spi_registers import check_spi_registers
 from .valid_parts import sound_so_far
 
 
@@ -76,12 +77,13 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     device = _device(raw, manufacturer, order_code, variants, alternatives, context)
     _check_control_bytes(device, report)
     _check_requests(device, report)
+    check_spi_registers(device, report)
     device = replace(device, procedures=build_procedures(raw, device))
     check_measurements(device, report)
     device = replace(device, editions=editions(raw))
     check_agreement(raw, device, report)
     check_examples(device, report)
-    return device if report.faults() else replace(device, samples=samples(device))
+    return replace(device, samples=samples(device)) if variants and not report.faults() else device
 
 
 def _context(

@@ -12,6 +12,8 @@ from ..model.expressions import Expression
 #: From this number, a power of two minus one is assumed to be the highest count, not the number of counts.
 _SEVERAL = 15
 _STEPS = ("step_um", "step_nm", "per_counts")
+#: Highest number in a step, like that of every number in a spec. C has to compute with it in 64 bits.
+_MOST = 2**53 - 1
 _REVOLUTIONS = ("revolution", "revolutions", "turn", "turns")
 
 
@@ -67,6 +69,8 @@ def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, 
     for name, value in values.items():
         if value < 1:
             return name, f"'{name}' is {value} for {case.variant.code}; it must be at least 1"
+        if name in _STEPS and value > _MOST:
+            return name, f"'{name}' is {value} for {case.variant.code}; it must be at most {_MOST}"
     if key not in values or not case.width:
         return None
     for name, value in values.items():

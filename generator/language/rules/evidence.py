@@ -9,7 +9,7 @@ from ..problems import DocumentReport, listed, quoted
 from .walk import Spec, by_name, mapping, sources
 
 #: Number of implementations that a grade needs.
-_IMPLEMENTATIONS = {"quoted": 1, "uncorroborated": 1}
+_IMPLEMENTATIONS = {"quoted": 1}
 _CORROBORATED = ("corroborated", "corroborated, no hardware frame seen")
 _WHOLE = "all pages"
 #: Key of the document that a source cites.
@@ -43,6 +43,8 @@ def _missing(grade: str, read: Spec, agreeing: list[str], vectors: list[str]) ->
         yield "needs a document of the manufacturer: list it under 'documents', with the pages that were read"
     if len(agreeing) < _IMPLEMENTATIONS.get(grade, 0):
         yield "needs an implementation: list it under 'implementations'"
+    if grade == "uncorroborated" and not (read or agreeing):
+        yield "needs a source: list it under 'documents', with the pages that were read, or under 'implementations'"
     if grade in _CORROBORATED and len(agreeing) < (1 if read else 2):
         yield "needs two sources that share no code: list them under 'implementations'"
     if grade in ("quoted", "corroborated") and not vectors:

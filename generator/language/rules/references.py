@@ -13,6 +13,7 @@ from ..hints import expression_hint, number_hint
 from ..problems import DocumentReport, Path, meant, quoted, suggestion
 from ..schema import value_at
 from . import parameters
+from .shapes import KINDS
 from .walk import (
     INTERFACE_OF_REGISTERS,
     Fields,
@@ -180,6 +181,13 @@ def device_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, measurement in measurements(spec):
         names = [name for fields in layouts(raw) for name in readable_names(fields, known.groups)]
         known.refer_by("of", path, measurement, "field or joined number", dict.fromkeys(names))
+        of = measurement.get("of", "")
+        kinds = (
+            key for fields in layouts(raw) for key in KINDS if key in field_names(fields, known.groups).get(of, {})
+        )
+        if (kind := next(kinds, "")) and kind != "digits":
+            wrong = f"{quoted(of)} has {quoted(kind)}, so it is not a number; name the field that holds the position"
+            report.add("measurement-shape", (*path, "of"), wrong)
     here = ("interfaces", Biss.name)
     known.refer_by("bank_select", here, mapping(spec, *here), "register")
 

@@ -12,7 +12,7 @@ from .values import constant_width
 from .walk import Fields, Has, Spec, by_name, field_lists, interface_of, items, mapping, measurements
 
 #: Keys that define the kind of a field. A field without any is a number.
-_KINDS = ("constant", "unused", "active", "values", "values_of", "crc", "parity_of", "digits", "text")
+KINDS = ("constant", "unused", "active", "values", "values_of", "crc", "parity_of", "digits", "text")
 #: Keys that give the place of a field.
 PLACES = ("at", "top_bit", "low_bit")
 #: Begins the names of values that a manual reserves.
@@ -90,7 +90,7 @@ def _check_field(path: Path, field: Spec, report: DocumentReport) -> None:
 def _check_kind(path: Path, field: Spec, report: DocumentReport) -> None:
     """Check that a field is of one kind, and has only keys of that kind."""
     name = quoted(field["name"])
-    kinds = [key for key in _KINDS if key in field]
+    kinds = [key for key in KINDS if key in field]
     if len(kinds) > 1:
         wrong = f"{listed(map(quoted, kinds))} exclude each other; keep one of them"
         report.add("layout-keys", (*path, kinds[1]), wrong, at_key=True)
@@ -335,6 +335,9 @@ def measurement_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 )
         if movement == "linear":
             _check_step(path, measurement, report)
+        if "highest" in measurement and needed[-1] not in mapping(raw, *map(str, path)):
+            wrong = f"'highest' has no effect without {quoted(needed[-1])}; add it, or leave 'highest' out"
+            report.add("measurement-shape", (*path, "highest"), wrong, at_key=True)
 
 
 def _check_step(path: Path, measurement: Spec, report: DocumentReport) -> None:

@@ -33,29 +33,40 @@ def exchanges(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if interface_of(registers.get(str(parameter.get("read_from")).partition(".")[0], {})) == Spi.name:
             wrong = f"a parameter cannot be read from a register over SPI; leave 'read_from' out of {quoted(name)}"
             report.add("spi-exchange", ("parameters", name, "read_from"), wrong, at_key=True)
-    _check_frames(layouts, found, report)
-    _check_parities(raw, report)
+    _check_steps(spec, registers, report)
+    _check_frames(spec, found, report)
+    _check_parities(spec, report)
     _check_accesses(raw, layouts, found, report)
+
+
+def _check_steps(spec: Spec, registers: dict[str, Spec], report: DocumentReport) -> None:
+    """Check that procedures access single bytes, since a longer register has only one address."""
+    for path, procedure in items(spec, "procedures"):
+        for below, step in items(procedure, "steps") if procedure["interface"] == Spi.name else ():
+            length = registers.get(step.get("register", ""), {}).get("length")
+            if isinstance(length, int) and length > 1:
+                wrong = f"{quoted(step['register'])} has {length} bytes at one address, but a step accesses one byte"
+                report.add("spi-exchange", (*path, *below, "register"), f"{wrong}; describe it in a 'note' instead")
 
 
 #: Keys of fields whose values follow from the spec or from other fields.
 _DECIDED = frozenset(("constant", "unused", "parity_of", "crc", "use"))
 
 
-def _check_frames(layouts: dict[str, Spec], found: list[tuple[Path, Spec]], report: DocumentReport) -> None:
+def _check_frames(spec: Spec, found: list[tuple[Path, Spec]], report: DocumentReport) -> None:
     """Check that each frame has a place in an exchange, or that there is only one frame."""
-    for path, layout in items({"layouts": list(layouts.values())}, "layouts"):
+    for path, layout in items(spec, *_HERE, "layouts"):
         key = KEYS.get(layout.get("from", ""), "")
         if found or key == "request" or path[-1] != 0:
-            report_unused(layout, (*_HERE, *path), found, "spi-exchange", report)
+            report_unused(layout, path, found, "spi-exchange", report)
         if layout.get("carried_as") == "bytes":
             wrong = f"{quoted(layout['name'])} is an SPI word, which is always carried as bits; remove 'carried_as'"
-            report.add("spi-exchange", (*_HERE, *path, "carried_as"), wrong)
+            report.add("spi-exchange", (*path, "carried_as"), wrong)
 
 
-def _check_parities(raw: Spec, report: DocumentReport) -> None:
+def _check_parities(spec: Spec, report: DocumentReport) -> None:
     """Check that the parity bits of a word without a CRC cover all other fields, unless a note explains it."""
-    for path, layout in items(mapping(raw, *_HERE), "layouts"):
+    for path, layout in items(spec, *_HERE, "layouts"):
         found = [(below, field) for below, field in items(layout, "fields") if "parity_of" in field]
         covered = {name for _, field in found for name in _covered(layout, field["parity_of"])}
         fields = [field for _, field in items(layout, "fields") if "parity_of" not in field]
@@ -65,7 +76,7 @@ def _check_parities(raw: Spec, report: DocumentReport) -> None:
             below, field = found[0]
             wrong = f"{quoted(field.get('name', ''))} leaves out {quoted(left_out[0])}"
             way = "add it to 'parity_of', or add a 'note' that the manual leaves it out"
-            report.add("spi-parity", (*_HERE, *path, *below, "parity_of"), f"{wrong}; {way}")
+            report.add("spi-parity", (*path, *below, "parity_of"), f"{wrong}; {way}")
 
 
 def _covered(layout: Spec, of: object) -> Iterator[str]:

@@ -1,0 +1,46 @@
+"""Check that the frames over SPI that access a register hold as many bytes as it has."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..language.problems import DocumentReport
+from ..model import Device, Register, Spi
+from ..say.words import counted
+from .valid_parts import sound_so_far
+
+#: Field of a frame that holds the value of a register.
+_DATA = "data"
+
+
+def check_spi_registers(device: Device, report: DocumentReport) -> None:
+    """Compare the length of each register with the frames that read and write it, for every order code."""
+    interface = device.over(Spi)
+    if interface is None or not sound_so_far(report).has_frames:
+        return
+    for register in device.registers:
+        frames = _frames(interface, register) if register.interface == interface.name else ()
+        for name, bits in _widths(device, interface, frames):
+            if (bits + 7) // 8 != register.length:
+                has = f"'{register.name}' has {counted(register.length, 'byte')}"
+                wrong = f"{has}, but '{_DATA}' in '{name}' has {counted(bits, 'bit')}"
+                way = "correct 'length', or describe each part as a register"
+                report.add("width-mismatch", ("registers", register.name, "length"), f"{wrong}; {way}")
+                break
+
+
+def _frames(interface: Spi, register: Register) -> Iterator[str]:
+    """Yield the names of the frames that carry the value of a register."""
+    for item in interface.exchanges:
+        if (item.purpose == "read" and register.readable) or (item.purpose == "write" and register.writable):
+            yield from (item.request, item.reply)
+
+
+def _widths(device: Device, interface: Spi, frames: Iterator[str] | tuple[()]) -> Iterator[tuple[str, int]]:
+    """Yield each of these frames that has a value, with the number of its bits."""
+    names = set(frames)
+    for layout in interface.layouts:
+        for variant in device.variants if layout.name in names else ():
+            field = layout.place(variant.parameters).field(_DATA) if variant.interface == interface.name else None
+            if field is not None:
+                yield layout.name, field.width
