@@ -6,6 +6,7 @@ import argparse
 import math
 import textwrap
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +57,10 @@ class Parser(argparse.ArgumentParser):
     """
 
     more_help: Callable[[], str] | None = None
+
+    def __init__(self, **options: Any) -> None:
+        # Each argument is formatted when it is added. The terminal is asked for its width only to show the help.
+        super().__init__(formatter_class=partial(argparse.HelpFormatter, width=_WIDTH), **options)
 
     def format_help(self) -> str:
         return super().format_help() + (f"\n{self.more_help()}\n" if self.more_help is not None else "")
@@ -136,13 +141,12 @@ def _left_over(parser: argparse.ArgumentParser, text: str) -> str:
     return f"unexpected argument '{text}'"
 
 
-def add_examples(commands: argparse._SubParsersAction[Parser]) -> None:
-    """Add the examples to the help of each command, and give each command its own parser."""
-    for name, parser in commands.choices.items():
-        parser.set_defaults(parser=parser)
-        of_what = "" if name in ("new", "explain") else ", with the spec that codewheel new my_encoder writes"
-        lines = [f"examples{of_what}:", *(f"  {line}" for line in EXAMPLES[name])]
-        text = [textwrap.fill(parser.epilog, _WIDTH), ""] if parser.epilog else []
-        parser.epilog = "\n".join([*text, *lines])
-        parser.description = textwrap.fill(parser.description or "", _WIDTH)
-        parser.formatter_class = argparse.RawDescriptionHelpFormatter
+def complete(parser: Parser, name: str) -> None:
+    """Add the examples to the help of a command, and the parser to its arguments."""
+    parser.set_defaults(parser=parser)
+    of_what = "" if name in ("new", "explain") else ", with the spec that codewheel new my_encoder writes"
+    lines = [f"examples{of_what}:", *(f"  {line}" for line in EXAMPLES[name])]
+    text = [textwrap.fill(parser.epilog, _WIDTH), ""] if parser.epilog else []
+    parser.epilog = "\n".join([*text, *lines])
+    parser.description = textwrap.fill(parser.description or "", _WIDTH)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter

@@ -29,13 +29,9 @@ _MOST_SHOWN = 3
 Generate = Callable[["Sequence[Device]", "Sequence[Device]"], "Files | None"]
 
 
-def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
+def add_diff(parser: Parser) -> None:
     """Add the command to the command line."""
-    parser = commands.add_parser(
-        "diff",
-        help="list the changes between two versions of specs",
-        description="List each change with the outputs and order codes that it affects. Exit 1 if there are any.",
-    )
+    parser.description = "List each change with the outputs and order codes that it affects. Exit 1 if there are any."
     where = "a file, a folder, or either in a git revision, such as v1.0:specs/lika"
     parser.add_argument("old", metavar="OLD", help=f"the old specs: {where}")
     parser.add_argument("new", metavar="NEW", help="the new specs, given in the same way")
@@ -75,7 +71,6 @@ def add_diff(commands: argparse._SubParsersAction[Parser]) -> Parser:
         action="store_true",
         help="compare specs even if the current spec language finds problems, without the faulty parts",
     )
-    return parser
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import textwrap
 from typing import TypedDict
@@ -28,12 +27,10 @@ class Example(TypedDict):
     lines: list[str]
 
 
-def add_explain(commands: argparse._SubParsersAction[Parser]) -> None:
+def add_explain(parser: Parser) -> None:
     """Add the command to the command line."""
-    parser = commands.add_parser(
-        "explain",
-        help="explain a rule of check or diff",
-        description="Explain a rule of check with an example, or a rule of diff with its impact and the reason for it.",
+    parser.description = (
+        "Explain a rule of check with an example, or a rule of diff with its impact and the reason for it."
     )
     parser.add_argument("rule", nargs="?", metavar="RULE", help="name of the rule (default: list all rules)")
 

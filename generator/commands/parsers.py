@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import TypeAlias
 
-from .arguments import FORMATS, FORMATS_HELP, Parser, ShowVersion, a_path, add_examples, metres
+from .arguments import FORMATS, FORMATS_HELP, Parser, ShowVersion, a_path, complete, metres
 
 _DESCRIPTION = (
     "Describe an absolute encoder once and get a Python codec, C headers, a BiSS XML description and documentation."
@@ -18,25 +17,28 @@ _SPECS = (
     "current folder, or if there are none, those shipped with codewheel)"
 )
 
-_Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
-
 
 def parser_for(arguments: Sequence[str]) -> argparse.ArgumentParser:
-    """Return the parser for these arguments: with the command that they begin with, or else with all commands."""
+    """Return the parser for these arguments: with the command that they begin with, or else with all commands.
+
+    Only commands that are among the arguments have arguments of their own, because the others can only be listed.
+    """
     parser = Parser(prog="codewheel", description=_DESCRIPTION)
     parser.add_argument("--version", action=ShowVersion, help="show the version and exit")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     first = arguments[0] if arguments else ""
     for name in [first] if first in _COMMANDS else () if first == "--version" else _COMMANDS:
-        _COMMANDS[name](commands)
-    add_examples(commands)
+        summary, add_arguments = _COMMANDS[name]
+        command = commands.add_parser(name, help=summary)
+        if name in arguments:
+            add_arguments(command)
+            complete(command, name)
+    parser.formatter_class = argparse.HelpFormatter
     return parser
 
 
-def _add_generate(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "generate", help="write all outputs, or compare them", description="Write all outputs of the specs."
-    )
+def _add_generate(parser: Parser) -> None:
+    parser.description = "Write all outputs of the specs."
     _add_specs(parser)
     parser.add_argument(
         "-o",
@@ -90,10 +92,8 @@ def _add_own_files(parser: argparse.ArgumentParser) -> None:
     _add_cache_option(parser)
 
 
-def _add_check(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "check", help="find problems in specs", description="Report all problems in the specs."
-    )
+def _add_check(parser: Parser) -> None:
+    parser.description = "Report all problems in the specs."
     _add_specs(parser)
     parser.add_argument(
         "--target",
@@ -118,19 +118,13 @@ def _add_check(commands: _Commands) -> None:
     parser.more_help = _targets_for_help
 
 
-def _add_list(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "list", help="list the families", description="List families, interfaces, order codes and manuals."
-    )
+def _add_list(parser: Parser) -> None:
+    parser.description = "List families, interfaces, order codes and manuals."
     _add_spec_option(parser)
 
 
-def _add_show(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "show",
-        help="show a family or an order code",
-        description="Show everything known about a family or an order code.",
-    )
+def _add_show(parser: Parser) -> None:
+    parser.description = "Show everything known about a family or an order code."
     parser.add_argument(
         "what", metavar="FAMILY|ORDER-CODE", help="a family name as shown by list, or the code on the label"
     )
@@ -151,13 +145,9 @@ _ABOUT_FRAMES = (
 )
 
 
-def _add_decode(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "decode",
-        help="decode a frame",
-        description="Name every bit of a frame, check its CRC, and list the reports of the encoder.",
-        epilog=_ABOUT_FRAMES,
-    )
+def _add_decode(parser: Parser) -> None:
+    parser.description = "Name every bit of a frame, check its CRC, and list the reports of the encoder."
+    parser.epilog = _ABOUT_FRAMES
     parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
     parser.add_argument(
         "frame", nargs="+", metavar="FRAME", help="the frame, as one or more arguments, or - to read one frame per line"
@@ -184,12 +174,8 @@ def _add_decode(commands: _Commands) -> None:
     _add_spec_option(parser)
 
 
-def _add_master(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "master",
-        help="show the settings for a BiSS or SSI master",
-        description="Show the settings that a BiSS or SSI master needs for an encoder.",
-    )
+def _add_master(parser: Parser) -> None:
+    parser.description = "Show the settings that a BiSS or SSI master needs for an encoder."
     parser.add_argument(
         "order_code", nargs="?", metavar="ORDER-CODE", help="the code on the label (default: list the masters)"
     )
@@ -213,12 +199,8 @@ def _add_master(commands: _Commands) -> None:
     _add_spec_option(parser)
 
 
-def _add_simulate(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "simulate",
-        help="run a virtual encoder",
-        description="Answer like an encoder on a pseudo-terminal or over TCP, and print the device or URL to open.",
-    )
+def _add_simulate(parser: Parser) -> None:
+    parser.description = "Answer like an encoder on a pseudo-terminal or over TCP, and print the device or URL to open."
     parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
     parser.add_argument(
         "--position",
@@ -255,24 +237,22 @@ def _add_simulate(commands: _Commands) -> None:
     parser.set_defaults(looks_up=True)
 
 
-def _add_diff(commands: _Commands) -> None:
+def _add_diff(parser: Parser) -> None:
     from .diff import add_diff
 
-    add_diff(commands)
+    add_diff(parser)
 
 
-def _add_explain(commands: _Commands) -> None:
+def _add_explain(parser: Parser) -> None:
     from .explain import add_explain
 
-    add_explain(commands)
+    add_explain(parser)
 
 
-def _add_reread(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "reread",
-        help="find the changes in a new edition of a manual",
-        description="Compare the texts of two editions of a manual, and list the facts that cite changed passages.",
-        epilog="Exit codes: 0 no difference. 1 differences. 2 wrong usage, or a file that is not the text of a manual.",
+def _add_reread(parser: Parser) -> None:
+    parser.description = "Compare the texts of two editions of a manual, and list the facts that cite changed passages."
+    parser.epilog = (
+        "Exit codes: 0 no difference. 1 differences. 2 wrong usage, or a file that is not the text of a manual."
     )
     parser.add_argument("old", type=a_path, metavar="OLD", help="the edition that the spec describes: text or PDF")
     parser.add_argument("new", type=a_path, metavar="NEW", help="the new edition")
@@ -282,24 +262,16 @@ def _add_reread(commands: _Commands) -> None:
     _add_spec_option(parser)
 
 
-def _add_facts(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "facts",
-        help="list the facts from a page or section of a manual",
-        description="List the facts of a family that cite a page or a section of its manual.",
-    )
+def _add_facts(parser: Parser) -> None:
+    parser.description = "List the facts of a family that cite a page or a section of its manual."
     parser.add_argument("family", metavar="FAMILY", help="a family name as shown by list")
     parser.add_argument("--page", type=int, metavar="NUMBER", help="facts that cite this page")
     parser.add_argument("--section", metavar="NUMBER", help="facts that cite this section, such as 6.4")
     _add_spec_option(parser)
 
 
-def _add_new(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "new",
-        help="write an example spec to start from",
-        description="Write a commented spec that passes check, to be filled in from a manual.",
-    )
+def _add_new(parser: Parser) -> None:
+    parser.description = "Write a commented spec that passes check, to be filled in from a manual."
     parser.add_argument("name", metavar="NAME", help="name of the family: lowercase letters, digits and underscores")
     parser.add_argument(
         "-o", dest="output", type=a_path, metavar="FILE", help="output file (default: NAME.yaml in this folder)"
@@ -312,31 +284,29 @@ def _add_new(commands: _Commands) -> None:
     )
 
 
-def _add_migrate(commands: _Commands) -> None:
-    parser = commands.add_parser(
-        "migrate",
-        help="update specs to the current spec language",
-        description="Apply renamed keys to specs, keep comments and layout, and list what only a person can decide.",
+def _add_migrate(parser: Parser) -> None:
+    parser.description = (
+        "Apply renamed keys to specs, keep comments and layout, and list what only a person can decide."
     )
     parser.add_argument("specs", nargs="*", type=a_path, metavar="SPEC", help="files or folders (default: this folder)")
     parser.add_argument("--check", action="store_true", help="list what would change, and write nothing")
 
 
-#: The commands, in the order of the help.
-_COMMANDS = {
-    "generate": _add_generate,
-    "check": _add_check,
-    "list": _add_list,
-    "show": _add_show,
-    "decode": _add_decode,
-    "master": _add_master,
-    "simulate": _add_simulate,
-    "diff": _add_diff,
-    "reread": _add_reread,
-    "facts": _add_facts,
-    "explain": _add_explain,
-    "new": _add_new,
-    "migrate": _add_migrate,
+#: The help and the arguments of each command, in the order of the help.
+_COMMANDS: Mapping[str, tuple[str, Callable[[Parser], None]]] = {
+    "generate": ("write all outputs, or compare them", _add_generate),
+    "check": ("find problems in specs", _add_check),
+    "list": ("list the families", _add_list),
+    "show": ("show a family or an order code", _add_show),
+    "decode": ("decode a frame", _add_decode),
+    "master": ("show the settings for a BiSS or SSI master", _add_master),
+    "simulate": ("run a virtual encoder", _add_simulate),
+    "diff": ("list the changes between two versions of specs", _add_diff),
+    "reread": ("find the changes in a new edition of a manual", _add_reread),
+    "facts": ("list the facts from a page or section of a manual", _add_facts),
+    "explain": ("explain a rule of check or diff", _add_explain),
+    "new": ("write an example spec to start from", _add_new),
+    "migrate": ("update specs to the current spec language", _add_migrate),
 }
 
 

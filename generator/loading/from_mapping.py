@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
-from inspect import Parameter, signature
 from types import MappingProxyType
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
@@ -58,12 +57,12 @@ def records(kind: Callable[..., T], raw: Raw, key: str) -> tuple[T, ...]:
 
 
 @cache
-def _members(kind: Callable[..., object]) -> tuple[tuple[str, Any, bool], ...]:
+def _members(kind: Any) -> tuple[tuple[str, Any, bool], ...]:
     # Names are resolved in the module, so that a member called 'bytes' does not hide the type.
     hints = get_type_hints(kind, localns={})
     return tuple(
-        (item.name, hints[item.name], item.default is not Parameter.empty)
-        for item in signature(kind).parameters.values()
+        (item.name, hints[item.name], not (item.default is MISSING and item.default_factory is MISSING))
+        for item in fields(kind)
     )
 
 

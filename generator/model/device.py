@@ -430,8 +430,21 @@ class Device:
         It is the position, or the number of revolutions if another field counts one revolution in all its bits. Parts
         of one revolution in several fields, signed positions and those with an offset have no such limit.
         """
-        interface = next((item.name for item, each in self.layouts() if each is layout), "")
-        measurement = self.measurement_of(interface) if interface and layout.sender == "encoder" else None
+        # The device holds its layouts, so no other layout can have the identity of one of them.
+        if id(layout) not in self._highest_values:
+            interface = next((item.name for item, each in self.layouts() if each is layout), "")
+            if not interface:
+                return None
+            self._highest_values[id(layout)] = self._highest_in(interface, layout)
+        return self._highest_values[id(layout)]
+
+    @cached_property
+    def _highest_values(self) -> dict[int, tuple[Field, Expression] | None]:
+        """Results of ``highest_in`` so far, because each frame of many needs one."""
+        return {}
+
+    def _highest_in(self, interface: str, layout: Layout) -> tuple[Field, Expression] | None:
+        measurement = self.measurement_of(interface) if layout.sender == "encoder" else None
         if measurement is None or measurement.highest is not None:
             return None
         by_name = {item.name: item for item in layout.fields}

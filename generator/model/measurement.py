@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from .expressions import Expression
 from .facts import Sources
 from .record import dataclass
+
+if TYPE_CHECKING:
+    from fractions import Fraction
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +42,8 @@ class Measurement:
 
     def micrometres(self, parameters: Mapping[str, int]) -> Fraction | None:
         """Return the exact length of one count, or None for an angle."""
+        from fractions import Fraction
+
         if self.step_nm is not None:
             counts = self.per_counts.value(parameters) if self.per_counts is not None else 1
             return Fraction(self.step_nm.value(parameters), 1000 * counts)

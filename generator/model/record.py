@@ -1,27 +1,29 @@
 """Data classes for the model, in a form that is created quickly.
 
-Importing the model mostly means compiling the methods of a hundred data classes. Here all of them share ``__eq__``,
-``__hash__`` and ``__repr__``, so that only ``__init__`` and the protection from changes are compiled.
+Importing the model mostly means compiling the methods of a hundred data classes. Here all of them share every method
+except ``__init__``, which is compiled for the first object, because a command needs few of the classes.
 """
 
 from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import MISSING, FrozenInstanceError, fields
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, NoReturn
 
 if TYPE_CHECKING:
     from dataclasses import dataclass
 else:
     import dataclasses
 
-    def dataclass(**options: bool) -> Callable[[type], type]:
-        """Return the decorator of ``dataclasses`` with the three shared methods."""
+    def dataclass(*, frozen: Literal[True], **options: bool) -> Callable[[type], type]:
+        """Return the decorator of ``dataclasses`` with the shared methods."""
 
         def decorate(kind: type) -> type:
-            made = dataclasses.dataclass(**options, eq=False, repr=False)(kind)
+            # Without a text, dataclasses would import the signature of each class to write one.
+            kind.__doc__ = kind.__doc__ or kind.__name__
+            made = dataclasses.dataclass(**options, init=False, eq=False, repr=False)(kind)
             for name, method in _SHARED.items():
                 setattr(made, name, method)
             return made
@@ -56,4 +58,39 @@ def _shown(self: Any) -> str:
     return f"{self.__class__.__qualname__}({members})"
 
 
-_SHARED: Mapping[str, Callable[..., Any]] = {"__eq__": _is_equal, "__hash__": _hash, "__repr__": _shown}
+def _refuse(self: Any, name: str, *_: object) -> NoReturn:
+    raise FrozenInstanceError(f"cannot change field {name!r}")
+
+
+def _init(self: Any, *values: Any, **named: Any) -> None:
+    kind = self.__class__
+    kind.__init__ = _init_of(kind)
+    kind.__init__(self, *values, **named)
+
+
+def _init_of(kind: type) -> Any:
+    """Return ``__init__`` of a class, as ``dataclasses`` would compile it."""
+    used: dict[str, Any] = {"_set": object.__setattr__}
+    positional, by_keyword, lines = ["self"], ["*"], ["pass"]
+    for item in fields(kind):
+        name, value = item.name, item.name
+        if item.default_factory is not MISSING:
+            used[f"_of_{name}"], used[f"_{name}"] = item.default_factory, MISSING
+            value = f"_of_{name}() if {name} is _{name} else {name}"
+        elif item.default is not MISSING:
+            used[f"_{name}"] = item.default
+        (by_keyword if item.kw_only else positional).append(f"{name}=_{name}" if f"_{name}" in used else name)
+        lines.append(f"_set(self, {name!r}, {value})")
+    parameters = [*positional, *(by_keyword if len(by_keyword) > 1 else ())]
+    exec(f"def __init__({', '.join(parameters)}): {'; '.join(lines)}", used)
+    return used["__init__"]
+
+
+_SHARED: Mapping[str, Callable[..., Any]] = {
+    "__init__": _init,
+    "__eq__": _is_equal,
+    "__hash__": _hash,
+    "__repr__": _shown,
+    "__setattr__": _refuse,
+    "__delattr__": _refuse,
+}

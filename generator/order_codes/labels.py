@@ -5,10 +5,10 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from types import MappingProxyType
 
 from ..model import CodePart, Device, OrderCode, Spelling, Variant
+from ..model.record import dataclass
 from . import messages
 
 #: Highest number of characters in a label.

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
 from ..model import Alternative, Crc, Device, Digits, Fault, Field, Join, Layout, Piece
 from ..model.expressions import Expression
 from ..model.kinds import Constant, CrcValue, Flag, Parity, Text, Unused
+from ..model.record import dataclass
 from .crc_tables import FoldStep
 from .crcs import covers_part, divides, fold_steps
 from .values import Meaning, meaning_of

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
 from itertools import combinations
 from math import comb
 
 from ..model import Crc
+from ..model.record import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from enum import Enum
 
 from ..model import Crc, Device, Layout
 from ..model.kinds import CrcValue
+from ..model.record import dataclass
 from .crc_tables import FoldStep, fold_plan
 
 #: Width in bits of the longest word, and of the widest CRC that is folded in such a word.

@@ -7,12 +7,12 @@ that the bytes form. A member that has its default may be omitted.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..model import Fault, Field, Verdict
 from ..model.expressions import Expression
 from ..model.never import assert_never
+from ..model.record import dataclass
 from . import codec as plan
 from . import reports
 from .refusals import powers_of_two

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from ..model import Field, Layout
+from ..model.record import dataclass
 from .codec import Bits, bits_of
 
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from ..model import Device, Register, RegisterMeaning
 from ..model.expressions import Expression
+from ..model.record import dataclass
 
 
 @dataclass(frozen=True, slots=True)

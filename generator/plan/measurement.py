@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from math import prod
 from typing import Generic, TypeVar
 
 from ..model import Device, Interface, Measurement, Parameter
 from ..model.expressions import Expression
+from ..model.record import dataclass
 
 T = TypeVar("T")
 Formula = tuple["Expression | None", ...]

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import product
 
 from ..model import Answer, Biss, Device, Interface, Layout, Rs485, Spi, Ssi, Variant, assert_never, choices
+from ..model.record import dataclass
 
 #: Before the start bit of a BiSS frame come two idle clocks, the acknowledge and the line delay. No manual states how
 #: long an encoder takes. This is an allowance in bits, equal to 4 us at 10 MHz.

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from ..model import Digits, Field, Layout
 from ..model.expressions import Expression
 from ..model.kinds import Choice, Decimal, Number
 from ..model.never import assert_never
+from ..model.record import dataclass
 from .codec import Codec, NotAbove, Whole, allowed_values
 from .limits import Limits
 

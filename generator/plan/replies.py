@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ..model import Constant, CrcValue, Device, Exchange, Interface, Layout, Rs485, Spi
+from ..model.record import dataclass
 from .frames import dispatches
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from ..model import Device, Field, Parameter, Register, assert_never
+from ..model.record import dataclass
 from .codec import Bits, bits_of
 from .values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 from functools import cached_property
 
@@ -26,6 +26,7 @@ from ..model import (
     WriteStep,
     assert_never,
 )
+from ..model.record import dataclass
 from .closing_steps import closing_steps
 from .codec import allowed_values, codec_of
 from .limits import Limits, limited_member, limits_of

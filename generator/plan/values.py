@@ -6,11 +6,10 @@ these operations, so mypy reports every output that lacks a new one.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ..model import Digits, Field, Value
 from ..model.kinds import Choice, Constant, CrcValue, Decimal, Flag, Number, Parity, Text, Unused
 from ..model.never import assert_never
+from ..model.record import dataclass
 
 
 @dataclass(frozen=True, slots=True)

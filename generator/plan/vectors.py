@@ -5,9 +5,8 @@ They are part of the self-test of the C headers. Tests compare them with ``tests
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ..model import Crc
+from ..model.record import dataclass
 
 _BRIDGE = "timonburkard/BiSS_Bridge: 2_hdl/tb/tb_data_checker.vhd"
 _EXTRACT = "mjbots/moteus: fw/test/bissc_extract_test.cc"

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import astuple
 
 from ..language.document import Document
 from ..language.problems import Path
 from ..model import TimesRead
+from ..model.record import dataclass
 from .compare import Comparison, Read
 from .fact import Sort
 from .second_readings import Readings

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 
 from ..language.document import Document
 from ..language.problems import Path
 from ..model import INTERFACES, Device, Field, Layout, Parameter, Register
 from ..model.expressions import Expression
+from ..model.record import dataclass
 from ..order_codes.run_time import with_changed
 from .fact import Case, Key
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path as File
 
 from ..language.check import check_second
@@ -15,6 +14,7 @@ from ..language.second_reading import beside
 from ..loading.device import build_device
 from ..loading.library import Family
 from ..model import Manufacturer
+from ..model.record import dataclass
 from .collect import facts_of
 from .compare import Comparison, Disagreement, Read, compare
 from .fact import NOTHING, Facts, Sort

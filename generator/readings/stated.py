@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from enum import Enum
 from typing import Any
 
@@ -12,6 +12,7 @@ from ..language.rules.parameters import kind_of_unit
 from ..model import Digits
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, Member
+from ..model.record import dataclass
 from .fact import Fact, Key, Sort, Value
 from .printed_names import printed_names
 from .procedures import programs

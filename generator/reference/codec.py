@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..model import (
@@ -28,6 +27,7 @@ from ..model import (
     number_from_bytes,
     number_to_bytes,
 )
+from ..model.record import dataclass
 from ..say import fault
 from ..say.layout import as_one_number
 from ..say.words import counted

@@ -6,7 +6,6 @@ A valid frame may contain an unusable position, since an encoder with an error, 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 from ..model import (
     Alarm,
@@ -24,6 +23,7 @@ from ..model import (
     number_from_bytes,
 )
 from ..model.only import fits
+from ..model.record import dataclass
 from ..say import fault
 from ..say.report import alarm_of, meaning, remedy, source
 from .codec import Decoded, DecodedField, number_of_text

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ..model import Biss, Interface, Rs485
+from ..model.record import dataclass
 
 
 @dataclass(frozen=True, slots=True)

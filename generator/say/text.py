@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from enum import Enum
 
 from ..model import Sources, cite
 from ..model.expressions import Expression
+from ..model.record import dataclass
 from .words import number, sentence, with_unit
 
 

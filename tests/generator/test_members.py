@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import fields, make_dataclass, replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from codewheel.language.problems import Report
 from codewheel.language.read import read_document
 from codewheel.model import Device, Register
 from codewheel.model.members import PARTS, PARTS_BY_CLASS, Member, Part
+from codewheel.model.record import dataclass
 from codewheel.readings import stated
 from codewheel.readings.collect import facts_of
 from codewheel.readings.compare import compare
@@ -89,7 +90,9 @@ def test_records_of_python_have_the_members(record: str, part: Part) -> None:
 
 NEW = Member("needs_restart", "boolean=false", "True if it needs a restart.", "register-rule", read="behaviour")
 #: The class of registers with one more property. The table finds it by its name.
-NEW_REGISTER: Any = make_dataclass("Register", [("needs_restart", bool, False)], bases=(Register,), frozen=True)
+NEW_REGISTER: Any = dataclass(frozen=True)(
+    type("Register", (Register,), {"__annotations__": {"needs_restart": "bool"}, "needs_restart": False})
+)
 
 
 @pytest.fixture

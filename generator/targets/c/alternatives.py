@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from ...model import Alternative, Device
 from ...model.expressions import Expression
+from ...model.record import dataclass
 from ...say.erratum import errata, erratum
 from ...say.text import said
 from .enumerations import Entry, Enumeration

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Annotated, TypedDict
 
 from ...model import Crc, Device, Layout, Manufacturer, choices
+from ...model.record import dataclass
 from ...plan.crc_residual import Residual, residual
 from ...say.name import words
 from .. import Library

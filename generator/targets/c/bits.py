@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 from ...model import Digits, Field, Piece
+from ...model.record import dataclass
 from ...plan.codec import Bits, Codec, Whole
 from .expr import Call, Cast, Expr, Name, Number, Operation, Scope, joined, left, masked, right
 from .types import size_of, unsigned

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 from ...loading.examples import example_variant
 from ...model import (
@@ -27,6 +26,7 @@ from ...model import (
     cite,
     number_from_bytes,
 )
+from ...model.record import dataclass
 
 
 @dataclass(frozen=True, slots=True)

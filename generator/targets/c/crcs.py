@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from ...model import Crc
+from ...model.record import dataclass
 from ...plan.crc_tables import reflect, table, word_table
 from ...plan.crcs import Carrier, CrcFunction, Form
 from .about import about_crc

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 
 from ...model import Field, assert_never
+from ...model.record import dataclass
 from ...plan.codec import AlwaysIs, Check, ParityIs, Part, Whole, ZerosAbove, characters, is_plain_flag
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
 from ...say.name import words

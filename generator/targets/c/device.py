@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
 from itertools import chain
 from typing import Protocol, TypeVar
 
 from ...model import Device, Ssi
+from ...model.record import dataclass
 from ...order_codes.narrowing import for_codes
 from ...plan.crcs import crc_functions
 from ...plan.run_time_parameters import held_parameters

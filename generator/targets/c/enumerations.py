@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ...language.problems import Path
 from ...model import Device, Field, Value
+from ...model.record import dataclass
 from ...plan.values import Named, meaning_of
 from ...say.field import meaning
 from ...say.name import printed, title, words

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ...model import (
     ModifyStep,
@@ -20,6 +20,7 @@ from ...model import (
     cite,
     number_to_bytes,
 )
+from ...model.record import dataclass
 from ...plan.codec import Part
 from ...plan.receive_lengths import SSI_AROUND, Received, received
 from ...plan.steps import Sends

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import prod
 
 from ...model.expressions import Expression, Factor, Term
+from ...model.record import dataclass
 from .reserved import c_name
 from .types import number, signed_number
 

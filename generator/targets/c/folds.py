@@ -7,9 +7,9 @@ bits above and below its place from the halves of the wide number.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from ...model import Crc
+from ...model.record import dataclass
 from ...plan.crc_tables import FoldStep, fold_plan
 from .comments import Paragraph
 

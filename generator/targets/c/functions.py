@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ...model.expressions import Expression
+from ...model.record import dataclass
 from .expr import Cast, Expr, Scope
 from .types import unsigned
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 from ...model import Interface
 from ...model.expressions import Expression
+from ...model.record import dataclass
 from ...plan.identity import identities
 from .context import Context
 from .names import Declared

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from ...model import Biss, CableLength, Clock, Interface, Layout, Port, Rs485, Spi, Timeout, WordFormat, cite
+from ...model.record import dataclass
 from ...plan.frames import Branch, Dispatch, dispatches
 from ...plan.replies import Exchanged, answer, exchanges
 from ...say.erratum import errata, erratum

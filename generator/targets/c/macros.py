@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from ...model import Timing
+from ...model.record import dataclass
 from ...say.timing import timing as said_of
 from .style import S
 from .types import number

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 from ...language.problems import Path
 from ...model import Device, Layout
+from ...model.record import dataclass
 from .reserved import c_name
 from .runtime import TAKEN
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Annotated, TypedDict
 
 from ...model import Biss, Manufacturer
+from ...model.record import dataclass
 from .comments import ascii_text
 from .crcs import CrcCode
 from .device import DeviceView

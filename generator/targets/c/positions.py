@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from ...model import Measurement, cite
 from ...model.expressions import Expression
+from ...model.record import dataclass
 from .context import Context
 from .expr import Cast, Expr, Number, Scope
 from .functions import Function, wide_number_of

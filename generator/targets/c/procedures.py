@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 from ...model import Piece, Procedure, Register, assert_never
+from ...model.record import dataclass
 from ...plan.refusals import TooWide
 from ...plan.steps import (
     ArgumentRefusal,

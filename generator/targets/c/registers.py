@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 
 from ...model import Field, Register, RegisterMeaning, assert_never
 from ...model.expressions import Expression
+from ...model.record import dataclass
 from ...order_codes.run_time import at_run_time
 from ...plan.codec import Codec
 from ...plan.limits import limits_of

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from ...model import assert_never
+from ...model.record import dataclass
 from ...plan.run_time_parameters import Held, HeldBy
 from ...plan.values import Raw, ZeroMeans, widest_value
 from ...say.name import title

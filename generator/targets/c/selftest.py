@@ -6,7 +6,6 @@ The checks of a family are numbered from 1 in the order of its spec. The number 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Annotated, TypedDict
 
 from ...model import (
@@ -21,6 +20,7 @@ from ...model import (
     assert_never,
     cite,
 )
+from ...model.record import dataclass
 from ...plan.codec import Part
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
 from ...plan.vectors import CONTROL_FIELDS, vectors_of

@@ -6,9 +6,10 @@ In bytes, each bit keeps its place in its byte, so that only whole bytes are shi
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ...model import Field
+from ...model.record import dataclass
 from ...plan.codec import Reserved
 from .bits import Reader
 from .expr import Cast, Expr, Name, Number, Operation, joined, left, masked, right

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from ...model import Parameter, Variant
+from ...model.record import dataclass
 from ...plan.measurement import also_measured
 from .about import about_order_codes, about_parameter
 from .context import Context

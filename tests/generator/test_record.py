@@ -1,0 +1,86 @@
+"""Data classes of the model behave like those of the standard library."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from codewheel.model.record import dataclass
+from codewheel.targets import Library
+
+Decorator = Callable[..., Callable[[type], Any]]
+
+
+def made(decorator: Decorator) -> Any:
+    """Return a class with every kind of member, and a base class."""
+
+    @decorator(frozen=True, slots=True)
+    class Base:
+        first: int
+        second: str = "two"
+        third: list[int] = dataclasses.field(default_factory=list)
+
+    @decorator(frozen=True, slots=True, kw_only=True)
+    class Derived(Base):
+        fourth: int
+        fifth: str = "five"
+
+    return Derived
+
+
+OURS, THEIRS = made(dataclass), made(dataclasses.dataclass)
+ARGUMENTS: tuple[tuple[tuple[Any, ...], dict[str, Any]], ...] = (
+    ((1,), {"fourth": 4}),
+    ((1, "2", [3]), {"fourth": 4, "fifth": "5"}),
+    ((), {"first": 1, "third": [], "fourth": 4}),
+    ((), {}),
+    ((1,), {}),
+    ((1, "2", [3], 4), {}),
+    ((1,), {"fourth": 4, "first": 1}),
+    ((1,), {"fourth": 4, "other": 5}),
+)
+
+
+def result(kind: Any, *values: Any, **named: Any) -> str:
+    try:
+        return repr(kind(*values, **named))
+    except TypeError:
+        return "TypeError"
+
+
+@pytest.mark.parametrize(("values", "named"), ARGUMENTS)
+def test_arguments_are_those_of_the_standard_library(values: tuple[Any, ...], named: dict[str, Any]) -> None:
+    expected = result(THEIRS, *values, **named)
+    # The first object compiles the method, and the second one uses it.
+    assert [result(made(dataclass), *values, **named), result(OURS, *values, **named)] == [expected] * 2
+
+
+def test_each_object_has_its_own_default() -> None:
+    one, two = OURS(1, fourth=4), OURS(1, fourth=4)
+    assert one == two
+    assert one.third is not two.third
+
+
+def test_a_copy_can_differ() -> None:
+    assert dataclasses.replace(OURS(1, fourth=4), fifth="6") == OURS(1, fourth=4, fifth="6")
+
+
+def test_objects_cannot_be_changed() -> None:
+    item = OURS(1, fourth=4)
+    with pytest.raises(dataclasses.FrozenInstanceError, match="'first'"):
+        item.first = 2
+    with pytest.raises(dataclasses.FrozenInstanceError, match="'first'"):
+        del item.first
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        item.other = 2
+    assert item.first == 1
+
+
+def test_the_highest_value_is_found_again_only_for_layouts_of_the_device(library: Library) -> None:
+    for device in library.devices:
+        for _, layout in device.layouts():
+            fresh = dataclasses.replace(device).highest_in(layout)
+            assert [device.highest_in(layout), device.highest_in(layout)] == [fresh, fresh]
+            assert device.highest_in(dataclasses.replace(layout)) is None
