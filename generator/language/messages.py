@@ -238,12 +238,12 @@ def _type(error: Any, subject: str) -> tuple[str, str]:
 
 
 def _text_hint(error: Any) -> str:
-    """Return the correction of a number that has to be text. In a step it stands for a value, which needs a name."""
+    """Return the correction of a number that must be text. In a step it stands for a value, which needs a name."""
     path = list(error.absolute_path)
     if "steps" in path and path[-1] == "value":
         return "; give the number a name, under 'values' of a field of the register, and write the name"
     pattern = error.schema.get("pattern", "")
-    # As text, true is a name. A number is none, so quotes would not help.
+    # In quotes, true is a name. A number is not, so quotes would not help.
     return "; put it in quotes" if re.search(pattern, str(error.instance).lower()) else ""
 
 

@@ -36,8 +36,8 @@ __all__ = ["dataclass"]
 
 @functools.cache
 def _values_of(kind: type) -> Callable[[Any], Any]:
-    """Return a function that returns the values of the fields of an object: one value, or a tuple of several."""
-    names = [item.name for item in fields(kind)]
+    """Return a function that returns the values that two equal objects share: one value, or a tuple of several."""
+    names = [item.name for item in fields(kind) if item.compare]
     return attrgetter(*names) if names else lambda _: ()
 
 

@@ -26,6 +26,7 @@ def made(decorator: Decorator) -> Any:
     class Derived(Base):
         fourth: int
         fifth: str = "five"
+        sixth: list[int] = dataclasses.field(default_factory=list, compare=False)
 
     return Derived
 
@@ -61,6 +62,11 @@ def test_each_object_has_its_own_default() -> None:
     one, two = OURS(1, fourth=4), OURS(1, fourth=4)
     assert one == two
     assert one.third is not two.third
+
+
+def test_members_that_are_not_compared_make_no_difference() -> None:
+    assert OURS(1, third=(), fourth=4, sixth=[1]) == OURS(1, third=(), fourth=4, sixth=[2])
+    assert hash(OURS(1, third=(), fourth=4, sixth=[1])) == hash(OURS(1, third=(), fourth=4))
 
 
 def test_a_copy_can_differ() -> None:

@@ -148,8 +148,11 @@ def _fields(spec: Spec, alarm: Spec) -> Iterator[tuple[Path, Spec]]:
 def time_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a text does not contradict the times of its item, nor an erratum those of the facts it affects.
 
-    A text may also repeat any of the ``timings`` of the spec.
+    A text may also repeat any of the ``timings`` of the spec. Overlays and older editions change times, but not what
+    was written about the others.
     """
+    if report.document.others or report.document.family:
+        return
     interfaces = [(("interfaces", name), item) for name, item in mapping(spec, "interfaces").items()]
     timings = [mapping(item).get("timings") for item in (spec, *(item for _, item in interfaces))]
     named = set(_times(timings))
