@@ -11,7 +11,7 @@ from ..cache import Cache, content_of
 from ..language.problems import Report
 from ..language.second_reading import beside
 from ..loading.family_files import family_files
-from ..loading.library import Family, contents, load_families
+from ..loading.library import Family, contents, is_clean, load_families
 from ..readings.second_readings import Reader, Readings, Second, compare_readings, read_beside, sound_specs
 from ..targets import Target
 from .editions import check_all
@@ -46,10 +46,11 @@ def run(paths: Sequence[Path], targets: Iterable[Target], cache: Cache | None = 
     new = [family for family in families if family.plain is not None or family.document.file not in clean]
     check_all(new, report)
     found = look_at(families, targets, report, partial(_read, [family.document.file for family in new]))
-    if not report:
-        for file in (family.document.file for family in new if family.plain is None):
-            if file in before and content_of(family_files(Path(file))) == before[file]:
-                cache.put(_CLEAN, before[file], True)
+    for family in new:
+        file = family.document.file
+        unchanged = file in before and content_of(family_files(Path(file))) == before[file]
+        if unchanged and family.plain is None and is_clean(family, report):
+            cache.put(_CLEAN, before[file], True)
     return found
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import keyword
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -31,6 +31,8 @@ from .stored import keep, kept
 
 #: Names of Python packages, and of the folder next to them, that do not belong to a manufacturer.
 _OURS = ("codewheel", "codewheel_runtime", "runtime")
+#: Kind of entry in the cache for the description of a master that has no problems.
+_SOUND = "sound master"
 
 
 def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
@@ -93,15 +95,31 @@ def load_families(
     same = [file for file, content in before.items() if after.get(file) == content]
     stored = {file: entry for file in same if (entry := found[file]) is not None}
     known = {file: device for file, (device, _) in stored.items()}
-    families = families_of(documents, report, known)
-    if cache and not report:
+    masters = _text_of_masters(documents) if cache else {}
+    sound = {file for file, text in masters.items() if cache and cache.get(_SOUND, text)}
+    families = families_of(documents, report, known, sound)
+    if cache:
+        faulty = {problem.file for problem in report.problems}
+        for file in masters.keys() - sound - faulty:
+            cache.put(_SOUND, masters[file], True)
         families = [
             family
-            if family.plain or family.device.base or family.document.file not in same
+            if family.plain or family.device.base or family.document.file not in same or not is_clean(family, report)
             else _with_digest(family, before[family.document.file], stored, cache)
             for family in families
         ]
     return families, report
+
+
+def _text_of_masters(documents: Sequence[Document]) -> dict[str, list[bytes | str]]:
+    """Return the name and the text of each description of a master, by its path."""
+    return {item.file: [Path(item.file).name, "\n".join(item.lines)] for item in documents if "master" in item.data}
+
+
+def is_clean(family: Family, report: Report) -> bool:
+    """Return True if no problem was reported in any file on which a family depends."""
+    files = {*family.files, *map(str, family_files(Path(family.document.file)))}
+    return all(problem.file not in files for problem in report.problems)
 
 
 def _with_digest(
@@ -119,16 +137,21 @@ def contents(paths: Sequence[Path]) -> dict[str, list[bytes | str]]:
 
 
 def families_of(
-    documents: Sequence[Document], report: Report, known: Mapping[str, Device] = MappingProxyType({})
+    documents: Sequence[Document],
+    report: Report,
+    known: Mapping[str, Device] = MappingProxyType({}),
+    sound: Collection[str] = (),
 ) -> list[Family]:
     """Build the families of documents, sorted by name, and add their problems to ``report``.
 
-    ``known`` contains devices, by the path of their specs, that were built before and had no problems.
+    ``known`` contains devices, by the path of their specs, that were built before and had no problems, and ``sound``
+    the paths of descriptions of masters that had none.
     """
     overlays = [document for document in documents if is_overlay(document)]
     documents = [document for document in documents if not is_overlay(document)]
+    before = {*known, *sound}
     checked = [
-        (document, document.data if document.file in known else check_document(document, report))
+        (document, document.data if document.file in before else check_document(document, report))
         for document in documents
     ]
     makers = _makers(checked, report)

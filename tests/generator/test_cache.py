@@ -20,6 +20,9 @@ from codewheel import cache as cache_module
 from codewheel.cache import Cache, content_of, default_folder, key_of
 from codewheel.commands.cli import main
 from codewheel.commands.terminal import Stop
+from codewheel.language.check import check_document
+from codewheel.language.document import Document
+from codewheel.language.problems import Report
 from codewheel.loading import selected
 from codewheel.loading.library import Family, load_families, load_library
 from codewheel.loading.selected import families_for
@@ -425,6 +428,36 @@ def test_only_changed_families_are_checked_again(folder: Path, specs: Path, caps
 
 
 @pytest.mark.slow
+def test_a_problem_makes_no_other_file_be_checked_again(
+    folder: Path, specs: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looked: list[str] = []
+
+    def check_noted(document: Document, report: Report) -> Any:
+        looked.append(Path(document.file).name)
+        return check_document(document, report)
+
+    master = specs / "moteus.yaml"
+    shutil.copy(SPECS.parent / "masters" / "moteus.yaml", master)
+    spec, others = specs / "asc85.yaml", {"am36.yaml", "amm5.yaml", "sma21.yaml", "moteus.yaml"}
+    spec.write_text(spec.read_text(encoding="utf-8") + "nonsense: 1\n", encoding="utf-8")
+    monkeypatch.setattr("codewheel.loading.library.check_document", check_noted)
+    command = ("check", str(specs))
+    first = said(capsys, *command)
+    assert first[0] == 1
+    assert others < set(looked)
+    looked.clear()
+    assert said(capsys, *command) == first
+    assert "asc85.yaml" in looked
+    assert others.isdisjoint(looked)
+    master.write_text(master.read_text(encoding="utf-8") + "nonsense: 1\n", encoding="utf-8")
+    code, out, _ = said(capsys, *command)
+    assert code == 1
+    assert "moteus.yaml" in out
+    assert said(capsys, *command) == (code, out, "") == said(capsys, *command, "--no-cache")
+
+
+@pytest.mark.slow
 def test_generate_writes_the_same_with_and_without_the_cache(
     folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -621,6 +654,9 @@ import os, sys
 from codewheel import parts
 from codewheel.commands.cli import main
 from codewheel.commands.terminal import Stop
+from codewheel.language.check import check_document
+from codewheel.language.document import Document
+from codewheel.language.problems import Report
 mine, start = os.getpid(), parts._child
 def dies(*arguments):
     HOW
