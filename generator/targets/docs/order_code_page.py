@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated
@@ -59,10 +59,14 @@ class CodePage(Sections, OverValues):
 
 @dataclass(frozen=True)
 class Alike:
-    """Order codes that are identical for software. ``name`` is the name of their common page."""
+    """Order codes that are identical for software. ``name`` is the name of their common page.
+
+    ``only`` is the family with only these order codes, and ``here`` is that with the quantities that they set.
+    """
 
     family: Device
     variants: tuple[Variant, ...]
+    only: Device
     here: Device
     name: str
 
@@ -82,7 +86,7 @@ class Alike:
     @cached_property
     def pictures(self) -> Pictures:
         """Pictures for these codes that differ from those of the family."""
-        return of_codes(self.family, self.codes, self.name, self.frame.name if self.frame is not None else "")
+        return of_codes(self.family, self.only, self.name, self.frame.name if self.frame is not None else "")
 
 
 @dataclass(frozen=True)
@@ -97,10 +101,11 @@ class Codes:
         for item in self.device.variants:
             found.setdefault((item.interface, tuple(sorted(item.parameters.items()))), []).append(item)
         names = names_of_codes((variants[0].code for variants in found.values()), TAKEN)
-        return tuple(
-            Alike(self.device, tuple(variants), applied(_only(self.device, variants), variants[0]), name)
-            for variants, name in zip(found.values(), names, strict=True)
-        )
+        return tuple(self._alike(tuple(variants), name) for variants, name in zip(found.values(), names, strict=True))
+
+    def _alike(self, variants: tuple[Variant, ...], name: str) -> Alike:
+        only = for_codes(self.device, [item.code for item in variants])
+        return Alike(self.device, variants, only, applied(only, variants[0]), name)
 
     @cached_property
     def pictures(self) -> Pictures:
@@ -131,10 +136,6 @@ class Codes:
             for alike in self.alike
             for item in alike.variants
         }
-
-
-def _only(device: Device, variants: Iterable[Variant]) -> Device:
-    return for_codes(device, [item.code for item in variants])
 
 
 def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ...model import Device, Layout, Register
-from ...order_codes.narrowing import for_codes
 from ...say.name import Titled, title
 from . import layout_tables
 from .connector_pictures import connector_picture, connector_text
@@ -48,12 +47,12 @@ def of_family(device: Device) -> Pictures:
     return found
 
 
-def of_codes(device: Device, codes: Sequence[str], page: str, frame: str) -> Pictures:
+def of_codes(device: Device, here: Device, page: str, frame: str) -> Pictures:
     """Return the pictures for a page of order codes that differ from the family's pictures.
 
     They are those of the layout ``frame``, also as one line, and of registers whose fields the order code moves.
+    ``here`` is the family with only these order codes.
     """
-    here = for_codes(device, codes)
     found: Pictures = {}
     for interface, layout in here.layouts():
         if layout.name == frame:
