@@ -30,7 +30,7 @@ quick: lint
 
 quick-outputs: .venv/.installed
 	@$(PY) -m mypy --no-error-summary generator runtime/python/codewheel_runtime
-	@said=$$($(PY) -m codewheel generate --check) || { echo "$$said" | grep -v '^up to date'; exit 1; }
+	@said=$$($(PY) -m codewheel generate --check) || { echo "$$said"; exit 1; }
 
 quick-tests: .venv/.installed
 	@$(PY) -m pytest -n auto --dist worksteal -m 'not slow'

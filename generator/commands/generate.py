@@ -51,9 +51,10 @@ def is_unchanged(chosen: argparse.Namespace, hashes: Rendered, read: str) -> boo
 
 
 def _tell(found: Sequence[Change], chosen: argparse.Namespace) -> None:
-    words = {"written": "differs", "unchanged": "up to date", "removed": "left over"} if chosen.check else {}
+    words = {"written": "differs", "removed": "left over"} if chosen.check else {}
     for item in found:
-        print(f"{words.get(item.what, item.what):<10} {(chosen.output / item.path).as_posix()}")
+        if item.what != "unchanged":
+            print(f"{words.get(item.what, item.what):<10} {(chosen.output / item.path).as_posix()}")
     _sum_up(found, chosen)
 
 

@@ -220,16 +220,15 @@ def test_generate_twice_check_and_targets(capsys: pytest.CaptureFixture[str], tm
     command = ("generate", str(EXAMPLE), "-o", str(tmp_path))
     code, out, _ = run(capsys, *command)
     assert code == 0
-    assert "\nunchanged" not in out
     code, out, _ = run(capsys, *command)
     assert code == 0
-    assert {line.split()[0] for line in out.splitlines()} == {"read", "unchanged", "all"}
+    assert [line.split()[0] for line in out.splitlines()] == ["read", "all"]
     assert run(capsys, *command, "--check")[0] == 0
     victim = next(tmp_path.rglob("tv62_biss.h"))
     victim.write_text("changed")
     code, out, err = run(capsys, *command, "--check")
     assert code == 1
-    assert f"differs    {victim}" in out
+    assert out.splitlines()[1:] == [f"differs    {victim}"]
     assert f"run: codewheel {shlex.join(command)}" in err
     assert victim.read_text() == "changed"
     code, out, _ = run(capsys, *command, "--target", "python")
