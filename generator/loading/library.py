@@ -163,7 +163,7 @@ def families_of(
             continue
         maker = makers.get(data["manufacturer"])
         if maker is None and data["manufacturer"] not in broken and "manufacturer" in document.data:
-            others = f"; known: {listed(sorted(makers))}" if makers else ""
+            others = f"; known: {listed(sorted(makers))}; use the same name in both files" if makers else ""
             report.add(
                 "undefined-reference",
                 document,
