@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ..problems import DocumentReport, Path, quoted, suggestion
-from .walk import Spec, by_name, items
+from .walk import Spec, by_name, items, mapping
 
 #: Senders with the key of their frames in an exchange.
 KEYS: Mapping[str, str] = {"master": "request", "encoder": "reply"}
@@ -14,7 +14,10 @@ KEYS: Mapping[str, str] = {"master": "request", "encoder": "reply"}
 def check_exchanges(
     spec: Spec, raw: Spec, interface: str, rule: str, report: DocumentReport
 ) -> list[tuple[Path, Spec]]:
-    """Check that the frames of exchanges exist, and that each request is in one of them. Return the exchanges."""
+    """Check that the frames of exchanges exist, and that each request is in one of them. Return the exchanges.
+
+    A request for the position needs a measurement, because without one no output has a position.
+    """
     here = ("interfaces", interface)
     layouts = by_name(raw, *here, "layouts")
     senders = {sender: [n for n, item in layouts.items() if item.get("from") == sender] for sender in KEYS}
@@ -30,6 +33,11 @@ def check_exchanges(
     for index, (path, item) in enumerate(found):
         if item["request"] in requests[:index]:
             report.add(rule, (*path, "request"), f"{quoted(item['request'])} already has a reply; keep one")
+    if not (mapping(spec, *here, "measurement") or mapping(spec, "measurement")):
+        for path, item in found:
+            if item["purpose"] == "position":
+                wrong = f"{quoted(item['request'])} asks for the position, but nothing says what the position is"
+                report.add(rule, (*path, "purpose"), f"{wrong}; add a 'measurement'")
     return found
 
 
