@@ -127,7 +127,7 @@ _CHANGES = (
         "time-limit",
         "WWWD",
         "the upper bound of a time is different",
-        "A higher bound may mean a longer wait, and a lower one less time for what you must do.",
+        "A higher bound may mean a longer wait, and a lower one leaves less time to act.",
     ),
     ("timing-typical", "+++D", "a typical time or its symbol has changed", "Code cannot rely on typical times."),
     ("clock-narrower", "WWWD", "the clock has narrower limits", _LESS),

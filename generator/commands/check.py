@@ -48,8 +48,8 @@ def run(paths: Sequence[Path], targets: Iterable[Target], cache: Cache | None = 
     found = look_at(families, targets, report, partial(_read, [family.document.file for family in new]))
     for family in new:
         file = family.document.file
-        unchanged = file in before and content_of(family_files(Path(file))) == before[file]
-        if unchanged and family.plain is None and is_clean(family, report):
+        unchanged = family.content and content_of(family_files(Path(file))) == before[file]
+        if unchanged and is_clean(family, report):
             cache.put(_CLEAN, before[file], True)
     return found
 

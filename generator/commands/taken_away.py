@@ -57,10 +57,11 @@ def _offer(old: Family, new: Family, entries: Sequence[Mapping[str, Any]]) -> It
     begin = f"{name}: edition {revision} removed these items. To keep them for older encoders, add to its spec"
     history = [item["revision"] for item in new.document.data["manual"].get("history", ())]
     if revision not in history[1:]:
-        yield f"{name}: give the revisions in the history of the manual, under 'manual':"
+        yield f"{name}: give the revisions in the history of the manual, under '{'history' if history else 'manual'}':"
         yield ""
-        yield "  history:"
-        for item in (old.device.manual, new.device.manual):
+        if not history:
+            yield "  history:"
+        for item in (manual for manual in (old.device.manual, new.device.manual) if manual.revision not in history):
             row = {"revision": item.revision, **({"date": item.date} if item.date else {}), "changes": "Not listed"}
             yield f"    - {_in_one_line(row)}"
         yield ""

@@ -16,6 +16,7 @@ from ..model import (
     Layout,
     Number,
     Parity,
+    Spi,
     Text,
     Unused,
     assert_never,
@@ -39,7 +40,8 @@ def is_sound(layout: Layout, site: Site) -> bool:
     if not layout.in_bytes and layout.widest > LARGEST_NUMBER:
         wrong = f"'{layout.name}' has {layout.widest} bits; the maximum is {LARGEST_NUMBER}"
         is_whole = layout.bits.is_constant and layout.widest % 8 == 0 and layout.widest <= LARGEST_BYTES
-        site.report("too-long", f"{wrong}, or {LARGEST_BYTES} with 'carried_as: bytes'" if is_whole else wrong)
+        can_be_bytes = is_whole and site.interface != Spi.name
+        site.report("too-long", f"{wrong}, or {LARGEST_BYTES} with 'carried_as: bytes'" if can_be_bytes else wrong)
     for field in layout.fields:
         _check_field(layout, field, replace(site, path=(*site.path, "fields", field.name)))
     selector = next((field for field in layout.fields if field.name == layout.selector), None)

@@ -103,9 +103,9 @@ def load_families(
         for file in masters.keys() - sound - faulty:
             cache.put(_SOUND, masters[file], True)
         families = [
-            family
-            if family.plain or family.device.base or family.document.file not in same or not is_clean(family, report)
-            else _with_digest(family, before[family.document.file], stored, cache)
+            _with_digest(family, before[family.document.file], stored, cache)
+            if family.document.file in same and _is_storable(family) and is_clean(family, report)
+            else family
             for family in families
         ]
     return families, report
@@ -114,6 +114,12 @@ def load_families(
 def _text_of_masters(documents: Sequence[Document]) -> dict[str, list[bytes | str]]:
     """Return the name and the text of each description of a master, by its path."""
     return {item.file: [Path(item.file).name, "\n".join(item.lines)] for item in documents if "master" in item.data}
+
+
+def _is_storable(family: Family) -> bool:
+    """Return True if a family depends on no other files than those of the key of its entry."""
+    known = set(map(str, family_files(Path(family.document.file))))
+    return family.plain is None and not family.device.base and family.files <= known
 
 
 def is_clean(family: Family, report: Report) -> bool:

@@ -48,7 +48,7 @@ def check_measurements(device: Device, report: DocumentReport) -> None:
 
 
 def _cases(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_Case]:
-    for layout in interface.layouts:
+    for layout in (item for item in interface.layouts if item.sender == "encoder"):
         names = layout.names_in(measurement.of)
         for variant in device.variants:
             if variant.interface == interface.name:

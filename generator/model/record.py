@@ -24,6 +24,7 @@ else:
             # Without a text, dataclasses would import the signature of each class to write one.
             kind.__doc__ = kind.__doc__ or kind.__name__
             made = dataclasses.dataclass(**options, init=False, eq=False, repr=False)(kind)
+            made.__init__ = _late_init(made)
             for name, method in _SHARED.items():
                 setattr(made, name, method)
             return made
@@ -62,10 +63,14 @@ def _refuse(self: Any, name: str, *_: object) -> NoReturn:
     raise FrozenInstanceError(f"cannot change field {name!r}")
 
 
-def _init(self: Any, *values: Any, **named: Any) -> None:
-    kind = self.__class__
-    kind.__init__ = _init_of(kind)
-    kind.__init__(self, *values, **named)
+def _late_init(kind: Any) -> Callable[..., None]:
+    """Return an ``__init__`` that the first object replaces with the compiled one."""
+
+    def init(self: Any, *values: Any, **named: Any) -> None:
+        kind.__init__ = _init_of(kind)
+        kind.__init__(self, *values, **named)
+
+    return init
 
 
 def _init_of(kind: type) -> Any:
@@ -87,7 +92,6 @@ def _init_of(kind: type) -> Any:
 
 
 _SHARED: Mapping[str, Callable[..., Any]] = {
-    "__init__": _init,
     "__eq__": _is_equal,
     "__hash__": _hash,
     "__repr__": _shown,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from decimal import Decimal
 from pathlib import Path as File
 
 from ..language.check import check_second
@@ -21,8 +22,9 @@ from .fact import NOTHING, Facts, Sort
 from .reading import Reading
 
 RULE = "readings-disagree"
-#: A value with its unit.
-_QUANTITY = re.compile(r"(?<![\w.,])([\d.,]*\d) ([µmn]?s|[kM]?Hz|m?V)(?!\w)")
+#: A number, and a value with its unit.
+_NUMBER = re.compile(r"(?<![\w.,])\d+(?:,\d{3})*(?:\.\d+)?(?![\d,.]*\d)")
+_QUANTITY = re.compile(rf"({_NUMBER.pattern}) ([µmn]?s|[kM]?Hz|m?V)(?!\w)")
 _MEND = "check the manual; if it prints both, add an erratum with both under 'readings'"
 
 
@@ -151,10 +153,15 @@ class Errata:
 
 
 def _lacks(text: str, value: str) -> bool:
-    """Return True if a value has a unit, and a text has only other values with this unit."""
+    """Return True if a value has a unit, and a text has a value with this unit, but the number nowhere."""
     found = _QUANTITY.fullmatch(value)
-    others = [item for item in _QUANTITY.findall(text) if found is not None and item[1] == found[2]]
-    return found is not None and bool(others) and found.groups() not in others
+    if found is None or found[2] not in {unit for _, unit in _QUANTITY.findall(text)}:
+        return False
+    return _number(found[1]) not in map(_number, _NUMBER.findall(text))
+
+
+def _number(text: str) -> Decimal:
+    return Decimal(text.replace(",", ""))
 
 
 #: Keys of lists and maps that a path of an erratum omits.

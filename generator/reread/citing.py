@@ -68,7 +68,9 @@ class Citing:
         """
         option = _OPTION.fullmatch(self.path)
         name = option[1].casefold() if option is not None else ""
-        is_named = not name.isdigit() and name in {word.casefold() for word in passage.old}
+        # A short label without a digit, such as A or TO, can be any word.
+        is_label = not name.isdigit() and (len(name) > 2 or any(map(str.isdigit, name)))
+        is_named = is_label and name in {word.casefold() for word in passage.old}
         return is_named or not self.sections.isdisjoint(sections)
 
 

@@ -281,7 +281,8 @@ def _hints(item: object) -> dict[str, Any]:
 def _types(title: str, kinds: Iterable[type]) -> Iterator[str]:
     rows = []
     for kind in sorted(kinds, key=lambda item: item.__name__):
-        about = "" if (kind.__doc__ or "").startswith(f"{kind.__name__}(") else _first_line(kind)
+        # Without a docstring, a data class has its name, or its name and its members.
+        about = "" if (kind.__doc__ or kind.__name__).split("(")[0] == kind.__name__ else _first_line(kind)
         parts = ", ".join(code(f"{name}: {_shown(part)}") for name, part in _parts(kind).items())
         rows.append((code(kind.__name__), _marked(about), parts))
     if rows:

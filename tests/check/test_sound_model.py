@@ -35,6 +35,22 @@ def sound(folder: Path, *changes: tuple[str, str], more: str = "") -> Device:
     return device
 
 
+# -- layouts
+
+
+def test_a_request_can_have_a_field_named_like_the_position(tmp_path: Path) -> None:
+    serial = (HERE / "broken" / "exchange_without_measurement.yaml").read_text(encoding="utf-8").splitlines()[15:]
+    request = "{name: position, bits: 8, constant: 1}"
+    interface = "\n".join(serial).replace("{name: command, bits: 8, constant: 1}", request)
+    measurement = '    measurement: {of: position, counts_per_turn: 2^16, turns: 1, source: "7"}'
+    device = sound(
+        tmp_path,
+        ("        SC: {interface: biss}\n", "        SC: {interface: biss}\n        JP: {interface: rs485}\n"),
+        ("registers:\n", f"{interface}\n{measurement}\nregisters:\n"),
+    )
+    assert {variant.interface for variant in device.variants} == {"biss", "rs485"}
+
+
 # -- words of a field
 
 

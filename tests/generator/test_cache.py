@@ -400,6 +400,22 @@ def test_a_change_to_any_file_is_checked(folder: Path, tmp_path: Path, capsys: p
 
 
 @pytest.mark.slow
+def test_a_manufacturer_file_of_another_name_is_read_again(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    specs, out = tmp_path / "tolvarn", tmp_path / "out"
+    shutil.copytree(TV62, specs)
+    (specs / "manufacturer.yaml").rename(specs / "maker.yaml")
+    command = ("generate", str(specs), "-o", str(out), "--target", "python")
+    assert [said(capsys, *command)[0] for _ in range(2)] == [0, 0]
+    text = (specs / "maker.yaml").read_text(encoding="utf-8")
+    (specs / "maker.yaml").write_text(text.replace("tolvarn_encoders", "other_encoders"), encoding="utf-8")
+    assert said(capsys, *command, "--check")[0] == 1
+    assert said(capsys, *command)[0] == 0
+    assert (out / "python" / "other_encoders").is_dir()
+
+
+@pytest.mark.slow
 def test_only_changed_families_are_checked_again(folder: Path, specs: Path, capsys: pytest.CaptureFixture[str]) -> None:
     def check(*options: str) -> tuple[int, str, str]:
         return said(capsys, "check", str(specs), *options)
@@ -654,9 +670,6 @@ import os, sys
 from codewheel import parts
 from codewheel.commands.cli import main
 from codewheel.commands.terminal import Stop
-from codewheel.language.check import check_document
-from codewheel.language.document import Document
-from codewheel.language.problems import Report
 mine, start = os.getpid(), parts._child
 def dies(*arguments):
     HOW

@@ -33,11 +33,11 @@ def check_exchanges(
     for index, (path, item) in enumerate(found):
         if item["request"] in requests[:index]:
             report.add(rule, (*path, "request"), f"{quoted(item['request'])} already has a reply; keep one")
-    if not (mapping(spec, *here, "measurement") or mapping(spec, "measurement")):
+    if "measurement" not in raw and "measurement" not in mapping(raw, *here):
         for path, item in found:
             if item["purpose"] == "position":
-                wrong = f"{quoted(item['request'])} asks for the position, but nothing says what the position is"
-                report.add(rule, (*path, "purpose"), f"{wrong}; add a 'measurement'")
+                wrong = f"{quoted(item['request'])} asks for the position, but the spec has no 'measurement'; add one"
+                report.add(rule, (*path, "purpose"), wrong)
     return found
 
 

@@ -44,7 +44,7 @@ _NANOSECONDS = {"ns": 1, "us": 1000, "µs": 1000, "ms": 1_000_000, "s": 1_000_00
 _TIME = r"(?<![\w.,])(?P<number>\d+(?:,\d{3})*(?:\.\d+)?) ?(?P<unit>ns|us|µs|ms|s(?:econds?)?)\b(?!/)"
 _ANY_TIME = re.compile(_TIME)
 #: A time that the reader or the encoder must keep.
-_KEPT_TIME = re.compile(rf"\b(?:[Ww]ait|[Pp]ause|[Tt]ake|[Ww]ithin|[Aa]t least|[Aa]t most)\w*\b[^.;:,]{{0,40}}?{_TIME}")
+_KEPT_TIME = re.compile(rf"\b(?:[Ww]ait|[Pp]ause|[Ww]ithin|[Aa]t least|[Aa]t most)\w*\b[^.;:,]{{0,40}}?{_TIME}")
 #: Parts of a spec in which a text may repeat a time.
 _TIMED = ("registers", "procedures", "timings", "inputs")
 _NO_TEXTS = frozenset(("source", "bytes", "bits", "name", "address"))
@@ -154,28 +154,38 @@ def time_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     if report.document.others or report.document.family:
         return
     interfaces = [(("interfaces", name), item) for name, item in mapping(spec, "interfaces").items()]
-    timings = [mapping(item).get("timings") for item in (spec, *(item for _, item in interfaces))]
-    named = set(_times(timings))
-    for path, item in (*((path, item) for key in _TIMED for path, item in items(spec, key)), *interfaces):
-        if whole := set(_times(item)):
-            for place, text, own in _texts(item, path):
-                _compare_times(_KEPT_TIME, text, own or whole, named, place, report)
+    named = set(_times([mapping(item).get("timings") for item in (spec, *(item for _, item in interfaces))]))
+    timed = [(path, item, set(_times(item))) for key in _TIMED for path, item in items(spec, key)]
+    for path, item, here in timed:
+        others = named.union(*(times for other, _, times in timed if other != path))
+        for place, text, own in _texts(item, path):
+            _compare_times(text, own or here, others, place, report)
+    for path, item in interfaces:
+        for place, text, own in _texts(item, path):
+            _compare_times(text, own, named.union(*(times for _, _, times in timed)), place, report)
     for path, item in items(spec, "errata"):
         affected = set(_times([found for text in item.get("affects", ()) for found in found_at(spec, text)]))
-        if affected:
-            _compare_times(_ANY_TIME, item.get("used", ""), affected, named, (*path, "used"), report)
+        used = [(found, _nanoseconds(found)) for found in _ANY_TIME.finditer(item.get("used", ""))]
+        if affected and used and (affected | named).isdisjoint(time for _, time in used):
+            _report_time(used[0][0], affected, (*path, "used"), report)
 
 
-def _compare_times(
-    pattern: re.Pattern[str], text: str, own: set[int], named: set[int], place: Path, report: DocumentReport
-) -> None:
-    for found in pattern.finditer(text):
-        time = Decimal(found["number"].replace(",", "")) * _NANOSECONDS.get(found["unit"], _NANOSECONDS["s"])
-        if time not in own | named:
-            known = listed([nanoseconds(item) for item in sorted(own)], "or")
-            wrong = f"the text says {found['number']} {found['unit']}, but the time here is {known}"
-            report.add("time-repeated", place, f"{wrong}; correct one of the two, or add the time to 'timings'")
+def _compare_times(text: str, own: set[int], others: set[int], place: Path, report: DocumentReport) -> None:
+    """Report the first time of a text that is none of these, if the item has times."""
+    for found in _KEPT_TIME.finditer(text) if own else ():
+        if _nanoseconds(found) not in own | others:
+            _report_time(found, own, place, report)
             return
+
+
+def _report_time(found: re.Match[str], own: set[int], place: Path, report: DocumentReport) -> None:
+    known = listed([nanoseconds(item) for item in sorted(own)], "or")
+    wrong = f"the text says {found['number']} {found['unit']}, but the time here is {known}"
+    report.add("time-repeated", place, f"{wrong}; correct one of the two, or add the time to 'timings'")
+
+
+def _nanoseconds(found: re.Match[str]) -> Decimal:
+    return Decimal(found["number"].replace(",", "")) * _NANOSECONDS.get(found["unit"], _NANOSECONDS["s"])
 
 
 def _times(node: Any) -> Iterator[int]:

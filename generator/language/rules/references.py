@@ -182,10 +182,10 @@ def device_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         names = [name for fields in layouts(raw) for name in readable_names(fields, known.groups)]
         known.refer_by("of", path, measurement, "field or joined number", dict.fromkeys(names))
         of = measurement.get("of", "")
-        kinds = (
-            key for fields in layouts(raw) for key in KINDS if key in field_names(fields, known.groups).get(of, {})
-        )
-        if (kind := next(kinds, "")) and kind != "digits":
+        replies = (fields for fields in layouts(raw) if fields.owner.get("from") == "encoder")
+        measured = (fields for fields in replies if path[0] == "measurement" or fields.interface in path)
+        kinds = {key for fields in measured for key in KINDS if key in field_names(fields, known.groups).get(of, {})}
+        for kind in sorted(kinds - {"digits"}):
             wrong = f"{quoted(of)} has {quoted(kind)}, so it is not a number; name the field that holds the position"
             report.add("measurement-shape", (*path, "of"), wrong)
     here = ("interfaces", Biss.name)

@@ -45,7 +45,7 @@ def _check_steps(spec: Spec, registers: dict[str, Spec], report: DocumentReport)
         for below, step in items(procedure, "steps") if procedure["interface"] == Spi.name else ():
             length = registers.get(step.get("register", ""), {}).get("length")
             if isinstance(length, int) and length > 1:
-                wrong = f"{quoted(step['register'])} has {length} bytes at one address, but a step accesses one byte"
+                wrong = f"{quoted(step['register'])} has {length} bytes, but a step accesses one byte"
                 report.add("spi-exchange", (*path, *below, "register"), f"{wrong}; describe it in a 'note' instead")
 
 

@@ -58,6 +58,8 @@ class FrameCheck:
 
 @dataclass(frozen=True, slots=True)
 class CrcCheck:
+    """A CRC over bytes."""
+
     function: str
     data: tuple[str, ...]
     word: str
@@ -76,6 +78,8 @@ class ProcedureCheck:
 
 @dataclass(frozen=True, slots=True)
 class MeasureCheck:
+    """A position in counts, as a length."""
+
     function: str
     variant: str
     counts: str
@@ -84,6 +88,8 @@ class MeasureCheck:
 
 @dataclass(frozen=True, slots=True)
 class ConstantCheck:
+    """A macro with its value."""
+
     macro: str
     value: str
 
