@@ -184,9 +184,12 @@ def device_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         of = measurement.get("of", "")
         replies = (fields for fields in layouts(raw) if fields.owner.get("from") == "encoder")
         measured = (fields for fields in replies if path[0] == "measurement" or fields.interface in path)
-        kinds = {key for fields in measured for key in KINDS if key in field_names(fields, known.groups).get(of, {})}
-        for kind in sorted(kinds - {"digits"}):
-            wrong = f"{quoted(of)} has {quoted(kind)}, so it is not a number; name the field that holds the position"
+        fields = (field_names(item, known.groups).get(of) for item in measured)
+        kinds = [next((key for key in KINDS if key in field), "digits") for field in fields if field is not None]
+        if kinds and "digits" not in kinds:
+            wrong = (
+                f"{quoted(of)} has {quoted(kinds[0])}, so it is not a number; name the field that holds the position"
+            )
             report.add("measurement-shape", (*path, "of"), wrong)
     here = ("interfaces", Biss.name)
     known.refer_by("bank_select", here, mapping(spec, *here), "register")
