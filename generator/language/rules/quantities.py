@@ -171,7 +171,7 @@ def time_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def _compare_times(text: str, own: set[int], others: set[int], place: Path, report: DocumentReport) -> None:
-    """Report the first time of a text that is none of these, if the item has times."""
+    """Report the first time of a text that differs from all of these, if the item has times."""
     for found in _KEPT_TIME.finditer(text) if own else ():
         if _nanoseconds(found) not in own | others:
             _report_time(found, own, place, report)
