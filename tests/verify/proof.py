@@ -30,7 +30,7 @@ UNDEFINED = (
 PARTLY = "--no-unwinding-assertions"
 #: Seconds of processor time, far above what any proof here takes; one that does not end is no proof.
 #: How busy the machine is does not matter.
-LIMIT_S = 300
+LIMIT_S = 900
 
 
 @dataclass(frozen=True)
