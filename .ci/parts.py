@@ -22,8 +22,8 @@ from pathlib import Path
 DEADLINE, LEAST = 85 * 60, 60
 #: Parts at a time. Most have a few long tests, and while the last of them runs, the other processors would wait.
 LANES = 2
-#: Frames of each layout. The parts take a million by themselves.
-FRAMES = "40000"
+#: Frames of each layout, and seconds of each fuzzer. By themselves, the parts take up to a million, and 20 s.
+SIZES = {"CODEWHEEL_FRAMES": "40000", "CODEWHEEL_FUZZ_SECONDS": "10"}
 #: Reasons for which a test is skipped on a complete Debian 12.
 KNOWN = re.compile(r"no Python 3\.\d+ here|root may read everything")
 
@@ -109,7 +109,7 @@ def main() -> int:
     parser.add_argument("--started", type=float, default=time.time(), help=argparse.SUPPRESS)
     parser.add_argument("--missing", default="", help=argparse.SUPPRESS)
     given = parser.parse_args()
-    os.environ.setdefault("CODEWHEEL_FRAMES", FRAMES)
+    os.environ.update(SIZES | os.environ)
     log = Log([name for name in given.missing.split(",") if name])
     deadline = given.started + DEADLINE
     for part in ("lint", "test"):

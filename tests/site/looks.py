@@ -34,6 +34,11 @@ _AXE = """axe.run({resultTypes: ["violations"]}).then(found => found.violations
 def faults(browser: Browser, page: Path, width: int) -> Iterator[str]:
     """What a reader sees or the browser says of a page."""
     browser.open(page.as_uri())
+    yield from faults_here(browser, width)
+
+
+def faults_here(browser: Browser, width: int) -> Iterator[str]:
+    """What a reader sees or the browser says of the open page."""
     wide = browser.run("document.documentElement.scrollWidth")
     if wide > width:
         yield f"the page is {wide} wide"
