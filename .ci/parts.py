@@ -2,8 +2,8 @@
 
 Exit codes: 0 if all ran and passed, 1 if something failed, 2 if something did not run. ``--allow-missing`` or
 ``CODEWHEEL_ALLOW_MISSING`` turns 2 into 0. On a slow machine, parts of the evidence for which no time is left are
-listed, but do not fail the run: the tests have run, and other commits begin with other parts. The last line has the sum of
-pytest's own counts.
+listed, but do not fail the run: the tests have run, and other commits begin with other parts. The last line has the
+sum of pytest's own counts.
 """
 
 from __future__ import annotations
