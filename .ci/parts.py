@@ -1,9 +1,7 @@
 """Run lint, the tests and each part of the longer evidence, two parts at a time, and count what did not run.
 
 Exit codes: 0 if all ran and passed, 1 if something failed, 2 if something did not run. ``--allow-missing`` or
-``CODEWHEEL_ALLOW_MISSING`` turns 2 into 0. On a slow machine, parts of the evidence for which no time is left are
-listed, but do not fail the run: the tests have run, and other commits begin with other parts. The last line has the
-sum of pytest's own counts.
+``CODEWHEEL_ALLOW_MISSING`` turns 2 into 0. The last line has the sum of pytest's own counts.
 """
 
 from __future__ import annotations
@@ -36,7 +34,6 @@ class Log:
     def __init__(self, missing: list[str]) -> None:
         self.failed = list[str]()
         self.not_run = [f"not installed: {name}" for name in missing]
-        self.late = list[str]()
         self.counts = Counter[str]()
         self.lock = threading.Lock()
 
@@ -50,7 +47,7 @@ class Log:
 
     def close(self, allow_missing: bool) -> int:
         """Print the failed parts and those that did not run, and return the exit code."""
-        for title, lines in (("FAILED", self.failed), ("DID NOT RUN", self.not_run), ("NO TIME LEFT", self.late)):
+        for title, lines in (("FAILED", self.failed), ("DID NOT RUN", self.not_run)):
             if lines:
                 print(f"\n{title}: {len(lines)}", *lines, sep="\n  ")
         print(f"\n{self.counts['passed']} passed, {self.counts['failed']} failed, {self.counts['skipped']} skipped")
@@ -101,8 +98,7 @@ def take(part: str, deadline: float, log: Log) -> None:
             log.read(part, line)
         print(f"== make {part}: {time.time() - begun:.0f} s", flush=True)
         if code is None:
-            left_out = log.late if part.startswith("verify-") else log.not_run
-            left_out.append(f"make {part}: {'ended at the deadline' if enough else 'not begun'}")
+            log.not_run.append(f"make {part}: {'ended at the deadline' if enough else 'no time left'}")
         elif code != 0:
             log.failed.append(f"make {part}")
 
