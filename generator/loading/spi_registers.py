@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from ..language.problems import DocumentReport
 from ..model import Device, Register, Spi
@@ -18,9 +18,8 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
     interface = device.over(Spi)
     if interface is None or not sound_so_far(report).has_frames:
         return
-    for register in device.registers:
-        frames = _frames(interface, register) if register.interface == interface.name else ()
-        for name, bits in _widths(device, interface, frames):
+    for register in (item for item in device.registers if item.interface == interface.name):
+        for name, bits in _widths(device, interface, set(_frames(interface, register))):
             if (bits + 7) // 8 != register.length:
                 has = f"'{register.name}' has {counted(register.length, 'byte')}"
                 wrong = f"{has}, but '{_DATA}' in '{name}' has {counted(bits, 'bit')}"
@@ -36,11 +35,10 @@ def _frames(interface: Spi, register: Register) -> Iterator[str]:
             yield from (item.request, item.reply)
 
 
-def _widths(device: Device, interface: Spi, frames: Iterator[str] | tuple[()]) -> Iterator[tuple[str, int]]:
+def _widths(device: Device, interface: Spi, frames: Collection[str]) -> Iterator[tuple[str, int]]:
     """Yield each of these frames that has a value, with the number of its bits."""
-    names = set(frames)
     for layout in interface.layouts:
-        for variant in device.variants if layout.name in names else ():
+        for variant in device.variants if layout.name in frames else ():
             field = layout.place(variant.parameters).field(_DATA) if variant.interface == interface.name else None
             if field is not None:
                 yield layout.name, field.width

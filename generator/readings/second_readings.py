@@ -121,13 +121,11 @@ class Errata:
 
     def __init__(self, spec: Document) -> None:
         self._said: list[tuple[Path, Sequence[str], str, str]] = []
-        self._printed: list[str] = []
         self._used: set[Path] = set()
         for number, item in enumerate(spec.data.get("errata", ())):
             for index, reading in enumerate(item.get("readings", ())):
                 place: Path = ("errata", number, "readings", index)
                 self._said.append((place, item.get("affects", ()), reading["second"], reading["used"]))
-                self._printed.append(item["printed"])
 
     def explain(self, item: Disagreement) -> bool:
         """Return True if an erratum that affects the place has exactly these two values."""
@@ -142,8 +140,8 @@ class Errata:
 
     def tell_unused(self, spec: Document, report: Report) -> None:
         """Report pairs of values that explain nothing, or that the printed text contradicts."""
-        for (place, _, second, used), printed in zip(self._said, self._printed, strict=True):
-            if place in self._used and _lacks(printed, second):
+        for place, _, second, used in self._said:
+            if place in self._used and _lacks(spec.data["errata"][place[1]]["printed"], second):
                 wrong = f"the printed text has other values than {second}, which the second reading has; correct it"
                 report.add("readings-unused", spec, (*place[:2], "printed"), wrong)
             if place not in self._used:

@@ -32,13 +32,13 @@ _AXE = """axe.run({resultTypes: ["violations"]}).then(found => found.violations
 
 
 def faults(browser: Browser, page: Path, width: int) -> Iterator[str]:
-    """What a reader sees or the browser says of a page."""
+    """Open a page, and yield each fault that a reader sees or the browser reports."""
     browser.open(page.as_uri())
     yield from faults_here(browser, width)
 
 
 def faults_here(browser: Browser, width: int) -> Iterator[str]:
-    """What a reader sees or the browser says of the open page."""
+    """Yield each fault of the open page that a reader sees or the browser reports."""
     wide = browser.run("document.documentElement.scrollWidth")
     if wide > width:
         yield f"the page is {wide} wide"

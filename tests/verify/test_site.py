@@ -36,7 +36,7 @@ def browser(tmp_path: Path) -> Browser:
 
 @pytest.mark.parametrize(("width", "dark_last", "most"), [(375, True, 0.05), (1280, False, 0.0)])
 def test_every_page(site: Path, browser: Browser, width: int, dark_last: bool, most: float) -> None:
-    """Nothing is cut off, and axe finds nothing serious. It sees every second page small and dark, the others wide.
+    """Nothing is cut off, and axe finds nothing serious. It checks every second page narrow and dark, the others wide.
 
     No table scrolls in its box at 1280 pixels, and fewer than one of twenty do at 375.
     """

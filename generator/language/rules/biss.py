@@ -141,7 +141,7 @@ def _names(sent: list[tuple[Path, Spec]]) -> set[str]:
 def biss_control(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the control frame has the widths, the directions and the CRC of BiSS.
 
-    Its rules are those of every master, so an erratum only records what the manual prints. The spec has what is right.
+    Every master relies on them, so a spec has these numbers. An erratum records others that the manual prints.
     """
     crcs = by_name(raw, "crcs")
     for here, field in items(spec, "interfaces", Biss.name, "control_data", "fields"):

@@ -148,8 +148,8 @@ def _fields(spec: Spec, alarm: Spec) -> Iterator[tuple[Path, Spec]]:
 def time_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a text does not contradict the times of its item, nor an erratum those of the facts it affects.
 
-    A text may also repeat any of the ``timings`` of the spec. Overlays and older editions change times, but not what
-    was written about the others.
+    A text may also repeat one of the ``timings``, or a time of another item. Overlays and older editions change times
+    without changing every text, so they are not checked.
     """
     if report.document.others or report.document.family:
         return

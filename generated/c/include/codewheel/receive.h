@@ -529,7 +529,9 @@ static inline cw_result cw_rs485_ask(
  * Add a received byte of a reply that can begin with any byte, because the encoder does not repeat
  * the first byte of the request. Return true if it completes the reply. Bytes after that are
  * dropped. Nothing marks the start of such a reply, so _resume does not help: if the decoder
- * rejects it, leave the line idle for at_most_us and ask again.
+ * rejects it, leave the line idle for at_most_us and ask again. Stray bytes can look like a short
+ * reply with valid check bits. Empty the receiver before each request, and use the reply only if
+ * no other byte follows it within a few byte times.
  */
 static inline bool cw_rs485_take_any(cw_rs485_line *line, uint8_t byte)
 {
