@@ -287,7 +287,8 @@ def _refuse_what_is_in_the_way(
 def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: set[str]) -> Iterator[tuple[str, str]]:
     """Yield files and folders that codewheel did not write where ``files`` or their folders go, each with a note."""
     ours = set(_ours(folder, target))
-    folders = {parent.as_posix() for path in files for parent in Path(path).parents} - {".", target}
+    nearest = [Path(path) for path in {os.path.dirname(path) for path in files}]
+    folders = {item.as_posix() for path in nearest for item in (path, *path.parents)} - {".", target}
     for path in sorted(folders - ours):
         if _kind_of(folder / path) in ("file", "link"):
             yield path, ", in place of a folder"
@@ -364,16 +365,18 @@ class _Stage:
         """Fill the stage with the whole content of the target's folder. Unchanged files become hard links."""
         (self.folder / _MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
         self._make(Path())
-        inside = {Path(path).relative_to(self.place.name): path for path in files}
+        inside = {name.partition("/")[2]: name for name in files}
         # The list comes first: without it, a later run would take the files of a killed run for the user's.
-        listed = "".join(f"{path.as_posix()}\n" for path in sorted(inside, key=Path.as_posix))
+        listed = "".join(f"{path}\n" for path in sorted(inside))
         (self.new / LIST).write_text(_LIST_HEAD + listed, encoding="utf-8", newline="\n")
+        for parent in {os.path.dirname(path) for path in inside}:
+            self._make(Path(parent))
         for path, name in inside.items():
-            self._make(path.parent)
+            new = os.path.join(self.new, path)
             if name in unchanged:
-                _same(self.place / path, self.new / path)
+                _same(os.path.join(self.place, path), new)
             else:
-                with open(self.new / path, "x", encoding="utf-8", newline="\n") as file:
+                with open(new, "x", encoding="utf-8", newline="\n") as file:
                     file.write(files[name])
         self._carry_over(set(map(Path, listed_in(self.place))))
         for made, mode in reversed(self._modes.items()):
@@ -414,7 +417,7 @@ def _raise(error: OSError) -> None:
     raise error
 
 
-def _same(old: Path, new: Path) -> None:
+def _same(old: str | Path, new: str | Path) -> None:
     try:
         os.link(old, new, follow_symlinks=False)
     except OSError:

@@ -82,12 +82,13 @@ def load_families(
     report = Report()
     before = contents(paths) if cache else {}
     found = {file: kept(cache, content) for file, content in before.items()} if cache else {}
-    documents = read_specs(paths or packaged_families(), report)
+    read = partial(read_specs, report=report, cache=cache or Cache(None))
+    documents = read(paths or packaged_families())
     if documents and all(map(is_overlay, documents)):  # They apply to the specs that ship with the tool.
-        documents += read_specs(packaged_families(), report)
+        documents += read(packaged_families())
     documents += _missing_manufacturers(documents, report)
     given = {Path(document.file).resolve() for document in documents}
-    documents += read_specs((path for path in overlays_beside(documents) if path.resolve() not in given), report)
+    documents += read(path for path in overlays_beside(documents) if path.resolve() not in given)
     if prepare is not None:
         for document in documents:
             prepare(document)

@@ -20,9 +20,11 @@ from codewheel import cache as cache_module
 from codewheel.cache import Cache, content_of, default_folder, key_of
 from codewheel.commands.cli import main
 from codewheel.commands.terminal import Stop
+from codewheel.language import read
 from codewheel.language.check import check_document
 from codewheel.language.document import Document
 from codewheel.language.problems import Report
+from codewheel.language.read import read_document
 from codewheel.loading import selected
 from codewheel.loading.library import Family, load_families, load_library
 from codewheel.loading.selected import families_for
@@ -307,6 +309,52 @@ def test_problems_are_reported_as_without_a_selection(
     assert (code, out) == (1, "")
     assert f"{broken}:" in err
     assert "unknown-key: unknown key 'nonsense'" in err
+
+
+@pytest.mark.parametrize("spec", sorted(SPECS.glob("*.yaml")), ids=lambda path: path.name)
+def test_a_document_survives_the_cache(kept: tuple[Cache, Path], spec: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = read_document(spec, Report(), cache=kept[0])
+
+    def parse(*_: object) -> object:
+        raise AssertionError("parsed again")
+
+    monkeypatch.setattr(read, "parse", parse)
+    assert repr(read_document(spec, Report(), cache=kept[0])) == repr(first)
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [
+        None,
+        [],
+        [{"device": "x"}],
+        [{"device": "x"}, []],
+        [{"device": "x"}, [1, 1, 1, 1]],
+        [{"device": "x"}, [1, 1, 1, 1, 1, 9, 1, 1, 1]],
+        [{"device": "x"}, [1, 1, 1, 1, 1, 9, 1, 1, 1, 9, 1, 1]],
+        [{"device": "x"}, [1, 1, 1, 1, 1, "9", 1, 1]],
+        [["device"], [1, 1, 1, 1, 1, 9, 1, 1]],
+        [{"device": "x"}, 8],
+    ],
+)
+def test_an_entry_that_does_not_fit_a_document_is_ignored(
+    kept: tuple[Cache, Path], tmp_path: Path, entry: object
+) -> None:
+    spec = tmp_path / "spec.yaml"
+    spec.write_text("device: y\n")
+    kept[0].put("parsed", [spec.read_text()], entry)
+    document = read_document(spec, Report(), cache=kept[0])
+    assert document is not None
+    assert (document.data, document.position(("device",))) == ({"device": "y"}, (1, 9))
+
+
+def test_a_file_with_problems_is_always_parsed(kept: tuple[Cache, Path], tmp_path: Path) -> None:
+    spec = tmp_path / "spec.yaml"
+    spec.write_text("device: y\ndevice: z\nname: !odd x\n")
+    for _ in range(2):
+        report = Report()
+        read_document(spec, report, cache=kept[0])
+        assert [item.rule for item in report.problems] == ["duplicate-key", "tag"]
 
 
 def test_only_the_family_of_the_order_code_is_loaded(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, TypedDict
 
 from ...model import Alarm, Device, Field, Interface, Register, Supply, Variant
+from ...order_codes.narrowing import for_interface
 from ...order_codes.parameters import run_time_names
 from ...say import register as say_register
 from ...say.crc import sent
@@ -166,9 +167,9 @@ def _register_row(register: Register, device: Device) -> Row:
 
 
 def alarms(devices: Sequence[Device]) -> AlarmsPage:
-    found = sorted(((item, device) for device in devices for item in device.alarms), key=_by_name)
+    found = sorted((item for device in devices for item in _alarms(device)), key=_by_name)
     return {
-        "alarm_rows": [_alarm_row(*pair) for pair in found],
+        "alarm_rows": [_alarm_row(*item) for item in found],
         "led_rows": [
             (
                 text(item.title),
@@ -185,13 +186,20 @@ def alarms(devices: Sequence[Device]) -> AlarmsPage:
     }
 
 
-def _by_name(pair: tuple[Alarm, Device]) -> tuple[str, str]:
-    alarm, device = pair
+def _alarms(device: Device) -> list[tuple[Alarm, Device, Interface]]:
+    """Return each alarm with the first interface that has it, whose page explains it."""
+    found = [(alarm, item) for item in device.interfaces for alarm in for_interface(device, item.name).alarms]
+    over = {alarm.name: item for alarm, item in reversed(found)}
+    return [(alarm, device, over[alarm.name]) for alarm in device.alarms]
+
+
+def _by_name(item: tuple[Alarm, Device, Interface]) -> tuple[str, str]:
+    alarm, device, _ = item
     return title(alarm).casefold(), device.name
 
 
-def _alarm_row(alarm: Alarm, device: Device) -> Row:
-    name = to_alarm(device, alarm, text(title(alarm)))
+def _alarm_row(alarm: Alarm, device: Device, over: Interface) -> Row:
+    name = to_alarm(device, over, alarm, text(title(alarm)))
     meaning = text(alarm.meaning) if alarm.implemented else "not implemented in this encoder"
     remedy = joined([text(alarm.remedy), *to_steps(f"{device.name}/", alarm.by_hand)])
     return name, _family(device), meaning, remedy, code(alarm.only), cited(alarm.source)

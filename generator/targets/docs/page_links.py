@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from ...model import Alarm, Device, Interface, Layout, Procedure, Register
-from ...order_codes.narrowing import for_interface
 from ...say.markdown import STYLE, code, link, reference, text
 from ...say.name import heading
 from ...say.text import Ref, Style
@@ -28,9 +27,7 @@ def to_layout(device: Device, item: Layout, label: str) -> str:
     return link(label, f"{interface_page(device, over)}#layout-{item.name}")
 
 
-def to_alarm(device: Device, item: Alarm, label: str) -> str:
-    """Return a link to an alarm, on the page of the first interface that has it."""
-    over = next(one for one in device.interfaces if item in for_interface(device, one.name).alarms)
+def to_alarm(device: Device, over: Interface, item: Alarm, label: str) -> str:
     return link(label, f"{interface_page(device, over)}#alarm-{item.name}")
 
 

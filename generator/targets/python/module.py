@@ -112,11 +112,27 @@ class Module:
         }
         self.readme = Readme(self.context, kinds, coders, {item.procedure.name: item for item in self.procedures})
         self.identities = list(identities(device))
-        self.family, self.manual, self.tables = facts.family(device), facts.manual(device.manual), facts.tables(device)
+        self.family, self.manual = facts.family(device), facts.manual(device.manual)
         self.order_code = facts.order_code(device.order_code)
-        self.reports = facts.reports(device)
         self.crcs = [facts.crc(item) for item in device.crcs]
-        self.register_rows, self.frame_rows = facts.register_rows(device), facts.frame_rows(device)
+
+    # -- facts, which the files of the whole package do not need
+
+    @cached_property
+    def tables(self) -> list[facts.Table]:
+        return facts.tables(self.device)
+
+    @cached_property
+    def reports(self) -> list[Call]:
+        return facts.reports(self.device)
+
+    @cached_property
+    def register_rows(self) -> dict[str, Call]:
+        return facts.register_rows(self.device)
+
+    @cached_property
+    def frame_rows(self) -> dict[str, tuple[Call, ...]]:
+        return facts.frame_rows(self.device)
 
     # -- docstring and contents
 
