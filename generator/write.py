@@ -20,6 +20,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from .known_files import KnownFiles
 from .lock import PATIENCE_S, Busy, locked
 
 LIST = ".codewheel"
@@ -74,12 +75,20 @@ def hashes(files: Mapping[str, str]) -> dict[str, str]:
     return {path: hashlib.sha256(text.encode()).hexdigest() for path, text in files.items()}
 
 
-def is_as_written(folder: Path, targets: Mapping[str, Mapping[str, str]]) -> bool:
-    """Return whether writing files with these hashes would change nothing. ``targets`` are as for ``write``."""
+def is_as_written(folder: Path, targets: Mapping[str, Mapping[str, str]], known: KnownFiles) -> bool:
+    """Return whether writing files with these hashes would change nothing. ``targets`` are as for ``write``.
+
+    ``known`` contains the hashes of files that were there before.
+    """
+
+    def hash_of(path: str) -> object:
+        place = os.path.join(folder, path)
+        return known.result(place, lambda: _hash_of(Path(place))) if stat.S_ISREG(os.lstat(place).st_mode) else ""
+
     try:
         return not any(name.startswith(_PREFIX) for name in os.listdir(folder)) and all(
             _ours(folder, target) == sorted(files)
-            and all(_hash_of(folder / path) == expected for path, expected in files.items())
+            and all(hash_of(path) == expected for path, expected in files.items())
             for target, files in targets.items()
         )
     except (OSError, WriteError):

@@ -93,7 +93,7 @@ def _generate(chosen: argparse.Namespace) -> int:
     if known is not None:
         with _OTHER_FORM:
             read = look_up.read_line(paths, known["families"], before.report(known["files"]))
-            if is_unchanged(chosen, known["hashes"], read):
+            if is_unchanged(chosen, known["hashes"], read, before.cache):
                 return 0
     from ..loading.library import load_families
 
@@ -105,7 +105,7 @@ def _generate(chosen: argparse.Namespace) -> int:
     if known is not None:
         with _OTHER_FORM:
             read = look_up.read_line(paths, names, report)
-            if is_unchanged(chosen, known["hashes"], read):
+            if is_unchanged(chosen, known["hashes"], read, before.cache):
                 before.put({"families": names, "files": report.files} | known)
                 return 0
     from ..loading.stored import digest_of

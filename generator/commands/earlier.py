@@ -6,13 +6,17 @@ only if all files that the run would read have the same names and content.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import functools
+import hashlib
+import os
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ..cache import Cache, content_of
-from ..language.files import Found, below, is_folder, top_keys
+from ..known_files import KnownFiles
+from ..language.files import Found, below, is_folder, is_spec, top_keys
 from ..language.problems import Report
 from ..loading.family_files import family_files
 from ..loading.shipped import packaged_families, packaged_masters
@@ -39,7 +43,7 @@ class Earlier:
 
     def put(self, result: Any) -> None:
         """Keep the result of a run without problems, unless a file has changed since its content was read."""
-        if self.content and _content(self.paths, self.options) == (self.content, self.passed_over):
+        if self.content and _content(self.cache, self.paths, self.options) == (self.content, self.passed_over):
             self.cache.put(self.kind, self.content, result)
 
     def of_models(self, digests: Sequence[str]) -> Models:
@@ -82,26 +86,53 @@ def earlier(cache: Cache, kind: str, paths: Sequence[Path], options: Sequence[st
         paths: The specs. Default: those that ship with the tool.
         options: All options on which the result depends.
     """
-    return Earlier(cache, kind, paths, options, *_content(paths, options))
+    return Earlier(cache, kind, paths, options, *_content(cache, paths, options))
 
 
-def _content(paths: Sequence[Path], options: Sequence[str]) -> tuple[list[bytes | str], list[str]]:
+def _content(cache: Cache, paths: Sequence[Path], options: Sequence[str]) -> tuple[list[bytes | str], list[str]]:
     """Return all that a result depends on, and the skipped files. The first is empty if there can be no result."""
     content: list[bytes | str] = [*options, ""]
     passed_over: list[str] = []
+    known = KnownFiles(cache, "hashes", list(map(str, paths)))
+
+    def look(path: Path) -> Mapping[str, Any]:
+        found: Mapping[str, Any] = known.result(str(path), lambda: _look(path))
+        return found
+
+    def is_known(path: Path) -> bool:
+        return look(path)["is_spec"] is not False
+
+    names_in = functools.cache(os.listdir)
     try:
         for given in paths or packaged_families():
-            found = below(given) if is_folder(given) else Found((given,), ())
+            found = below(given, is_known) if is_folder(given) else Found((given,), ())
             passed_over += map(str, found.passed_over)
             content += [str(given), *map(str, found.specs), "", *map(str, found.passed_over), ""]
             for spec in found.specs:
-                keys = top_keys(spec)
-                if keys is None or not keys.isdisjoint(_OVERLAY_KEYS):
+                if look(spec)["is_overlay"] is not False:
                     return [], []
-                content += content_of(family_files(spec))
+                for path in family_files(spec, names_in):
+                    content += [path.name, str(look(path)["hash"]) if path.is_file() else "missing"]
+        known.keep()
         return content + _masters(), passed_over
-    except (OSError, ValueError):
+    except (OSError, ValueError, TypeError, LookupError):
         return [], []
+
+
+def _look(path: Path) -> dict[str, Any]:
+    """Return the hash of a file, and whether it is a spec or an overlay, which can refer to specs in other folders.
+
+    Raises:
+        OSError: The file cannot be read.
+    """
+    keys = top_keys(path)
+    if keys is None:
+        raise OSError
+    return {
+        "hash": hashlib.sha256(path.read_bytes()).hexdigest(),
+        "is_spec": is_spec(path),
+        "is_overlay": not keys.isdisjoint(_OVERLAY_KEYS),
+    }
 
 
 def _masters() -> list[bytes | str]:

@@ -8,6 +8,8 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
+from ..cache import Cache
+from ..known_files import KnownFiles
 from ..say.numbers import counted
 from ..write import Change, WriteError, changes, is_as_written, write
 from .terminal import Stop
@@ -38,13 +40,15 @@ def run(chosen: argparse.Namespace, files: Rendered, gate: Callable[[], None]) -
     return 0
 
 
-def is_unchanged(chosen: argparse.Namespace, hashes: Rendered, read: str) -> bool:
+def is_unchanged(chosen: argparse.Namespace, hashes: Rendered, read: str, cache: Cache) -> bool:
     """Return True if the files of each target have these hashes, and print ``read`` and the files.
 
     Otherwise, print nothing.
     """
-    if not is_as_written(chosen.output, hashes):
+    known = KnownFiles(cache, "written files", [str(chosen.output)])
+    if not is_as_written(chosen.output, hashes, known):
         return False
+    known.keep()
     print(read)
     _tell([Change(path, "unchanged") for files in hashes.values() for path in sorted(files)], chosen)
     return True

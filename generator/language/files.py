@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,14 +34,19 @@ class Found:
     passed_over: tuple[Path, ...]
 
 
-def below(folder: Path) -> Found:
+def is_spec(path: Path) -> bool:
+    """Return whether a YAML file in a folder is a spec. An unreadable one is, so that reading it reports the reason."""
+    keys = top_keys(path)
+    return keys is None or _names_a_spec(keys)
+
+
+def below(folder: Path, is_spec: Callable[[Path], bool] = is_spec) -> Found:
     """Find every ``*.yaml`` and ``*.yml`` in the folder and below it.
 
-    Names that begin with a dot, virtual environments, generated files and second readings are omitted. Unreadable
-    files are treated as specs, so that reading them reports the reason.
+    Names that begin with a dot, virtual environments, generated files and second readings are omitted.
     """
     files = sorted(_files_below(folder, set()))
-    specs = {path for path in files if _is_spec(path)}
+    specs = {path for path in files if is_spec(path)}
     return Found(tuple(path for path in files if path in specs), tuple(path for path in files if path not in specs))
 
 
@@ -96,11 +101,6 @@ def _generated(folder: Path) -> set[Path]:
         return {folder / path for path in listed_in(folder)}
     except WriteError:
         return set()
-
-
-def _is_spec(path: Path) -> bool:
-    keys = top_keys(path)
-    return keys is None or _names_a_spec(keys)
 
 
 def _names_a_spec(keys: frozenset[str] | None) -> bool:

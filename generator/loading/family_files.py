@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 
-from ..language.files import below, is_folder
+from ..language.files import below, is_folder, is_spec
 from .shipped import packaged_families
 
 MANUFACTURER = "manufacturer.yaml"
 
 
-def spec_files(paths: Sequence[Path]) -> Iterator[Path]:
+def spec_files(paths: Sequence[Path], is_spec: Callable[[Path], bool] = is_spec) -> Iterator[Path]:
     """Yield the files that a run with these paths reads as specs."""
     for given in paths or packaged_families():
-        yield from below(given).specs if is_folder(given) else (given,)
+        yield from below(given, is_spec).specs if is_folder(given) else (given,)
 
 
-def family_files(spec: Path) -> list[Path]:
-    """Return all files on which the model of a family depends: its own, and its manufacturer's."""
-    own = sorted(path for path in spec.parent.iterdir() if path.name.startswith(f"{spec.stem}."))
-    return [*own, spec.with_name(MANUFACTURER)]
+def family_files(spec: Path, names_in: Callable[[Path], Iterable[str]] = os.listdir) -> list[Path]:
+    """Return all files on which the model of a family depends: its own, and its manufacturer's.
+
+    ``names_in`` returns the names in a folder.
+    """
+    own = sorted(name for name in names_in(spec.parent) if name.startswith(f"{spec.stem}."))
+    return [*(spec.with_name(name) for name in own), spec.with_name(MANUFACTURER)]

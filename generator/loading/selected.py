@@ -1,18 +1,22 @@
 """Load only the families that a name or a label can belong to, from the cache if they are in it.
 
 A few expressions find the names and the patterns of order codes in the text of the specs, without reading them as
-YAML. If the result could differ from the result of reading all specs, nothing is selected.
+YAML. What they find is kept, so that unchanged specs are not even opened. If the result could differ from the result of
+reading all specs, nothing is selected.
 """
 
 from __future__ import annotations
 
+import functools
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..cache import Cache, content_of
+from ..known_files import KnownFiles
+from ..language.files import is_spec
 from ..language.second_reading import is_second
 from .family_files import MANUFACTURER, family_files, spec_files
 
@@ -25,6 +29,10 @@ _NAME = re.compile(rb"\ndevice[ \t]*:[ \t]*([a-z][a-z0-9_]*)[ \t]*(?:#[^\n]*)?(?
 _PATTERN_KEY = re.compile(rb"pattern['\"]?[ \t]*:")
 _PATTERN = re.compile(rb"pattern[ \t]*:[ \t]*\"([^\"\\{}\r\n]*)\{")
 _ORDER_CODE = re.compile(r"\norder_code[ \t]*:[ \t]*(?=[\r\n]).*?(?=\n[^ #\r\n]|\Z)", re.DOTALL)
+
+
+#: Kinds of files that can be selected.
+_DEVICE, _MAKER = "device", "manufacturer"
 
 
 class _NotSelectable(Exception):
@@ -55,7 +63,7 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
         The families. Empty if all specs must be read, for example because one of them is an overlay.
     """
     try:
-        found = list(_device_files(paths))
+        found = list(_device_files(paths, cache))
         name, label = text.strip().lower(), "".join(text.split()).upper()
         named = [item for item in found if item.name == name]
         if len(named) > 1:
@@ -70,26 +78,50 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
         }
         possible = (_load(path, cache, asked) for path, asked in unsure.items())
         return tuple(device for devices in possible for device in devices)
-    except (OSError, ValueError, _NotSelectable):
+    except (OSError, ValueError, TypeError, LookupError, AttributeError, _NotSelectable):
         return ()
 
 
-def _device_files(paths: Sequence[Path]) -> Iterator[_Found]:
+def _device_files(paths: Sequence[Path], cache: Cache) -> Iterator[_Found]:
     """Yield each device file.
 
     Raises:
+        OSError: A file cannot be read.
         _NotSelectable: There is a file of another kind that can affect a family, other than its manufacturer's.
     """
-    for path in dict.fromkeys(spec_files(paths)):
-        text = b"\n" + path.read_bytes()
-        keys = set(_KEY.findall(text))
-        names = _NAME.findall(text)
-        if len(names) == 1 and keys.isdisjoint(_OTHER_KINDS) and not is_second(path):
-            if not path.with_name(MANUFACTURER).is_file():
-                raise _NotSelectable
-            yield _Found(path, names[0].decode(), _beginnings(text))
-        elif path.name != MANUFACTURER or b"device" in keys or not keys.isdisjoint(_OTHER_KINDS):
+    known = KnownFiles(cache, "glances", list(map(str, paths)))
+
+    def glance(path: Path) -> Mapping[str, Any]:
+        found: Mapping[str, Any] = known.result(str(path), lambda: _glance(path))
+        return found
+
+    has_maker = functools.cache(lambda folder: (folder / MANUFACTURER).is_file())
+    for path in dict.fromkeys(spec_files(paths, lambda path: glance(path)["is_spec"] is not False)):
+        kind, name, beginnings = glance(path)["shows"]
+        if kind == _DEVICE and not is_second(path) and has_maker(path.parent):
+            yield _Found(path, str(name), None if beginnings is None else tuple(map(str, beginnings)))
+        elif kind != _MAKER or path.name != MANUFACTURER:
             raise _NotSelectable
+    known.keep()
+
+
+def _glance(path: Path) -> dict[str, Any]:
+    """Return whether a file is a spec, its kind, and the name and the beginnings of order codes of a device.
+
+    Raises:
+        OSError: The file cannot be read.
+    """
+    if not path.is_file():
+        raise OSError
+    text = b"\n" + path.read_bytes()
+    keys = set(_KEY.findall(text))
+    names = _NAME.findall(text)
+    shows: tuple[str, str, Sequence[str] | None] = ("", "", None)
+    if len(names) == 1 and keys.isdisjoint(_OTHER_KINDS):
+        shows = (_DEVICE, names[0].decode(), _beginnings(text))
+    elif b"device" not in keys and keys.isdisjoint(_OTHER_KINDS):
+        shows = (_MAKER, "", None)
+    return {"is_spec": is_spec(path), "shows": shows}
 
 
 def _beginnings(text: bytes) -> tuple[str, ...] | None:
