@@ -20,7 +20,6 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from .known_files import KnownFiles
 from .lock import PATIENCE_S, Busy, locked
 
 LIST = ".codewheel"
@@ -75,15 +74,22 @@ def hashes(files: Mapping[str, str]) -> dict[str, str]:
     return {path: hashlib.sha256(text.encode()).hexdigest() for path, text in files.items()}
 
 
-def is_as_written(folder: Path, targets: Mapping[str, Mapping[str, str]], known: KnownFiles) -> bool:
-    """Return whether writing files with these hashes would change nothing. ``targets`` are as for ``write``.
+def is_as_written(
+    folder: Path,
+    targets: Mapping[str, Mapping[str, str]],
+    known: Callable[[str, Callable[[], str]], object] = lambda _, hash_of_file: hash_of_file(),
+) -> bool:
+    """Return whether writing files with these hashes would change nothing.
 
-    ``known`` contains the hashes of files that were there before.
+    Args:
+        folder: The output folder.
+        targets: The hashes, keyed as for ``write``.
+        known: Returns the hash of the file at a path if it is known, and otherwise calls its second argument.
     """
 
     def hash_of(path: str) -> object:
         place = os.path.join(folder, path)
-        return known.result(place, lambda: _hash_of(Path(place))) if stat.S_ISREG(os.lstat(place).st_mode) else ""
+        return known(place, lambda: _hash_of(Path(place))) if stat.S_ISREG(os.lstat(place).st_mode) else ""
 
     try:
         return not any(name.startswith(_PREFIX) for name in os.listdir(folder)) and all(

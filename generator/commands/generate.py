@@ -46,7 +46,7 @@ def is_unchanged(chosen: argparse.Namespace, hashes: Rendered, read: str, cache:
     Otherwise, print nothing.
     """
     known = KnownFiles(cache, "written files", [str(chosen.output)])
-    if not is_as_written(chosen.output, hashes, known):
+    if not is_as_written(chosen.output, hashes, known.result):
         return False
     known.keep()
     print(read)

@@ -194,6 +194,7 @@ LABELS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("labels", LABELS.values(), ids=LABELS)
 @pytest.mark.parametrize("around", ["history", "no history", "editions"])
 def test_the_entry_for_an_option_with_another_label_passes_check(

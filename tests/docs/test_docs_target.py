@@ -276,6 +276,7 @@ def texts(device: Device) -> list[str]:
     return found + [item.changes for item in device.manual.history]
 
 
+@pytest.mark.slow
 def test_tables_are_whole(files: Files, hostile_files: Files) -> None:
     """Every row of a table has as many cells as its head."""
     for made in [*files.values(), *hostile_files.values()]:

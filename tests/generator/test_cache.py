@@ -74,6 +74,7 @@ def entries(folder: Path) -> list[Path]:
     return sorted(folder.iterdir()) if folder.is_dir() else []
 
 
+@pytest.mark.slow
 def test_commands_print_the_same_with_and_without_the_cache(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     without = [said(capsys, *command, "--no-cache") for command in COMMANDS]
     assert entries(folder) == []
@@ -151,6 +152,7 @@ def test_a_damaged_entry_is_ignored_and_replaced(kept: tuple[Cache, Path]) -> No
 OTHER_FORMS = (5, "text", [5], {}, {"families": 5, "files": 5, "hashes": 5}, [{"family": 5}], {"families": []})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wrong", OTHER_FORMS)
 def test_an_entry_of_another_form_is_no_result(
     wrong: object, folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -297,6 +299,7 @@ def test_a_changed_spec_is_read_again(folder: Path, specs: Path, capsys: pytest.
     assert said(capsys, *command) == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("broken", ["amm5.yaml", "manufacturer.yaml"])
 def test_problems_are_reported_as_without_a_selection(
     folder: Path, specs: Path, broken: str, capsys: pytest.CaptureFixture[str]
@@ -584,6 +587,7 @@ def begun(specs: Path, cache: Cache) -> int:
     return found[-1]
 
 
+@pytest.mark.slow
 def test_parts_survive_the_cache(two: Path) -> None:
     library, _ = library_of(two, Cache(None))
     for target in map(load_target, BUILT_IN):
@@ -594,6 +598,7 @@ def test_parts_survive_the_cache(two: Path) -> None:
         assert files_of(target, library, options, again) == files_of(target, library, options)
 
 
+@pytest.mark.slow
 def test_only_parts_of_changed_families_are_rendered(folder: Path, two: Path) -> None:
     cache = Cache(folder)
     assert begun(two, cache) == 2 * len(BUILT_IN)

@@ -216,6 +216,7 @@ def test_frames_from_standard_input() -> None:
     assert [json.loads(line)["crc"]["ok"] for line in done.stdout.splitlines()] == [True, False]
 
 
+@pytest.mark.slow
 def test_generate_twice_check_and_targets(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     command = ("generate", str(EXAMPLE), "-o", str(tmp_path))
     code, out, _ = run(capsys, *command)

@@ -106,7 +106,7 @@ def test_a_written_file_that_changes_is_found(cache: Cache, tmp_path: Path) -> N
 
     def is_same() -> bool:
         known = KnownFiles(cache, "written files", [])
-        found = is_as_written(tmp_path / "out", expected, known)
+        found = is_as_written(tmp_path / "out", expected, known.result)
         known.keep()
         return found
 

@@ -109,6 +109,7 @@ def patched(monkeypatch: pytest.MonkeyPatch, output: str, meant: Callable[[Field
             monkeypatch.setattr(module, "meaning_of", replaced)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("output", OUTPUTS)
 def test_an_unknown_operation_is_refused(output: str, monkeypatch: pytest.MonkeyPatch) -> None:
     target_of(output)

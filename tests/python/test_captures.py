@@ -45,6 +45,7 @@ RATES = (2.4, 3, 4, 4.8, 5, 6.37, 8, 11, 16, 24, 33.3, 50)
 DELAYS = (0.0, 0.1, 0.26, 0.5, 0.77, 0.99, 1.0, 1.5, 3.3, 7.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", RATES)
 def test_biss_at_every_rate_with_every_delay(rate: float) -> None:
     words = [biss_word(position) for position in positions(3)]

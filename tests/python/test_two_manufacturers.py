@@ -62,6 +62,7 @@ def test_the_names_are_those_of_the_runtime(generated_python: tuple[Path, Module
     assert lika.biss.Master is importlib.import_module("codewheel_runtime.biss").Master
 
 
+@pytest.mark.slow
 def test_there_is_one_runtime(both: Path) -> None:
     assert sorted(path.name for path in both.iterdir() if path.is_dir()) == [*NAMES[:1], "runtime", *NAMES[1:]]
     for name in NAMES:
