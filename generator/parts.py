@@ -19,8 +19,8 @@ from .cache import Cache, content_of
 from .loading.shipped import packaged_masters
 from .masters.sheet import shipped_masters
 from .model import Device
-from .targets import NO_OPTIONS, Library, Options, Target, TargetError
-from .targets.registry import BUILT_IN
+from .targets import Library, Options, Target, TargetError
+from .targets.registry import BUILT_IN, load_target
 
 #: Highest number of processes, and the free memory in bytes that each of them needs.
 _MOST_PROCESSES = 4
@@ -43,104 +43,146 @@ class Kept:
 
 
 NOTHING_KEPT = Kept(Cache(None))
-_Task = tuple[Target, Device]
+#: Name of a target, and a family.
+_Task = tuple[str, Device]
 
 
 def is_plain(target: Target, options: Options) -> bool:
     """Return whether a target is built in and has its default options."""
-    return target.name in BUILT_IN and options == {item.name: item.default for item in target.options}
+    return target.name in BUILT_IN and options == _defaults(target)
 
 
-def parts_of(library: Library, targets: Sequence[Target], kept: Kept) -> dict[str, dict[str, Any]]:
+def parts_of(devices: Sequence[Device], targets: Sequence[str], kept: Kept) -> dict[str, dict[str, Any]]:
     """Return the parts of these targets by name of the target and of the family.
 
     Raises:
         TargetError: A target fails, or a process dies.
     """
-    if library.own_templates is not None:
-        return {}
-    masters = content_of(sorted(packaged_masters().iterdir()))
-    found: dict[str, dict[str, Any]] = {target.name: {} for target in targets}
-    missing: list[_Task] = []
+    with Begun(devices, targets, kept) as work:
+        return work.finished()
 
-    def content(task: _Task) -> list[bytes | str]:
-        digest = kept.digests.get(task[1].name)
-        return [digest, *masters] if digest else []
 
-    for task in ((target, device) for target in targets if target.family for device in library.devices):
-        entry = kept.cache.get(f"part {task[0].name}", content(task)) if content(task) else None
-        if isinstance(entry, dict) and "part" in entry:
-            found[task[0].name][task[1].name] = entry["part"]
-        else:
-            missing.append(task)
+class Begun:
+    """Parts that other processes make while this one goes on. The end of the context ends these processes.
 
-    def make(task: _Task) -> Any:
-        target, device = task
+    Args:
+        devices: All families.
+        targets: The names of built-in targets.
+        kept: Parts of earlier runs, and the place for new ones.
+    """
+
+    def __init__(self, devices: Sequence[Device], targets: Sequence[str], kept: Kept) -> None:
+        self._kept, self._masters = kept, content_of(sorted(packaged_masters().iterdir()))
+        self._found: dict[str, dict[str, Any]] = {name: {} for name in targets}
+        self._missing: list[_Task] = []
+        for name, device in ((name, device) for name in targets for device in devices):
+            entry = kept.cache.get(f"part {name}", self._content(device)) if self._content(device) else None
+            if isinstance(entry, dict) and "part" in entry:
+                self._found[name][device.name] = entry["part"]
+            else:
+                self._missing.append((name, device))
+        if self._missing:
+            with suppress(ValueError):  # The target reports it.
+                shipped_masters(kept.cache)
+        # The targets that take longest are the last ones.
+        self._missing.reverse()
+        self._first = _Pool(self._missing[:_MOST], self._make)
+
+    def __enter__(self) -> Begun:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._first.close()
+
+    def finished(self) -> dict[str, dict[str, Any]]:
+        """Return the parts by name of the target and of the family. This process works too.
+
+        Raises:
+            TargetError: A process died.
+        """
+        for start in range(0, len(self._missing), _MOST):
+            some = self._missing[start : start + _MOST]
+
+            def tell(begun: int, start: int = start) -> None:
+                self._kept.tell(start + begun, len(self._missing))
+
+            with self._first if start == 0 else _Pool(some, self._make) as pool:
+                for number, made in pool.finished(tell).items():
+                    name, device = some[number]
+                    self._found[name][device.name] = made
+        return self._found
+
+    def _content(self, device: Device) -> list[bytes | str]:
+        digest = self._kept.digests.get(device.name)
+        return [digest, *self._masters] if digest else []
+
+    def _make(self, task: _Task) -> Any:
+        name, device = task
+        target = load_target(name)
         made = target.family(device, Library((device,)), _defaults(target)) if target.family is not None else None
-        if content(task):
-            kept.cache.put(f"part {target.name}", content(task), {"part": made})
+        if self._content(device):
+            self._kept.cache.put(f"part {name}", self._content(device), {"part": made})
         return made
-
-    if missing:
-        with suppress(ValueError):  # The target reports it.
-            shipped_masters(kept.cache)
-    # The targets that take longest are the last ones.
-    missing.reverse()
-    for start in range(0, len(missing), _MOST):
-        some = missing[start : start + _MOST]
-
-        def tell(begun: int, _: int, start: int = start) -> None:
-            kept.tell(start + begun, len(missing))
-
-        for number, made in _made(some, make, tell).items():
-            target, device = some[number]
-            found[target.name][device.name] = made
-    return found
 
 
 def _defaults(target: Target) -> Options:
-    return {item.name: item.default for item in target.options} or NO_OPTIONS
+    return {item.name: item.default for item in target.options}
 
 
-def _made(tasks: Sequence[_Task], make: Callable[[_Task], Any], tell: Callable[[int, int], None]) -> dict[int, Any]:
-    """Return the parts by the position of their tasks. Those with errors are missing, so that the target reports them.
+class _Pool:
+    """Processes that take the positions of tasks from one pipe. Each returns its parts through a pipe of its own."""
 
-    All processes take the positions from one pipe. Each child returns its parts through a pipe of its own, as JSON.
-    """
-    queue, fill = os.pipe()
-    children: list[tuple[int, BinaryIO]] = []
-    made: dict[int, Any] = {}
-
-    def work() -> Iterator[tuple[int, Any]]:
-        while number := os.read(queue, _NUMBER):
-            position = int.from_bytes(number, "big")
-            tell(position, len(tasks))
-            with suppress(Exception):
-                yield position, make(tasks[position])
-
-    try:
+    def __init__(self, tasks: Sequence[_Task], make: Callable[[_Task], Any]) -> None:
+        self._tasks, self._make = tasks, make
+        self._children: list[tuple[int, BinaryIO]] = []
+        self._queue, fill = os.pipe()
         os.write(fill, b"".join(position.to_bytes(_NUMBER, "big") for position in range(len(tasks))))
         os.close(fill)
         with suppress(OSError):  # Without further processes, this one does everything.
-            children.extend(_child(work) for _ in range(_processes(len(tasks)) - 1))
-        made.update(work())
-        while children:
-            number, stream = children[-1]
+            self._children.extend(_child(self._work) for _ in range(_processes(len(tasks)) - 1))
+
+    def __enter__(self) -> _Pool:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End all processes."""
+        if self._queue >= 0:
+            os.close(self._queue)
+        self._queue = -1
+        for number, stream in self._children:
+            stream.close()
+            with suppress(OSError):
+                os.kill(number, signal.SIGKILL)
+                os.waitpid(number, 0)
+        self._children.clear()
+
+    def finished(self, tell: Callable[[int], None]) -> dict[int, Any]:
+        """Return the parts by the position of their tasks. Those with errors are missing, so that targets report them.
+
+        Raises:
+            TargetError: A process died.
+        """
+        made = dict(self._work(tell))
+        while self._children:
+            number, stream = self._children[-1]
             with stream:
                 text = stream.read()
-            children.pop()
+            self._children.pop()
             _, status = os.waitpid(number, 0)
             if status:
                 raise TargetError(_died(status))
             made.update((int(position), part) for position, part in json.loads(text).items())
         return made
-    finally:
-        os.close(queue)
-        for number, stream in children:
-            stream.close()
-            with suppress(OSError):
-                os.kill(number, signal.SIGKILL)
-                os.waitpid(number, 0)
+
+    def _work(self, tell: Callable[[int], None] = lambda begun: None) -> Iterator[tuple[int, Any]]:
+        while number := os.read(self._queue, _NUMBER):
+            position = int.from_bytes(number, "big")
+            tell(position)
+            with suppress(Exception):
+                yield position, self._make(self._tasks[position])
 
 
 def _processes(tasks: int) -> int:

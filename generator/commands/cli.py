@@ -109,29 +109,34 @@ def _generate(chosen: argparse.Namespace) -> int:
                 before.put({"families": names, "files": report.files} | known)
                 return 0
     from ..loading.stored import digest_of
-    from ..parts import Kept
+    from ..parts import Begun, Kept
     from ..targets import Library
+    from ..targets.registry import BUILT_IN
     from ..write import hashes
     from .outputs import are_built_in, complete, options_named, rendered, targets_named
 
-    targets = targets_named(chosen.target)
-    settings = options_named(chosen.option, targets)
-    if chosen.templates is not None and not chosen.templates.is_dir():
-        raise Stop(f"there is no folder {chosen.templates}", 2)
-    if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
-        raise Stop("--biss-dtd needs the target biss", 2)
-    with Progress("codewheel: checking the specs") as progress:
-        devices = complete(families, targets, chosen.edition, report)
-    if report:
-        raise look_up.problems(report)
-    names = [device.name for device in devices]
-    print(look_up.read_line(paths, names, report))
+    progress = Progress("codewheel: checking the specs")
+    # Older editions, problems and templates of the user are rare, so other processes begin with the rest at once.
+    parts = [] if report or chosen.templates else [name for name in chosen.target or BUILT_IN if name in BUILT_IN]
     digests = {item.device.name: item.digest for item in families}
     if not chosen.no_cache:
-        digests = {item.name: digests.get(item.name) or digest_of(item) for item in devices}
-    with progress:
-        kept = Kept(_cache(chosen), digests, progress.begun)
-        files = rendered(Library(devices, chosen.templates), targets, settings, kept)
+        digests = {item.device.name: item.digest or digest_of(item.device) for item in families}
+    kept = Kept(_cache(chosen), digests, progress.begun)
+    with Begun([item.device for item in families], list(dict.fromkeys(parts)), kept) as work:
+        targets = targets_named(chosen.target)
+        settings = options_named(chosen.option, targets)
+        if chosen.templates is not None and not chosen.templates.is_dir():
+            raise Stop(f"there is no folder {chosen.templates}", 2)
+        if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
+            raise Stop("--biss-dtd needs the target biss", 2)
+        with progress:
+            devices = complete(families, targets, chosen.edition, report)
+        if report:
+            raise look_up.problems(report)
+        names = [device.name for device in devices]
+        print(look_up.read_line(paths, names, report))
+        with progress:
+            files = rendered(Library(devices, chosen.templates), targets, settings, work)
     if chosen.templates is None and are_built_in(targets, chosen.target):
         made = {name: hashes(texts) for name, texts in files.items()}
         before.put({"families": names, "files": report.files, "hashes": made})

@@ -583,7 +583,7 @@ def begun(specs: Path, cache: Cache) -> int:
     library, digests = library_of(specs, cache)
     found = [0]
     kept = Kept(cache, digests, lambda _, all_of_them: found.append(all_of_them))
-    parts_of(library, [load_target(name) for name in BUILT_IN], kept)
+    parts_of(library.devices, BUILT_IN, kept)
     return found[-1]
 
 
@@ -730,9 +730,12 @@ def child(work):
     started = start(work)
     os.waitid(os.P_PID, started[0], os.WEXITED | os.WNOWAIT)
     return started
-def made(tasks, make, tell, real=parts._made):
-    return real(tasks, lambda task: dies() if os.getpid() != mine else make(task), tell)
-parts._processes, parts._child, parts._made = lambda tasks: 3, child, made
+class Pool(parts._Pool):
+    def _work(self, *arguments):
+        if os.getpid() != mine:
+            self._make = dies
+        return super()._work(*arguments)
+parts._processes, parts._child, parts._Pool = lambda tasks: 3, child, Pool
 sys.exit(main(sys.argv[1:]))
 """
 
