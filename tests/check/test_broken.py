@@ -27,7 +27,7 @@ RULES_WITH_BROKEN_SPECS = """
     repeated-text rs485-exchange several-documents spi-exchange spi-parity step-shape supply-range table-shape tag
     timeout-mismatch time-repeated timing-order
     timing-without-bound
-    too-deep too-large too-long too-short typographic-quotes undefined-reference unit-mismatch unknown-key unused-crc
+    too-deep too-large too-long too-short typographic-quotes undefined-reference unit-mismatch unknown-key unused-bits unused-crc
     value-clash value-too-wide wrong-type yaml-syntax
 """.split()
 
