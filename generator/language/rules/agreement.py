@@ -95,7 +95,9 @@ def unused_bits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             high, _, low = str(field.get("at", "")).partition(":")
             clash = [bit for bit in unused if high.isdigit() and int(low or high) <= bit <= int(high)]
             if clash and not {"constant", "unused"} & {*field}:
-                wrong = f"the note says that bit {min(clash)} is not used, but {quoted(field['name'])} uses it"
+                wrong = (
+                    f"the note says that bit {min(clash)} is not used, but {quoted(str(field.get('name', '')))} uses it"
+                )
                 report.add("unused-bits", (*path, "at"), f"{wrong}; one of the two is wrong")
 
 
@@ -131,7 +133,7 @@ def zero_within_limits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, register in items(spec, "registers"):
         for _, field in items(register, "fields"):
             zero, highest = field.get("zero_means"), register.get("max")
-            is_limited = register.get("limits_of", field["name"]) == field["name"]
+            is_limited = register.get("limits_of") in (None, field.get("name"))
             if isinstance(zero, int) and isinstance(highest, int) and is_limited and zero > highest:
                 wrong = f"zero stands for {zero}, which is above 'max' ({highest})"
                 report.add("limit-does-not-fit", (*path, "max"), f"{wrong}; one of the two is wrong")

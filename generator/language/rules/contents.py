@@ -43,7 +43,9 @@ def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     if first_pages >= max(_ENOUGH, _SHARE * (first_pages + len(later_pages))):
         for path, section, page, begin in later_pages:
             wrong = f"nothing cited here begins on page {page} of section {section} according to the table of contents"
-            report.add("cited-place", path, f"{wrong}; the other sources cite first pages, so write p.{begin}, or both pages")
+            report.add(
+                "cited-place", path, f"{wrong}; the other sources cite first pages, so write p.{begin}, or both pages"
+            )
 
 
 def _begins(spans: Mapping[str, tuple[int, int]], own: list[str]) -> set[int]:
