@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from contextlib import suppress
 from typing import Any
 
-from ..places import NothingThere, resolve
 from ..problems import DocumentReport, Path, is_slip, quoted
 from .walk import Has, Spec, by_name, explained, field_lists, items, leaves, mapping
 
@@ -34,15 +32,16 @@ def misspelt_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     entries: dict[str, str] = {}
     for item in mapping(raw, "manual", "contents").values():
         entries |= {title.casefold(): title for title in mapping(item, "entries")}
-    affected, language = list(_affected(spec)), mapping(raw, "manual").get("language")
+    language = mapping(raw, "manual").get("language")
+    explained_names = "\n".join(item.get("used", "") for _, item in items(spec, "errata")).casefold()
     for path, name in leaves(spec) if len(entries) <= _MOST_ENTRIES else ():
         # A name in another language can differ by one letter too: temperature, temperatura.
         if not isinstance(name, str) or (path[-2:] != ("names", language) and path[-1] != "printed_name"):
             continue
         right = next((title for title in entries if _misspells(name, title)), None)
-        if right and name.casefold() not in entries and not any(path[: len(item)] == item for item in affected):
-            wrong = f"the table of contents has {quoted(entries[right])}; correct one of the two, or add an erratum"
-            report.add("misspelt-name", path, wrong)
+        if right and name.casefold() not in entries and name.casefold() not in explained_names:
+            wrong = f"the table of contents has {quoted(entries[right])}; correct one of the two"
+            report.add("misspelt-name", path, f"{wrong}, or add an erratum whose 'used' has this name")
     for path, alarm in items(spec, "alarms"):
         kind = "group" if "group" in alarm else "register"
         owner = by_name(spec, "field_groups" if kind == "group" else "registers").get(alarm.get(kind, ""), {})
@@ -58,14 +57,6 @@ def _misspells(name: str, other: str) -> bool:
     """Return whether one letter of a name is wrong. An entry of the contents can be in the plural."""
     one, two = name.casefold(), other.casefold()
     return len(two) >= _LONG and one.rstrip("s") != two.rstrip("s") and is_slip(one, two)
-
-
-def _affected(spec: Spec) -> Iterator[Path]:
-    """Yield the places that errata affect."""
-    for _, erratum in items(spec, "errata"):
-        for text in erratum.get("affects", ()):
-            with suppress(NothingThere):
-                yield resolve(spec, text)
 
 
 def _names(item: Spec) -> Iterator[tuple[Path, str]]:
