@@ -46,8 +46,8 @@ def same_language(old: Manual, new: Manual) -> bool:
 def changed(old: Manual, new: Manual) -> Iterator[Passage]:
     """Yield the passages that differ.
 
-    Sections that were only renumbered or moved do not differ. A running head of one edition is also the title on the
-    cover of both, so a line that only one edition has is no difference if it is a running head.
+    Sections that were only renumbered or moved do not differ. A running head of one edition can be the title on the
+    cover of both, so text that only one edition has is skipped if it is a running head.
     """
     heads = old.heads | new.heads
     for before, after in aligned(old, new):
