@@ -116,8 +116,10 @@ def _generate(chosen: argparse.Namespace) -> int:
     from .outputs import are_built_in, complete, options_named, rendered, targets_named
 
     progress = Progress("codewheel: checking the specs")
-    # Older editions, problems and templates of the user are rare, so other processes begin with the rest at once.
-    parts = [] if report or chosen.templates else [name for name in chosen.target or BUILT_IN if name in BUILT_IN]
+    # Other processes begin at once. Templates and options of the user change the parts, and problems end the run.
+    changed = {setting.partition(".")[0] for setting in chosen.option}
+    names = [name for name in chosen.target or BUILT_IN if name in BUILT_IN and name not in changed]
+    parts = [] if report or chosen.templates else names
     digests = {item.device.name: item.digest for item in families}
     if not chosen.no_cache:
         digests = {item.device.name: item.digest or digest_of(item.device) for item in families}

@@ -29,7 +29,7 @@ from codewheel.loading import selected
 from codewheel.loading.library import Family, load_families, load_library
 from codewheel.loading.selected import families_for
 from codewheel.loading.stored import NotStorable, as_data, from_data
-from codewheel.parts import Kept, parts_of
+from codewheel.parts import Begun, Kept
 from codewheel.targets import Library
 from codewheel.targets.registry import BUILT_IN, files_of, load_target
 
@@ -583,7 +583,8 @@ def begun(specs: Path, cache: Cache) -> int:
     library, digests = library_of(specs, cache)
     found = [0]
     kept = Kept(cache, digests, lambda _, all_of_them: found.append(all_of_them))
-    parts_of(library.devices, BUILT_IN, kept)
+    with Begun(library.devices, BUILT_IN, kept) as work:
+        work.finished()
     return found[-1]
 
 
@@ -726,8 +727,8 @@ from codewheel.commands.terminal import Stop
 mine, start = os.getpid(), parts._child
 def dies(*arguments):
     HOW
-def child(work):
-    started = start(work)
+def child(*arguments):
+    started = start(*arguments)
     os.waitid(os.P_PID, started[0], os.WEXITED | os.WNOWAIT)
     return started
 class Pool(parts._Pool):

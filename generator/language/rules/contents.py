@@ -15,7 +15,7 @@ _NUMBERED = re.compile(r"[0-9]+(?:\.[0-9]+)*")
 #: Where a section begins or ends if the contents do not say.
 _FIRST, _END = 1, 10_000
 #: Number of cited pages that show which pages a spec cites, and the share of them that agrees.
-_ENOUGH, _SHARE = 50, 0.95
+_ENOUGH, _SHARE = 50, 0.98
 
 
 def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -42,10 +42,8 @@ def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 later_pages.append((path, section, page, max((item for item in begins if item < page), default=page)))
     if first_pages >= max(_ENOUGH, _SHARE * (first_pages + len(later_pages))):
         for path, section, page, begin in later_pages:
-            wrong = f"nothing cited here begins on page {page} of section {section} according to the table of contents"
-            report.add(
-                "cited-place", path, f"{wrong}; the other sources cite first pages, so write p.{begin}, or both pages"
-            )
+            wrong = f"nothing in section {section} begins on page {page}, and other sources cite first pages"
+            report.add("cited-place", path, f"{wrong}; cite p.{begin}, or p.{begin} and p.{page}")
 
 
 def _begins(spans: Mapping[str, tuple[int, int]], own: list[str]) -> set[int]:
