@@ -51,7 +51,7 @@ def is_plain(target: Target, options: Options) -> bool:
     return target.name in BUILT_IN and options == _defaults(target)
 
 
-class Begun:
+class Rendering:
     """Parts that other processes make while this one goes on. The end of the context ends these processes.
 
     Args:
@@ -77,7 +77,7 @@ class Begun:
         self._missing.reverse()
         self._first = _Pool(self._missing[:_MOST], self._make)
 
-    def __enter__(self) -> Begun:
+    def __enter__(self) -> Rendering:
         return self
 
     def __exit__(self, *_: object) -> None:

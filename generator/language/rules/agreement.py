@@ -142,7 +142,7 @@ def zero_within_limits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         for _, field in items(register, "fields"):
             zero, highest = field.get("zero_means"), register.get("max")
             is_limited = register.get("limits_of") in (None, field.get("name"))
-            # The highest number that fits can stand for one more, as 0.
+            # 0 can stand for the number after the highest one, such as 65536 in 16 bits.
             if isinstance(zero, int) and isinstance(highest, int) and is_limited and zero > highest + 1:
                 wrong = f"zero stands for {zero}, which is above 'max' ({highest})"
                 report.add("limit-does-not-fit", (*path, "max"), f"{wrong}; one of the two is wrong")
