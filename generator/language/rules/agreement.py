@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from ..problems import DocumentReport, Path, is_slip, quoted
-from .walk import Has, Spec, by_name, explained, field_lists, items, leaves, mapping
+from .walk import Has, Spec, by_name, explained, field_lists, items, leaves, leaves_of, mapping
 
 #: A hexadecimal number in a text.
 _HEX = re.compile(r"\b(?:0x([0-9A-Fa-f]+)|([0-9][0-9A-F]*)h)\b")
@@ -37,7 +37,7 @@ def misspelt_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         entries |= {title.casefold(): title for title in mapping(item, "entries")}
     language = mapping(raw, "manual").get("language")
     explained_names = "\n".join(item.get("used", "") for _, item in items(spec, "errata")).casefold()
-    for path, name in leaves(spec) if len(entries) <= _MOST_ENTRIES else ():
+    for path, name in leaves_of(spec, report) if len(entries) <= _MOST_ENTRIES else ():
         # A name in another language can differ by one letter too: temperature, temperatura.
         if not isinstance(name, str) or (path[-2:] != ("names", language) and path[-1] != "printed_name"):
             continue

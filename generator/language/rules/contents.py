@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Any
 
 from ..problems import DocumentReport, Path, quoted, suggestion
-from .walk import Spec, mapping, sources
+from .walk import Spec, leaves_of, mapping, sources
 
 _CITED = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(?P<page>[0-9]+))?")
 _NUMBERED = re.compile(r"[0-9]+(?:\.[0-9]+)*")
@@ -27,7 +27,7 @@ def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     spans = _spans(contents)
     first_pages = 0
     later_pages: list[tuple[Path, str, int, int]] = []
-    for path, value in sources(spec) if contents else ():
+    for path, value in sources(leaves_of(spec, report)) if contents else ():
         pieces = [found for piece in value.split(";") if (found := _CITED.fullmatch(piece.strip())) is not None]
         own, names = _names(spec, path)
         for cited in pieces:

@@ -11,7 +11,7 @@ from ...say.words import counted, nanoseconds
 from ..places import found_at
 from ..problems import DocumentReport, Path, listed, quoted
 from .meanings import supply_named
-from .walk import Spec, items, leaves, mapping
+from .walk import Spec, items, leaves, leaves_of, mapping
 
 _UNITS = {
     "angle": "°",
@@ -259,7 +259,7 @@ def conversions(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 if bound in value and bound in other and (right := _converted(value, other, bound)) is not None:
                     wrong = f"{value[bound]} {value['unit']} is {right:.4g} {other['unit']}, not {other[bound]}"
                     report.add("quantity-text", (*path, *at, bound), wrong)
-    for path, text in leaves(spec):
+    for path, text in leaves_of(spec, report):
         for found in _SAME.finditer(text) if isinstance(text, str) and path[-1] != "printed" else ():
             values = [
                 {"number": Decimal(found[f"{key}"].replace("−", "-")), "unit": found[f"{key}_unit"]}
