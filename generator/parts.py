@@ -28,6 +28,9 @@ _MEMORY = 256 * 2**20
 #: Least number of parts that justifies more processes, and largest number that a process holds before returning them.
 _FEWEST, _MOST = 4, 256
 _NUMBER = 4
+#: The targets that take longest come first, after the first one also C: other processes are busy by then, and this one
+#: has done half the work for C when it looked for problems.
+_ORDER = ("masters", "c", "docs", "python", "biss", "browser", "opcua")
 
 
 @dataclass(frozen=True)
@@ -73,8 +76,7 @@ class Rendering:
         if self._missing:
             with suppress(ValueError):  # The target reports it.
                 shipped_masters(kept.cache)
-        # The targets that take longest are the last ones.
-        self._missing.reverse()
+        self._missing.sort(key=lambda task: _ORDER.index(task[0]))
         self._first = _Pool(self._missing[:_MOST], self._make)
 
     def __enter__(self) -> Rendering:
