@@ -32,7 +32,9 @@ def _held(item: Any, codes: Collection[str], steps: Collection[str]) -> Any:
         return item if is_same else kept
     if isinstance(item, Field) and isinstance(item.kind, Flag) and _is_of_others(item.kind, codes):
         return item.unexplained
-    changed = {name: new for name, old in _parts(item) if (new := _held(old, codes, steps)) is not old}
+    if not names_of_members(item.__class__):
+        return item
+    changed = {name: new for name, old in parts_of(item) if (new := _held(old, codes, steps)) is not old}
     only = getattr(item, "only", "")
     if only and all(fits(only, code) for code in codes):
         changed["only"] = ""
@@ -42,17 +44,18 @@ def _held(item: Any, codes: Collection[str], steps: Collection[str]) -> Any:
     return replace(item, **changed) if changed else item
 
 
-def _parts(item: Any) -> Iterator[tuple[str, Any]]:
-    """Yield the members that can contain an ``only`` or steps: tuples and objects of the model."""
-    for name in _names(item.__class__):
+def parts_of(item: Any) -> Iterator[tuple[str, Any]]:
+    """Yield the members of an object of the model that are objects themselves, or tuples."""
+    for name in names_of_members(item.__class__):
         value = getattr(item, name)
-        if isinstance(value, tuple) or _names(value.__class__):
+        if isinstance(value, tuple) or names_of_members(value.__class__):
             yield name, value
 
 
 @cache
-def _names(kind: type) -> tuple[str, ...]:
-    return tuple(item.name for item in fields(kind)) if is_dataclass(kind) else ()
+def names_of_members(kind: type) -> tuple[str, ...]:
+    """Return the names of the members of a class of the model that can be replaced. Other classes have none."""
+    return tuple(item.name for item in fields(kind) if item.init) if is_dataclass(kind) else ()
 
 
 def _is_of_others(item: Any, codes: Collection[str]) -> bool:

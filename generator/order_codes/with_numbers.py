@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from ..model import Device, Layout, Variant
 from ..model.expressions import Expression, Factor
+from .holding_only import names_of_members, parts_of
 
 #: The parts of a device that contain expressions.
 _PARTS = ("interfaces", "registers", "procedures", "measurement")
@@ -29,10 +30,9 @@ def _filled(item: Any, known: Mapping[str, int]) -> Any:
     if isinstance(item, tuple):
         several = tuple(_filled(one, known) for one in item)
         return several if any(new is not old for new, old in zip(several, item, strict=True)) else item
-    if not is_dataclass(item) or isinstance(item, type):
+    if not names_of_members(item.__class__):
         return item
-    held = {part.name: getattr(item, part.name) for part in fields(item) if part.init}
-    changed = {name: new for name, old in held.items() if (new := _filled(old, known)) is not old}
+    changed = {name: new for name, old in parts_of(item) if (new := _filled(old, known)) is not old}
     made = replace(item, **changed) if changed else item
     return _without_empty(_decoded(made, known)) if isinstance(made, Layout) else made
 
