@@ -137,12 +137,12 @@ def _by_code(folder: str, device: Device) -> Iterator[tuple[str, str]]:
 
 def ascii_only(text: object) -> str:
     """Return ``text`` in ASCII for comments, where XML allows no character references."""
-    decomposed = unicodedata.normalize("NFKD", plain(text).translate(_ASCII))
-    return (
-        "".join(character for character in decomposed if not unicodedata.combining(character))
-        .encode("ascii", "replace")
-        .decode()
-    )
+    made = plain(text).translate(_ASCII)
+    if made.isascii():
+        return made
+    decomposed = unicodedata.normalize("NFKD", made)
+    bare = "".join(character for character in decomposed if not unicodedata.combining(character))
+    return bare.encode("ascii", "replace").decode()
 
 
 def comment_text(text: object) -> Markup:
