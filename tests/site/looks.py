@@ -26,6 +26,12 @@ _TABLES = """(() => {
     || [...item.querySelectorAll("td, th")].some((cell) => cell.clientWidth > 1 && isCut(cell)));
   return [tables.length, wide.map((item) => item.innerText.trim().slice(0, 60))];
 })()"""
+#: The elements of a page by their parent, class and attributes, each once.
+_ELEMENTS = """[...new Set([...document.querySelectorAll("body *")].map(item => {
+  const attributes = [...item.attributes].map(one => one.name + (one.name === "role" ? "=" + one.value : ""));
+  const kind = item.className.baseVal ?? item.className;
+  return [item.parentElement.localName, item.localName, kind, ...attributes].join(" ");
+}))]"""
 _AXE = """axe.run({resultTypes: ["violations"]}).then(found => found.violations
   .filter(item => item.impact === "serious" || item.impact === "critical")
   .map(item => item.id + ": " + item.nodes[0].html.slice(0, 200)))"""
@@ -53,6 +59,11 @@ def tables_of(browser: Browser) -> tuple[int, list[str]]:
     """Return the number of tables of the open page, and those that do not fit. Opens all folds."""
     count, wide = browser.run(_TABLES)
     return count, wide
+
+
+def elements_of(browser: Browser) -> set[str]:
+    """Return what elements the open page has: their names, classes and attributes, and the elements around them."""
+    return set(browser.run(_ELEMENTS))
 
 
 def axe_finds(browser: Browser, axe: str) -> list[str]:
