@@ -184,10 +184,13 @@ static inline cw_todo cw_runner_write(
     cw_runner *runner, const cw_step *step)
 {
     const size_t length = cw_runner_bytes(runner);
+    size_t index;
     if (cw_step_keeps(step, length) && (runner->round == 0U)) {
         return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->held, length);
     }
-    cw_step_change(step, runner->held, length);
+    for (index = 0U; index < length; index++) {
+        runner->held[index] = cw_step_changed(&step[index], runner->held[index]);
+    }
     runner->byte = runner->held[0];
     return cw_runner_ask(runner, CW_TODO_WRITE, step->address, runner->held, length);
 }
@@ -271,7 +274,7 @@ static inline void cw_runner_polled(cw_runner *runner, const cw_step *step)
 {
     const bool bounded = runner->poll_at_most != 0U;
     runner->round++;
-    if (cw_step_differs(step, runner->held, runner->length) == runner->length) {
+    if (cw_step_differs(step, runner->length, runner->held, runner->length) == runner->length) {
         cw_runner_advance(runner, runner->length);
     } else if (runner->round >= (bounded ? runner->poll_at_most : CW_POLL_AT_MOST)) {
         cw_runner_fail(runner, CW_FAULT_TIMEOUT, CW_STEP_POLL, 0);
@@ -311,7 +314,7 @@ static inline void cw_runner_accessed(cw_runner *runner, cw_todo did)
         cw_runner_polled(runner, step);
         break;
     case CW_STEP_VERIFY:
-        differs = cw_step_differs(step, runner->held, runner->length);
+        differs = cw_step_differs(step, runner->length, runner->held, runner->length);
         if (differs == runner->length) {
             cw_runner_advance(runner, runner->length);
         } else {

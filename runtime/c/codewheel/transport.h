@@ -343,41 +343,42 @@ static inline bool cw_step_keeps(const cw_step *steps, size_t length)
     return index < length;
 }
 
-/** Replace the bits of the bytes that the steps write. */
-static inline void cw_step_change(const cw_step *steps, uint8_t *bytes, size_t length)
+/** Return the byte that a step writes in place of the one held. */
+static inline uint8_t cw_step_changed(const cw_step *step, uint8_t held)
 {
-    size_t index;
-    for (index = 0U; index < length; index++) {
-        const uint32_t mask = steps[index].mask;
-        bytes[index] =
-            (uint8_t)(((uint32_t)bytes[index] & ~mask) | ((uint32_t)steps[index].value & mask));
-    }
+    const uint32_t mask = step->mask;
+    return (uint8_t)(((uint32_t)held & ~mask) | ((uint32_t)step->value & mask));
 }
 
 /** Return the index of the first byte that differs from its step under the mask, or length. */
-static inline size_t cw_step_differs(const cw_step *steps, const uint8_t *bytes, size_t length)
+static inline size_t cw_step_differs(
+    const cw_step *steps, size_t count, const uint8_t *bytes, size_t length)
 {
     size_t index = 0U;
-    while ((index < length) &&
+    while ((index < count) && (index < length) &&
         (((uint32_t)bytes[index] & (uint32_t)steps[index].mask) == (uint32_t)steps[index].value)) {
         index++;
     }
     return index;
 }
 
-/** Carry out a WRITE or CLOSE step of this many bytes. */
+/** Carry out a WRITE or CLOSE step, the first of count steps. */
 CW_NODISCARD
 static inline cw_result cw_run_write(
-    const cw_transport *transport, const cw_step *step, size_t length, cw_failure *failure)
+    const cw_transport *transport, const cw_step *step, size_t count, cw_failure *failure)
 {
     uint8_t bytes[CW_STEP_BYTES] = { 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U };
+    const size_t length = cw_step_bytes(step, count);
+    size_t index;
     if (cw_step_keeps(step, length)) {
         const cw_result result = cw_read(transport, step->address, bytes, length, failure);
         if (result != CW_OK) {
             return result;
         }
     }
-    cw_step_change(step, bytes, length);
+    for (index = 0U; index < length; index++) {
+        bytes[index] = cw_step_changed(&step[index], bytes[index]);
+    }
     return cw_write(transport, step->address, bytes, length, failure);
 }
 
@@ -399,11 +400,12 @@ static inline cw_result cw_run_send(
     return result;
 }
 
-/** Carry out a POLL step of this many bytes. */
+/** Carry out a POLL step, the first of count steps. */
 CW_NODISCARD
 static inline cw_result cw_run_poll(
-    const cw_transport *transport, const cw_step *step, size_t length, cw_failure *failure)
+    const cw_transport *transport, const cw_step *step, size_t count, cw_failure *failure)
 {
+    const size_t length = cw_step_bytes(step, count);
     const bool bounded = transport->poll_at_most != 0U;
     const uint32_t at_most = bounded ? transport->poll_at_most : CW_POLL_AT_MOST;
     const uint32_t pause = bounded ? transport->poll_pause_us : CW_POLL_PAUSE_US;
@@ -420,21 +422,22 @@ static inline cw_result cw_run_poll(
         if (result != CW_OK) {
             return result;
         }
-        if (cw_step_differs(step, held, length) == length) {
+        if (cw_step_differs(step, length, held, length) == length) {
             return CW_OK;
         }
     }
     return cw_failed(CW_FAULT_TIMEOUT, CW_STEP_POLL, step->address, 0, failure);
 }
 
-/** Carry out a VERIFY step of this many bytes. */
+/** Carry out a VERIFY step, the first of count steps. */
 CW_NODISCARD
 static inline cw_result cw_run_verify(
-    const cw_transport *transport, const cw_step *step, size_t length, cw_failure *failure)
+    const cw_transport *transport, const cw_step *step, size_t count, cw_failure *failure)
 {
+    const size_t length = cw_step_bytes(step, count);
     uint8_t held[CW_STEP_BYTES] = { 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U };
     const cw_result result = cw_read(transport, step->address, held, length, failure);
-    const size_t differs = cw_step_differs(step, held, length);
+    const size_t differs = cw_step_differs(step, length, held, length);
     if ((result == CW_OK) && (differs != length)) {
         return cw_failed(
             CW_FAULT_VERIFY, CW_STEP_VERIFY, step->address, (int32_t)held[differs], failure);
@@ -465,30 +468,31 @@ static inline size_t cw_run_together(const cw_step *steps, size_t count)
         return together;
     }
     while ((together < count) && (steps[together].kind == CW_STEP_READ) &&
+        (cw_step_bytes(&steps[together], count - together) == 1U) &&
         ((size_t)steps[together].address == ((size_t)steps[0].address + together))) {
         together++;
     }
     return together;
 }
 
-/** Carry out one step of this many bytes, of any kind except READ. */
+/** Carry out the first of count steps, of any kind except READ. */
 CW_NODISCARD
 static inline cw_result cw_run_step(
-    const cw_transport *transport, const cw_step *step, size_t length,
+    const cw_transport *transport, const cw_step *step, size_t count,
     cw_failure *failure)
 {
     switch (step->kind) {
     case CW_STEP_WRITE:
     case CW_STEP_CLOSE:
-        return cw_run_write(transport, step, length, failure);
+        return cw_run_write(transport, step, count, failure);
     case CW_STEP_WAIT:
         return cw_wait(transport, step->microseconds, failure);
     case CW_STEP_SEND:
         return cw_run_send(transport, step, failure);
     case CW_STEP_POLL:
-        return cw_run_poll(transport, step, length, failure);
+        return cw_run_poll(transport, step, count, failure);
     case CW_STEP_VERIFY:
-        return cw_run_verify(transport, step, length, failure);
+        return cw_run_verify(transport, step, count, failure);
     case CW_STEP_READ:
     case CW_STEP_MORE:
     default:
@@ -534,8 +538,8 @@ static inline bool cw_run_closing(
     size_t index;
     for (index = failed + 1U; index < count; index++) {
         if (cw_step_closes(steps, failed + 1U, &steps[index])) {
-            const size_t bytes = cw_step_bytes(&steps[index], count - index);
-            well = (cw_run_write(transport, &steps[index], bytes, NULL) == CW_OK) && well;
+            const cw_step *const step = &steps[index];
+            well = (cw_run_write(transport, step, count - index, NULL) == CW_OK) && well;
         }
     }
     return well;
@@ -573,7 +577,7 @@ static inline cw_result cw_run(
             result = cw_read(transport, step->address, &bytes[read], done, failure);
             read += done;
         } else {
-            result = cw_run_step(transport, step, done, failure);
+            result = cw_run_step(transport, step, count - index, failure);
         }
         if (result != CW_OK) {
             const bool closed = cw_run_closing(transport, steps, count, index);

@@ -190,7 +190,8 @@ class Pipeline:
 class RegisterBus:
     """Registers over SPI, for ``run``. ``bus()`` of a pipeline makes one.
 
-    Each access sends its requests and takes their replies. Send nothing else meanwhile.
+    Each access sends its requests and takes their replies. Send nothing else meanwhile. Flags in the replies are not
+    checked, so read back what you write.
     """
 
     def __init__(self, line: Pipeline, exchange: Callable[[int], int]) -> None:
