@@ -1,0 +1,85 @@
+"""SPI words whose length depends on the order code: the RLS Orbis without and with the multiturn counter."""
+
+from __future__ import annotations
+
+import importlib
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from codewheel.commands.cli import main
+from codewheel.virtual import SpiLine, VirtualEncoder
+
+pytestmark = pytest.mark.slow
+
+SPECS = Path(__file__).parents[2] / "examples" / "encoders"
+#: Table of moteus, fw/orbis.h at commit db1a762, for half a byte.
+TABLE = bytes.fromhex("00 97 B9 2E E5 72 5C CB 5D CA E4 73 B8 2F 01 96")
+POSITION = 0x1234
+
+
+def sent(data: bytes) -> bytes:
+    """The bytes with the CRC that moteus computes."""
+    crc = 0
+    for byte in data:
+        for half in (byte >> 4, byte & 15):
+            crc = TABLE[crc >> 4 ^ half] ^ (crc << 4 & 0xFF)
+    return data + bytes([crc ^ 0xFF])
+
+
+#: Position in the upper 14 bits, and error and warning inactive, as in the drivers. The counter comes first.
+WORDS = {"Orbis-14": sent(bytes.fromhex("48 D3")), "Orbis-14M": sent(bytes.fromhex("00 00 48 D3"))}
+
+
+@pytest.fixture(scope="module")
+def outputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("lengths")
+    specs = [str(SPECS / "rls" / name) for name in ("orbis.yaml", "manufacturer.yaml")]
+    assert main(["generate", *specs, "--target", "python", "--target", "c", "-o", str(folder)]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def package(outputs: Path) -> Iterator[Any]:
+    sys.path.insert(0, str(outputs / "python"))
+    yield importlib.import_module("rls_encoders")
+    sys.path.remove(str(outputs / "python"))
+
+
+@pytest.mark.parametrize("code", WORDS)
+def test_an_encoder_sends_words_of_its_length(code: str, package: Any) -> None:
+    word = WORDS[code]
+    encoder = VirtualEncoder(code, POSITION, specs=[SPECS])
+    line = SpiLine(encoder)
+    line.receive(bytes(2 * len(word)))
+    assert line.send() == 2 * word
+    frame = package.lookup(code).decode(int.from_bytes(word, "big"))
+    assert (frame.usable_position, frame.multiturn) == (POSITION, 0)
+
+
+def test_the_counter_of_a_longer_word_is_decoded(package: Any) -> None:
+    word = int.from_bytes(sent(bytes.fromhex("12 34 48 D3")), "big")
+    frame = package.lookup("Orbis-14M").decode(word)
+    assert (frame.multiturn, frame.usable_position) == (0x1234, POSITION)
+    with pytest.raises(package.LengthError):
+        package.lookup("Orbis-14").decode(word)
+
+
+def test_c_decodes_both_lengths(outputs: Path, tmp_path: Path) -> None:
+    source, program = tmp_path / "orbis.c", tmp_path / "orbis"
+    checks = "".join(
+        f"    if ((rls_orbis_spi_decode(&RLS_ORBIS_SPI_{code.removeprefix('Orbis-')}, UINT64_C(0x{word.hex()}),"
+        f" &frame) != CW_OK) || (frame.position != 0x{POSITION:X}U)) return {at};\n"
+        for at, (code, word) in enumerate(WORDS.items(), 1)
+    )
+    source.write_text(
+        f'#include "rls/orbis_spi.h"\nint main(void)\n{{\n    rls_orbis_spi_frame frame;\n{checks}    return 0;\n}}\n',
+        encoding="ascii",
+    )
+    strict = "-std=c99 -Wall -Wextra -Wconversion -Werror -fsanitize=undefined,address".split()
+    include = str(outputs / "c" / "include")
+    subprocess.run(["gcc", *strict, "-I", include, str(source), "-o", str(program)], check=True)
+    subprocess.run([program], check=True)
