@@ -532,7 +532,7 @@ procedures:
     title: Set the zero position
     interface: spi
     arguments: [{name: position, of: zero_position, meaning: Upper 8 bits of the position that becomes 0}]
-    steps:                                # each accesses one byte
+    steps:                                # each accesses a whole register
       - {do: write, register: zero_position, value: position, meaning: write the zero position}
       - {do: read, register: zero_position, meaning: check the value}
     source: "6.2"

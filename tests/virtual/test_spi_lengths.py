@@ -83,3 +83,72 @@ def test_c_decodes_both_lengths(outputs: Path, tmp_path: Path) -> None:
     include = str(outputs / "c" / "include")
     subprocess.run(["gcc", *strict, "-I", include, str(source), "-o", str(program)], check=True)
     subprocess.run([program], check=True)
+
+
+SPEC = """\
+codewheel: 1
+device: long
+manufacturer: acme
+title: Words of 64 bits
+movement: rotary
+manual: {title: Manual, revision: "1.0", language: en}
+parameters: {}
+order_code:
+  pattern: "{model}"
+  source: "1"
+  parts: [{name: model, meaning: Model, values: {LONG: {interface: spi}}}]
+measurement: {of: position, counts_per_turn: 2^48, turns: 1, source: "2"}
+crcs: [{name: crc_8, width: 8, poly: 0x2F, init: 0xFF, refin: false, refout: false, xorout: 0xFF, source: "3"}]
+interfaces:
+  spi:
+    source: "6"
+    mode: 1
+    word_bits: 64
+    reply: next_word
+    clock: {max_hz: 10000000, source: "6.2"}
+    exchanges: [{request: ask, reply: position, purpose: position}]
+    layouts:
+      - {name: ask, from: master, source: "6", fields: [{name: command, bits: 56, constant: 0x13}, {name: crc, crc: crc_8}]}
+      - {name: position, from: encoder, source: "6", fields: [{name: position, bits: 48}, {name: number, bits: 8}, {name: crc, crc: crc_8}]}
+evidence: {grade: manual, documents: {manual: all pages}}
+"""
+#: Words without their CRC.
+ASK, REPLY = (bytes.fromhex(text) for text in ("00 00 00 00 00 00 13", "FE DC BA 98 76 54 00"))
+
+
+def autosar(data: bytes) -> bytes:
+    crc = 0xFF
+    for byte in data:
+        crc ^= byte
+        for _ in range(8):
+            crc = (crc << 1 ^ (0x2F if crc & 0x80 else 0)) & 0xFF
+    return data + bytes([crc ^ 0xFF])
+
+
+def test_words_of_64_bits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The longest words of SPI fill a number of 64 bits. The CRC of 00 00 00 00 is 12h in AUTOSAR's table."""
+    assert autosar(bytes(4))[-1] == 0x12
+    (tmp_path / "long.yaml").write_text(SPEC, encoding="ascii")
+    maker = "codewheel: 1\nmanufacturer: acme\ntitle: ACME\nsource: test\npython_package: long_encoders\n"
+    (tmp_path / "manufacturer.yaml").write_text(maker, encoding="ascii")
+    out = tmp_path / "out"
+    assert main(["generate", str(tmp_path), "--target", "python", "--target", "c", "-o", str(out)]) == 0
+    encoder = VirtualEncoder("LONG", 0xFEDCBA987654, specs=[tmp_path])
+    line = SpiLine(encoder)
+    line.receive(2 * autosar(ASK))
+    assert line.send() == bytes(8) + autosar(REPLY)
+    monkeypatch.syspath_prepend(str(out / "python"))
+    package = importlib.import_module("long_encoders")
+    pipeline = package.lookup("LONG").pipeline()
+    assert pipeline.ask(package.long.Ask()).to_bytes(8, "big") == autosar(ASK)
+    assert package.lookup("LONG").decode(int.from_bytes(autosar(REPLY), "big")).position == 0xFEDCBA987654
+    source = tmp_path / "long.c"
+    source.write_text(
+        '#include "acme/long_spi.h"\nint main(void)\n{\n    acme_long_spi_position frame;\n'
+        f"    return (acme_long_spi_position_decode(&ACME_LONG_SPI_LONG, UINT64_C(0x{autosar(REPLY).hex()}), &frame)"
+        " == CW_OK) && (frame.position == UINT64_C(0xFEDCBA987654)) ? 0 : 1;\n}\n",
+        encoding="ascii",
+    )
+    strict = "-std=c99 -Wall -Wextra -Wconversion -Werror -fsanitize=undefined,address".split()
+    subprocess.run(["gcc", *strict, "-I", str(out / "c" / "include"), str(source), "-o", str(tmp_path / "a")], check=True)
+    subprocess.run([tmp_path / "a"], check=True)
