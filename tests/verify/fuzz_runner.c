@@ -3,6 +3,7 @@
  * function that waits and by the runner, against an encoder that answers both with the same bytes
  * and errors. Both have to do the same, in the same order, and to say the same.
  */
+#define CW_STEP_BYTES 8U
 #include "codewheel/runner.h"
 #include "fuzz.h"
 #include <string.h>

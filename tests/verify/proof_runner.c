@@ -3,6 +3,7 @@
  * asks for. That it does what cw_run() does is shown by the fuzzer and by the tests of procedures,
  * which all go through both.
  */
+#define CW_STEP_BYTES 8U
 #include "codewheel/runner.h"
 
 uint32_t nondet_number(void);

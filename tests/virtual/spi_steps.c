@@ -3,9 +3,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "infineon/tle5012b_spi_procedures.h"
+
 #include "codewheel/runner.h"
 #include "codewheel/spi.h"
-#include "infineon/tle5012b_spi_procedures.h"
 
 #define WORD 6U
 

@@ -23,6 +23,14 @@ extern "C" {
 
 /* -- procedures -------------------------------------------------------------------------------- */
 
+/**
+ * Most bytes of a register that has one address, as over SPI. Headers of encoders with such
+ * registers define it. All other programs are smaller without it.
+ */
+#ifndef CW_STEP_BYTES
+#define CW_STEP_BYTES 1U
+#endif
+
 /** Kinds of procedure steps. */
 typedef enum cw_step_kind {
     CW_STEP_WRITE = 1, /**< write value to the register byte at address */
@@ -144,7 +152,6 @@ typedef struct cw_transport {
 #define CW_POLL_AT_MOST 1000U /**< default for poll_at_most */
 #define CW_POLL_PAUSE_US 1000U /**< default for poll_pause_us */
 #define CW_REPLY_BYTES 16U /**< longest reply that a step can check */
-#define CW_STEP_BYTES 8U /**< longest register with one address */
 
 /**
  * The step that failed, and the cause. It is set if the result is TRANSPORT, TIMEOUT, VERIFY or
@@ -327,9 +334,14 @@ static inline cw_result cw_send(
 static inline size_t cw_step_bytes(const cw_step *steps, size_t count)
 {
     size_t bytes = 1U;
+#if CW_STEP_BYTES > 1U
     while ((bytes < count) && (bytes < CW_STEP_BYTES) && (steps[bytes].kind == CW_STEP_MORE)) {
         bytes++;
     }
+#else
+    (void)steps;
+    (void)count;
+#endif
     return bytes;
 }
 
@@ -367,7 +379,7 @@ CW_NODISCARD
 static inline cw_result cw_run_write(
     const cw_transport *transport, const cw_step *step, size_t count, cw_failure *failure)
 {
-    uint8_t bytes[CW_STEP_BYTES] = { 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U };
+    uint8_t bytes[CW_STEP_BYTES] = { 0U };
     const size_t length = cw_step_bytes(step, count);
     size_t index;
     if (cw_step_keeps(step, length)) {
@@ -411,7 +423,7 @@ static inline cw_result cw_run_poll(
     const uint32_t pause = bounded ? transport->poll_pause_us : CW_POLL_PAUSE_US;
     uint32_t readings;
     for (readings = 0U; readings < at_most; readings++) {
-        uint8_t held[CW_STEP_BYTES] = { 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U };
+        uint8_t held[CW_STEP_BYTES] = { 0U };
         cw_result result = CW_OK;
         if ((readings != 0U) && (pause != 0U)) {
             result = cw_wait(transport, pause, failure);
@@ -435,7 +447,7 @@ static inline cw_result cw_run_verify(
     const cw_transport *transport, const cw_step *step, size_t count, cw_failure *failure)
 {
     const size_t length = cw_step_bytes(step, count);
-    uint8_t held[CW_STEP_BYTES] = { 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U };
+    uint8_t held[CW_STEP_BYTES] = { 0U };
     const cw_result result = cw_read(transport, step->address, held, length, failure);
     const size_t differs = cw_step_differs(step, length, held, length);
     if ((result == CW_OK) && (differs != length)) {
@@ -464,11 +476,12 @@ static inline size_t cw_run_reads(const cw_step *steps, size_t count)
 static inline size_t cw_run_together(const cw_step *steps, size_t count)
 {
     size_t together = cw_step_bytes(steps, count);
+#if CW_STEP_BYTES > 1U
     if (together > 1U) {
         return together;
     }
+#endif
     while ((together < count) && (steps[together].kind == CW_STEP_READ) &&
-        (cw_step_bytes(&steps[together], count - together) == 1U) &&
         ((size_t)steps[together].address == ((size_t)steps[0].address + together))) {
         together++;
     }

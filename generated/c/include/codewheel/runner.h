@@ -273,9 +273,10 @@ static inline cw_todo cw_runner_next(cw_runner *runner, uint32_t now_us)
 static inline void cw_runner_polled(cw_runner *runner, const cw_step *step)
 {
     const bool bounded = runner->poll_at_most != 0U;
+    const size_t length = cw_runner_bytes(runner);
     runner->round++;
-    if (cw_step_differs(step, runner->length, runner->held, runner->length) == runner->length) {
-        cw_runner_advance(runner, runner->length);
+    if (cw_step_differs(step, length, runner->held, length) == length) {
+        cw_runner_advance(runner, length);
     } else if (runner->round >= (bounded ? runner->poll_at_most : CW_POLL_AT_MOST)) {
         cw_runner_fail(runner, CW_FAULT_TIMEOUT, CW_STEP_POLL, 0);
     } else {
@@ -304,6 +305,7 @@ static inline void cw_runner_sent(cw_runner *runner, const cw_step *step)
 static inline void cw_runner_accessed(cw_runner *runner, cw_todo did)
 {
     const cw_step *const step = &runner->steps[runner->at];
+    const size_t length = cw_runner_bytes(runner);
     size_t differs;
     switch (step->kind) {
     case CW_STEP_READ:
@@ -314,9 +316,9 @@ static inline void cw_runner_accessed(cw_runner *runner, cw_todo did)
         cw_runner_polled(runner, step);
         break;
     case CW_STEP_VERIFY:
-        differs = cw_step_differs(step, runner->length, runner->held, runner->length);
-        if (differs == runner->length) {
-            cw_runner_advance(runner, runner->length);
+        differs = cw_step_differs(step, length, runner->held, length);
+        if (differs == length) {
+            cw_runner_advance(runner, length);
         } else {
             cw_runner_fail(
                 runner, CW_FAULT_VERIFY, CW_STEP_VERIFY, (int32_t)runner->held[differs]);
@@ -333,7 +335,7 @@ static inline void cw_runner_accessed(cw_runner *runner, cw_todo did)
         if (did == CW_TODO_READ) {
             runner->round++;
         } else {
-            cw_runner_advance(runner, runner->length);
+            cw_runner_advance(runner, length);
         }
         break;
     }
