@@ -59,9 +59,8 @@ def _check_word(text: int | str, layouts: Sequence[Layout], site: Site) -> None:
         return
     low, high = _WORD
     lengths = {bits.value(parameters) for parameters in site.sets}
-    wrong = next((length for length in sorted(lengths) if not low <= length <= high), None)
-    if wrong is not None:
-        site.report("width-mismatch", f"a word has {wrong} bits, but {low} to {high} are possible", "word_bits")
+    for length in [length for length in sorted(lengths) if not low <= length <= high][:1]:
+        site.report("width-mismatch", f"a word has {length} bits, but {low} to {high} are possible", "word_bits")
     for layout in layouts:
         if layout.bits != bits:
             wrong = f"'{layout.name}' has {layout.bits.render()} bits, but a word has {bits.render()}"

@@ -108,8 +108,14 @@ interfaces:
     clock: {max_hz: 10000000, source: "6.2"}
     exchanges: [{request: ask, reply: position, purpose: position}]
     layouts:
-      - {name: ask, from: master, source: "6", fields: [{name: command, bits: 56, constant: 0x13}, {name: crc, crc: crc_8}]}
-      - {name: position, from: encoder, source: "6", fields: [{name: position, bits: 48}, {name: number, bits: 8}, {name: crc, crc: crc_8}]}
+      - name: ask
+        from: master
+        source: "6"
+        fields: [{name: command, bits: 56, constant: 0x13}, {name: crc, crc: crc_8}]
+      - name: position
+        from: encoder
+        source: "6"
+        fields: [{name: position, bits: 48}, {name: number, bits: 8}, {name: crc, crc: crc_8}]
 evidence: {grade: manual, documents: {manual: all pages}}
 """
 #: Words without their CRC.
@@ -150,5 +156,7 @@ def test_words_of_64_bits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
         encoding="ascii",
     )
     strict = "-std=c99 -Wall -Wextra -Wconversion -Werror -fsanitize=undefined,address".split()
-    subprocess.run(["gcc", *strict, "-I", str(out / "c" / "include"), str(source), "-o", str(tmp_path / "a")], check=True)
+    subprocess.run(
+        ["gcc", *strict, "-I", str(out / "c" / "include"), str(source), "-o", str(tmp_path / "a")], check=True
+    )
     subprocess.run([tmp_path / "a"], check=True)
