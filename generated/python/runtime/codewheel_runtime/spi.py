@@ -190,7 +190,7 @@ class Pipeline:
 class RegisterBus:
     """Registers over SPI, for ``run``. ``bus()`` of a pipeline makes one.
 
-    Each access sends its requests and takes their replies. Send nothing else meanwhile. Flags in the replies are not
+    Each access sends its requests and takes their replies. Send no other words meanwhile. Flags in the replies are not
     checked, so read back what you write.
     """
 
