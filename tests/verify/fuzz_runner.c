@@ -3,6 +3,7 @@
  * function that waits and by the runner, against an encoder that answers both with the same bytes
  * and errors. Both have to do the same, in the same order, and to say the same.
  */
+#define CW_STEP_BYTES 8U
 #include "codewheel/runner.h"
 #include "fuzz.h"
 #include <string.h>
@@ -52,8 +53,11 @@ static int32_t on_read(void *context, uint16_t address, uint8_t *bytes, size_t l
 
 static int32_t on_write(void *context, uint16_t address, const uint8_t *bytes, size_t length)
 {
-    require(length == 1U, "procedures write byte by byte");
-    tell(context, ((uint64_t)2U << 60U) | ((uint64_t)address << 16U) | bytes[0]);
+    size_t at;
+    tell(context, ((uint64_t)2U << 60U) | ((uint64_t)address << 16U) | length);
+    for (at = 0U; at < length; at++) {
+        tell(context, bytes[at]);
+    }
     return ends(context);
 }
 
@@ -98,7 +102,8 @@ static uint32_t carry_out(record *to, cw_runner *runner, uint32_t now)
         if (todo == CW_TODO_READ) {
             error = on_read(to, runner->address, runner->data, runner->length);
         } else if (todo == CW_TODO_WRITE) {
-            error = on_write(to, runner->address, &runner->byte, 1U);
+            require(runner->byte == runner->data[0], "the first byte");
+            error = on_write(to, runner->address, runner->data, runner->length);
         } else {
             error = on_send(to, runner->byte, runner->data, runner->length);
         }
@@ -146,7 +151,7 @@ static cw_result waiting_for_nothing(
 /* Whether a step looks at a byte: it never is as it should be where its value has bits outside the mask. */
 static bool is_compared(const cw_step *step)
 {
-    return step->kind == CW_STEP_POLL || step->kind == CW_STEP_VERIFY;
+    return step->kind == CW_STEP_POLL || step->kind == CW_STEP_VERIFY || step->kind == CW_STEP_MORE;
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -167,7 +172,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     count = (size_t)(take(1U) % (STEPS + 1U));
     for (at = 0U; at < count; at++) {
         const uint8_t kind = (uint8_t)take(1U);
-        steps[at].kind = (cw_step_kind)(1U + (kind % 7U));
+        steps[at].kind = (cw_step_kind)(1U + (kind % 8U));
         steps[at].address = (uint16_t)(take(1U) % 24U);
         steps[at].mask = (uint8_t)take(1U);
         steps[at].value = (uint8_t)(take(1U) & (is_compared(&steps[at]) ? steps[at].mask : 0xFFU));

@@ -83,11 +83,13 @@ static cw_result any_run(
     cw_failure *failure)
 {
     size_t reads = 0;
+    bool reading = false;
     __CPROVER_assert(failed_with == 0, "nothing is run after a failure");
     for (size_t at = 0; at < count; at++) {
         __CPROVER_assert(steps[at].kind >= CW_STEP_WRITE, "a kind of step");
-        __CPROVER_assert(steps[at].kind <= CW_STEP_VERIFY, "a kind of step");
-        reads += steps[at].kind == CW_STEP_READ;
+        __CPROVER_assert(steps[at].kind <= CW_STEP_MORE, "a kind of step");
+        reading = steps[at].kind == CW_STEP_READ || (reading && steps[at].kind == CW_STEP_MORE);
+        reads += reading;
     }
     __CPROVER_assert(reads == length, "a place for each byte that is read");
     for (size_t at = 0; at < length; at++) bytes[at] = nondet_byte();
@@ -193,7 +195,12 @@ class CallProof:
 
     @cached_property
     def harness(self) -> str:
-        text = "".join(f'#include "codewheel/{name}.h"\n' for name in SHARED) + PRELUDE + _TRANSPORT
+        text = (
+            "#define CW_STEP_BYTES 8U\n"
+            + "".join(f'#include "codewheel/{name}.h"\n' for name in SHARED)
+            + PRELUDE
+            + _TRANSPORT
+        )
         if self.device is not None:
             # Comparing labels, too, is proved with encoder.h; here it may find anything,
             # so that the search holds whatever the label.

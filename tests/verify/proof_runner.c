@@ -3,6 +3,7 @@
  * asks for. That it does what cw_run() does is shown by the fuzzer and by the tests of procedures,
  * which all go through both.
  */
+#define CW_STEP_BYTES 8U
 #include "codewheel/runner.h"
 
 uint32_t nondet_number(void);
@@ -16,6 +17,15 @@ size_t nondet_size(void);
 static cw_step steps[STEPS];
 static uint8_t room[STEPS];
 
+/* Whether the byte of a step is one that is read: a MORE step belongs to the access before it. */
+static bool is_read(size_t at)
+{
+    while (at != 0U && steps[at].kind == CW_STEP_MORE) {
+        at--;
+    }
+    return steps[at].kind == CW_STEP_READ;
+}
+
 /* The list, and the places for what it reads at the very end of their memory. */
 static size_t any_steps(uint8_t **bytes, size_t *length)
 {
@@ -28,7 +38,7 @@ static size_t any_steps(uint8_t **bytes, size_t *length)
         __CPROVER_assume(step.times <= ACCESSES);
         __CPROVER_assume(step.address <= ACCESSES || step.address > CW_REPLY_BYTES || step.kind != CW_STEP_SEND);
         steps[at] = step;
-        if (at < count && step.kind == CW_STEP_READ) {
+        if (at < count && is_read(at)) {
             (*length)++;
         }
     }
@@ -49,7 +59,7 @@ static size_t reads_from(size_t first, size_t count)
 {
     size_t at, reads = 0U;
     for (at = 0U; at < STEPS; at++) {
-        reads += (at >= first && at < count && steps[at].kind == CW_STEP_READ) ? 1U : 0U;
+        reads += (at >= first && at < count && is_read(at)) ? 1U : 0U;
     }
     return reads;
 }
@@ -62,6 +72,7 @@ static bool is_sound(const cw_runner *runner, size_t count)
     return runner->steps == steps && runner->count == count && runner->at <= count && runner->begun <= count
         && (!well || runner->bytes == &room[STEPS - reads_from(runner->at, count)])
         && (well || runner->at == count || steps[runner->at].kind == CW_STEP_CLOSE)
+        && (runner->at == 0U || runner->at == count || steps[runner->at].kind != CW_STEP_MORE)
         && (well || runner->failure.step < runner->begun)
         && (runner->at == count || runner->round < most_of(&steps[runner->at]));
 }
@@ -85,6 +96,7 @@ void a_round(void)
     runner.round = nondet_number();
     runner.pause_us = nondet_number();
     runner.held[0] = nondet_byte();
+    runner.held[1] = nondet_byte();
     __CPROVER_assume(runner.at <= count);
     runner.bytes = &room[STEPS - reads_from(runner.at, count)];
     __CPROVER_assume(is_sound(&runner, count));

@@ -28,7 +28,12 @@ def test_whatever_becomes_of_it(claim: str, include: Path, tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("claim", "sound", "instead"),
     [
-        ("a_round", "cw_runner_advance(runner, runner->length);", "cw_runner_advance(runner, 1U);"),
+        (
+            "a_round",
+            "advance(runner, runner->length);\n        break;\n    case CW_STEP_POLL",
+            "advance(runner, 1U);\n        break;\n    case CW_STEP_POLL",
+        ),
+        ("a_round", "return cw_step_bytes(&runner->steps[runner->at], runner->count - runner->at);", "return 1U;"),
         ("a_round", "!cw_step_closes(", "cw_step_closes("),
         ("a_round", "runner->doing = todo;", ""),
         ("a_round", "runner->bytes = &runner->bytes[runner->length];", "runner->bytes = &runner->bytes[2];"),

@@ -14,11 +14,11 @@ class Bus(Protocol):
     """Object that reads and writes registers, such as ``biss.RegisterBus`` or your own master."""
 
     def read(self, address: int, length: int, /) -> bytes:
-        """Return ``length`` bytes, starting at an address."""
+        """Return ``length`` bytes, starting at an address. Over SPI, they are those of the register there."""
         ...
 
     def write(self, address: int, data: bytes, /) -> object:
-        """Write bytes, starting at an address."""
+        """Write bytes, starting at an address. Over SPI, they are those of the register there."""
         ...
 
 
@@ -103,15 +103,16 @@ class _Run:
         self.bus, self.poll_s, self.wait = bus, poll_s, wait
         self.readings: list[Reading] = []
         self._written: set[int] = set()
-        self._stored: dict[int, int] = {}
+        #: Bytes of each write, by its address.
+        self._stored: dict[int, bytes] = {}
         self._before: dict[int, tuple[str, bytes]] = {}
 
     def do(self, step: Step) -> None:
         bus = cast(Bus, self.bus)
         if isinstance(step, Write):
             self._written.add(step.address)
-            self._stored[step.address] = step.value
-            bus.write(step.address, bytes([step.value]))
+            self._stored[step.address] = step.data
+            bus.write(step.address, step.data)
         elif isinstance(step, Wait):
             self.wait(step.microseconds / 1_000_000)
         elif isinstance(step, Send):
@@ -123,7 +124,7 @@ class _Run:
             number = int.from_bytes(data, step.order) & ~step.mask | step.value
             self._before.setdefault(step.address, (step.register, data))
             changed = number.to_bytes(step.length, step.order)
-            self._stored.update(enumerate(changed, step.address))
+            self._stored[step.address] = changed
             bus.write(step.address, changed)
         elif isinstance(step, Verify):
             self._verify(step)
@@ -131,10 +132,13 @@ class _Run:
             self._poll(step)
 
     def _verify(self, step: Verify) -> None:
-        places = range(step.address, step.address + step.length)
-        if any(place not in self._stored for place in places):
-            raise ValueError(f"no earlier step wrote to {step.register}, so it cannot be verified")
-        written, found = bytes(self._stored[place] for place in places), self._read(step)
+        written = b""
+        while len(written) < step.length:
+            data = self._stored.get(step.address + len(written), b"")
+            if not data:
+                raise ValueError(f"no earlier step wrote to {step.register}, so it cannot be verified")
+            written += data
+        written, found = written[: step.length], self._read(step)
         if (int.from_bytes(written, step.order) ^ int.from_bytes(found, step.order)) & step.mask:
             raise VerifyError(step.register, step.address, written, found, step.mask)
 
@@ -171,7 +175,7 @@ class _Run:
         failed: list[str] = []
         for step in left:
             if isinstance(step, Write) and step.closes and step.address in self._written:
-                failed += self._tried(step.register, step.address, bytes([step.value]))
+                failed += self._tried(step.register, step.address, step.data)
         for address, (register, data) in reversed(self._before.items()):
             failed += self._tried(register, address, data)
         return tuple(failed)

@@ -11,7 +11,8 @@
  *
  *     switch (cw_runner_next(&runner, now_us)) {           in the main loop
  *     case READ:  start reading runner.length bytes from runner.address into runner.data
- *     case WRITE: start writing the byte runner.byte to runner.address
+ *     case WRITE: start writing runner.length bytes from runner.data to runner.address. Unless the
+ *                 encoder has SPI, there is only one, which runner.byte holds too
  *     case SEND:  start sending the request runner.byte and receiving runner.length bytes of
  *                 reply into runner.data (0: ignore the reply)
  *     case WAIT:  call again in runner.wait_us microseconds or later. Until then the bus is free,
@@ -58,11 +59,11 @@ typedef struct cw_runner {
     cw_failure failure; /**< the first failure. Has no meaning while result is OK */
     uint32_t wait_us; /**< WAIT: microseconds from now */
     uint16_t address; /**< READ, WRITE: address of the first register byte */
-    uint8_t byte; /**< WRITE, SEND: the byte to write, or the request */
+    uint8_t byte; /**< WRITE, SEND: the first byte to write, or the request */
     /** true between the requests of one step: send no other request, and do not poll */
     bool alone;
-    uint8_t *data; /**< READ, SEND: buffer for the received bytes */
-    size_t length; /**< READ, SEND: number of bytes to receive */
+    uint8_t *data; /**< READ, SEND: buffer for the received bytes. WRITE: the bytes to write */
+    size_t length; /**< number of these bytes */
     /** maximum number of readings per poll, as in a transport. Set it after the start */
     uint32_t poll_at_most;
     uint32_t poll_pause_us; /**< pause between two readings of a poll */
@@ -75,7 +76,7 @@ typedef struct cw_runner {
     uint32_t round; /**< private: accesses, requests or readings done for the step */
     uint32_t pause_us; /**< private: time to wait, counted from from_us */
     uint32_t from_us; /**< private: end of the last access */
-    uint8_t held[CW_REPLY_BYTES]; /**< private: a byte to change or check, or a reply */
+    uint8_t held[CW_REPLY_BYTES]; /**< private: bytes to change or check, or a reply */
 } cw_runner;
 
 /**
@@ -172,16 +173,26 @@ static inline cw_todo cw_runner_ask(
     return todo;
 }
 
+/** Return the number of bytes that the current step accesses at once. */
+static inline size_t cw_runner_bytes(const cw_runner *runner)
+{
+    return cw_step_bytes(&runner->steps[runner->at], runner->count - runner->at);
+}
+
 /** Ask for the next access of a WRITE or CLOSE step: a read first, unless the mask is FFh. */
 static inline cw_todo cw_runner_write(
     cw_runner *runner, const cw_step *step)
 {
-    if ((step->mask != 0xFFU) && (runner->round == 0U)) {
-        return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->held, 1U);
+    const size_t length = cw_runner_bytes(runner);
+    size_t index;
+    if (cw_step_keeps(step, length) && (runner->round == 0U)) {
+        return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->held, length);
     }
-    runner->byte = (uint8_t)(((uint32_t)runner->held[0] & ~(uint32_t)step->mask) |
-        ((uint32_t)step->value & (uint32_t)step->mask));
-    return cw_runner_ask(runner, CW_TODO_WRITE, step->address, &runner->byte, 1U);
+    for (index = 0U; index < length; index++) {
+        runner->held[index] = cw_step_changed(&step[index], runner->held[index]);
+    }
+    runner->byte = runner->held[0];
+    return cw_runner_ask(runner, CW_TODO_WRITE, step->address, runner->held, length);
 }
 
 /**
@@ -201,10 +212,11 @@ static inline cw_todo cw_runner_begin(cw_runner *runner)
         return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->bytes, length);
     case CW_STEP_POLL:
     case CW_STEP_VERIFY:
-        return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->held, 1U);
+        length = cw_runner_bytes(runner);
+        return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->held, length);
     case CW_STEP_SEND:
         if (step->times == 0U) {
-            cw_runner_advance(runner, 1U);
+            cw_runner_advance(runner, cw_runner_bytes(runner));
             return CW_TODO_END;
         }
         if (step->address > CW_REPLY_BYTES) {
@@ -215,8 +227,9 @@ static inline cw_todo cw_runner_begin(cw_runner *runner)
         return cw_runner_ask(runner, CW_TODO_SEND, 0U, runner->held, step->address);
     case CW_STEP_WAIT:
         runner->pause_us = step->microseconds;
-        cw_runner_advance(runner, 1U);
+        cw_runner_advance(runner, cw_runner_bytes(runner));
         return CW_TODO_END;
+    case CW_STEP_MORE:
     default:
         cw_runner_fail(runner, CW_FAULT_RANGE, step->kind, 0);
         return CW_TODO_END;
@@ -260,9 +273,10 @@ static inline cw_todo cw_runner_next(cw_runner *runner, uint32_t now_us)
 static inline void cw_runner_polled(cw_runner *runner, const cw_step *step)
 {
     const bool bounded = runner->poll_at_most != 0U;
+    const size_t length = cw_runner_bytes(runner);
     runner->round++;
-    if (((uint32_t)runner->held[0] & (uint32_t)step->mask) == (uint32_t)step->value) {
-        cw_runner_advance(runner, 1U);
+    if (cw_step_differs(step, length, runner->held, length) == length) {
+        cw_runner_advance(runner, length);
     } else if (runner->round >= (bounded ? runner->poll_at_most : CW_POLL_AT_MOST)) {
         cw_runner_fail(runner, CW_FAULT_TIMEOUT, CW_STEP_POLL, 0);
     } else {
@@ -283,7 +297,7 @@ static inline void cw_runner_sent(cw_runner *runner, const cw_step *step)
     } else if (runner->alone) {
         runner->pause_us = step->microseconds;
     } else {
-        cw_runner_advance(runner, 1U);
+        cw_runner_advance(runner, cw_runner_bytes(runner));
     }
 }
 
@@ -291,6 +305,8 @@ static inline void cw_runner_sent(cw_runner *runner, const cw_step *step)
 static inline void cw_runner_accessed(cw_runner *runner, cw_todo did)
 {
     const cw_step *const step = &runner->steps[runner->at];
+    const size_t length = cw_runner_bytes(runner);
+    size_t differs;
     switch (step->kind) {
     case CW_STEP_READ:
         runner->bytes = &runner->bytes[runner->length];
@@ -300,11 +316,12 @@ static inline void cw_runner_accessed(cw_runner *runner, cw_todo did)
         cw_runner_polled(runner, step);
         break;
     case CW_STEP_VERIFY:
-        if (((uint32_t)runner->held[0] & (uint32_t)step->mask) == (uint32_t)step->value) {
-            cw_runner_advance(runner, 1U);
+        differs = cw_step_differs(step, length, runner->held, length);
+        if (differs == length) {
+            cw_runner_advance(runner, length);
         } else {
             cw_runner_fail(
-                runner, CW_FAULT_VERIFY, CW_STEP_VERIFY, (int32_t)runner->held[0]);
+                runner, CW_FAULT_VERIFY, CW_STEP_VERIFY, (int32_t)runner->held[differs]);
         }
         break;
     case CW_STEP_SEND:
@@ -313,11 +330,12 @@ static inline void cw_runner_accessed(cw_runner *runner, cw_todo did)
     case CW_STEP_WRITE:
     case CW_STEP_CLOSE:
     case CW_STEP_WAIT:
+    case CW_STEP_MORE:
     default:
         if (did == CW_TODO_READ) {
             runner->round++;
         } else {
-            cw_runner_advance(runner, 1U);
+            cw_runner_advance(runner, length);
         }
         break;
     }

@@ -23,6 +23,14 @@ extern "C" {
 
 /* -- procedures -------------------------------------------------------------------------------- */
 
+/**
+ * Most bytes of a register that has one address, as over SPI. Headers of encoders with such
+ * registers define it. All other programs are smaller without it.
+ */
+#ifndef CW_STEP_BYTES
+#define CW_STEP_BYTES 1U
+#endif
+
 /** Kinds of procedure steps. */
 typedef enum cw_step_kind {
     CW_STEP_WRITE = 1, /**< write value to the register byte at address */
@@ -31,13 +39,15 @@ typedef enum cw_step_kind {
     CW_STEP_READ = 4,  /**< read the register byte at address */
     CW_STEP_POLL = 5,  /**< read the byte at address until its bits under mask equal value */
     CW_STEP_CLOSE = 6, /**< like WRITE, to close what a WRITE to the same address opened */
-    CW_STEP_VERIFY = 7 /**< read the byte at address: its bits under mask must equal value */
+    CW_STEP_VERIFY = 7, /**< read the byte at address: its bits under mask must equal value */
+    CW_STEP_MORE = 8 /**< the next byte of the register at address, in the same access */
 } cw_step_kind;
 
 /**
  * One step of a procedure. Members that its kind does not use are ignored. If mask is 0xFF, a whole
  * byte is written. Otherwise the byte is read first, and its bits outside the mask are written back
- * unchanged. For SEND, address is the number of bytes in the reply. All of them must arrive, the
+ * unchanged. If a register has one address for several bytes, as over SPI, MORE steps follow with
+ * its other bytes, and all of them are read or written in one call. For SEND, address is the number of bytes in the reply. All of them must arrive, the
  * first must equal the request, and if mask is 0xFF, the XOR of all bytes must be 0. If address is
  * 0, the reply is not checked.
  */
@@ -93,6 +103,13 @@ static inline cw_step cw_step_verify(uint16_t address, uint8_t mask, uint8_t val
     return step;
 }
 
+/** Return the step for the next byte of a register with one address. */
+static inline cw_step cw_step_more(uint16_t address, uint8_t mask, uint8_t value)
+{
+    const cw_step step = { CW_STEP_MORE, address, mask, value, 1U, 0U };
+    return step;
+}
+
 /** Return a step that closes the registers that an earlier step opened. */
 static inline cw_step cw_step_close(uint16_t address, uint8_t mask, uint8_t value)
 {
@@ -106,7 +123,8 @@ static inline cw_step cw_step_close(uint16_t address, uint8_t mask, uint8_t valu
  * Bus access functions, which you provide. Each receives the context member and returns 0, or your
  * own error number, which is passed on in the failure. Set a function to NULL if your bus does not
  * have it. Functions that need it then return UNSUPPORTED.
- *   read_registers   reads length bytes from consecutive register addresses, starting at address
+ *   read_registers   reads length bytes from consecutive register addresses, starting at address.
+ *                    Over SPI, each address has as many bytes as a register, high byte first
  *   write_registers  writes length bytes in the same way
  *   wait_us          returns after at least this many microseconds
  *   send_request     sends this byte, which is a complete RS-485 request (its control field), and
@@ -312,22 +330,68 @@ static inline cw_result cw_send(
     return (result == CW_OK) ? result : cw_failed(result, CW_STEP_SEND, 0U, 0, failure);
 }
 
-/** Carry out a WRITE or CLOSE step. */
+/** Return the number of bytes that a step accesses at once: its own, and those of MORE steps. */
+static inline size_t cw_step_bytes(const cw_step *steps, size_t count)
+{
+    size_t bytes = 1U;
+#if CW_STEP_BYTES > 1U
+    while ((bytes < count) && (bytes < CW_STEP_BYTES) && (steps[bytes].kind == CW_STEP_MORE)) {
+        bytes++;
+    }
+#else
+    (void)steps;
+    (void)count;
+#endif
+    return bytes;
+}
+
+/** Return true if a WRITE or CLOSE step keeps some bits of its bytes, which are then read first. */
+static inline bool cw_step_keeps(const cw_step *steps, size_t length)
+{
+    size_t index = 0U;
+    while ((index < length) && (steps[index].mask == 0xFFU)) {
+        index++;
+    }
+    return index < length;
+}
+
+/** Return the byte that a step writes in place of the one held. */
+static inline uint8_t cw_step_changed(const cw_step *step, uint8_t held)
+{
+    const uint32_t mask = step->mask;
+    return (uint8_t)(((uint32_t)held & ~mask) | ((uint32_t)step->value & mask));
+}
+
+/** Return the index of the first byte that differs from its step under the mask, or length. */
+static inline size_t cw_step_differs(
+    const cw_step *steps, size_t count, const uint8_t *bytes, size_t length)
+{
+    size_t index = 0U;
+    while ((index < count) && (index < length) &&
+        (((uint32_t)bytes[index] & (uint32_t)steps[index].mask) == (uint32_t)steps[index].value)) {
+        index++;
+    }
+    return index;
+}
+
+/** Carry out a WRITE or CLOSE step, the first of count steps. */
 CW_NODISCARD
 static inline cw_result cw_run_write(
-    const cw_transport *transport, const cw_step *step, cw_failure *failure)
+    const cw_transport *transport, const cw_step *step, size_t count, cw_failure *failure)
 {
-    uint8_t byte = step->value;
-    if (step->mask != 0xFFU) {
-        uint8_t held = 0U;
-        const cw_result result = cw_read(transport, step->address, &held, 1U, failure);
+    uint8_t bytes[CW_STEP_BYTES] = { 0U };
+    const size_t length = cw_step_bytes(step, count);
+    size_t index;
+    if (cw_step_keeps(step, length)) {
+        const cw_result result = cw_read(transport, step->address, bytes, length, failure);
         if (result != CW_OK) {
             return result;
         }
-        byte = (uint8_t)(((uint32_t)held & ~(uint32_t)step->mask) |
-            ((uint32_t)step->value & (uint32_t)step->mask));
     }
-    return cw_write_byte(transport, step->address, byte, failure);
+    for (index = 0U; index < length; index++) {
+        bytes[index] = cw_step_changed(&step[index], bytes[index]);
+    }
+    return cw_write(transport, step->address, bytes, length, failure);
 }
 
 /** Carry out a SEND step. */
@@ -348,44 +412,47 @@ static inline cw_result cw_run_send(
     return result;
 }
 
-/** Carry out a POLL step. */
+/** Carry out a POLL step, the first of count steps. */
 CW_NODISCARD
 static inline cw_result cw_run_poll(
-    const cw_transport *transport, const cw_step *step, cw_failure *failure)
+    const cw_transport *transport, const cw_step *step, size_t count, cw_failure *failure)
 {
+    const size_t length = cw_step_bytes(step, count);
     const bool bounded = transport->poll_at_most != 0U;
     const uint32_t at_most = bounded ? transport->poll_at_most : CW_POLL_AT_MOST;
     const uint32_t pause = bounded ? transport->poll_pause_us : CW_POLL_PAUSE_US;
     uint32_t readings;
     for (readings = 0U; readings < at_most; readings++) {
-        uint8_t held = 0U;
+        uint8_t held[CW_STEP_BYTES] = { 0U };
         cw_result result = CW_OK;
         if ((readings != 0U) && (pause != 0U)) {
             result = cw_wait(transport, pause, failure);
         }
         if (result == CW_OK) {
-            result = cw_read(transport, step->address, &held, 1U, failure);
+            result = cw_read(transport, step->address, held, length, failure);
         }
         if (result != CW_OK) {
             return result;
         }
-        if (((uint32_t)held & (uint32_t)step->mask) == (uint32_t)step->value) {
+        if (cw_step_differs(step, length, held, length) == length) {
             return CW_OK;
         }
     }
     return cw_failed(CW_FAULT_TIMEOUT, CW_STEP_POLL, step->address, 0, failure);
 }
 
-/** Carry out a VERIFY step. */
+/** Carry out a VERIFY step, the first of count steps. */
 CW_NODISCARD
 static inline cw_result cw_run_verify(
-    const cw_transport *transport, const cw_step *step, cw_failure *failure)
+    const cw_transport *transport, const cw_step *step, size_t count, cw_failure *failure)
 {
-    uint8_t held = 0U;
-    const cw_result result = cw_read(transport, step->address, &held, 1U, failure);
-    if ((result == CW_OK) && (((uint32_t)held & (uint32_t)step->mask) != (uint32_t)step->value)) {
+    const size_t length = cw_step_bytes(step, count);
+    uint8_t held[CW_STEP_BYTES] = { 0U };
+    const cw_result result = cw_read(transport, step->address, held, length, failure);
+    const size_t differs = cw_step_differs(step, length, held, length);
+    if ((result == CW_OK) && (differs != length)) {
         return cw_failed(
-            CW_FAULT_VERIFY, CW_STEP_VERIFY, step->address, (int32_t)held, failure);
+            CW_FAULT_VERIFY, CW_STEP_VERIFY, step->address, (int32_t)held[differs], failure);
     }
     return result;
 }
@@ -394,11 +461,13 @@ static inline cw_result cw_run_verify(
 static inline size_t cw_run_reads(const cw_step *steps, size_t count)
 {
     size_t reads = 0U;
-    size_t index;
-    for (index = 0U; index < count; index++) {
+    size_t index = 0U;
+    while (index < count) {
+        const size_t bytes = cw_step_bytes(&steps[index], count - index);
         if (steps[index].kind == CW_STEP_READ) {
-            reads++;
+            reads += bytes;
         }
+        index += bytes;
     }
     return reads;
 }
@@ -406,7 +475,12 @@ static inline size_t cw_run_reads(const cw_step *steps, size_t count)
 /** Return the number of leading steps whose consecutive bytes one call can read together. */
 static inline size_t cw_run_together(const cw_step *steps, size_t count)
 {
-    size_t together = 1U;
+    size_t together = cw_step_bytes(steps, count);
+#if CW_STEP_BYTES > 1U
+    if (together > 1U) {
+        return together;
+    }
+#endif
     while ((together < count) && (steps[together].kind == CW_STEP_READ) &&
         ((size_t)steps[together].address == ((size_t)steps[0].address + together))) {
         together++;
@@ -414,25 +488,26 @@ static inline size_t cw_run_together(const cw_step *steps, size_t count)
     return together;
 }
 
-/** Carry out one step of any kind except READ. */
+/** Carry out the first of count steps, of any kind except READ. */
 CW_NODISCARD
 static inline cw_result cw_run_step(
-    const cw_transport *transport, const cw_step *step,
+    const cw_transport *transport, const cw_step *step, size_t count,
     cw_failure *failure)
 {
     switch (step->kind) {
     case CW_STEP_WRITE:
     case CW_STEP_CLOSE:
-        return cw_run_write(transport, step, failure);
+        return cw_run_write(transport, step, count, failure);
     case CW_STEP_WAIT:
         return cw_wait(transport, step->microseconds, failure);
     case CW_STEP_SEND:
         return cw_run_send(transport, step, failure);
     case CW_STEP_POLL:
-        return cw_run_poll(transport, step, failure);
+        return cw_run_poll(transport, step, count, failure);
     case CW_STEP_VERIFY:
-        return cw_run_verify(transport, step, failure);
+        return cw_run_verify(transport, step, count, failure);
     case CW_STEP_READ:
+    case CW_STEP_MORE:
     default:
         return cw_failed(CW_FAULT_RANGE, step->kind, step->address, 0, failure);
     }
@@ -476,7 +551,8 @@ static inline bool cw_run_closing(
     size_t index;
     for (index = failed + 1U; index < count; index++) {
         if (cw_step_closes(steps, failed + 1U, &steps[index])) {
-            well = (cw_run_write(transport, &steps[index], NULL) == CW_OK) && well;
+            const cw_step *const step = &steps[index];
+            well = (cw_run_write(transport, step, count - index, NULL) == CW_OK) && well;
         }
     }
     return well;
@@ -508,13 +584,13 @@ static inline cw_result cw_run(
     while (index < count) {
         const cw_step *const step = &steps[index];
         cw_result result;
-        size_t done = 1U;
+        size_t done = cw_step_bytes(step, count - index);
         if (step->kind == CW_STEP_READ) {
             done = cw_run_together(step, count - index);
             result = cw_read(transport, step->address, &bytes[read], done, failure);
             read += done;
         } else {
-            result = cw_run_step(transport, step, failure);
+            result = cw_run_step(transport, step, count - index, failure);
         }
         if (result != CW_OK) {
             const bool closed = cw_run_closing(transport, steps, count, index);
