@@ -77,7 +77,8 @@ def _notices(changes: Sequence[Change], accepted: Sequence[Accepted], today: dat
     for item in accepted:
         name = f"{item.family}: {item.rule} {item.path}"
         if not any(map(item.covers, changes)):
-            yield f"accepted, but not found: {name}"
+            same = (change.path for change in changes if (change.family, change.rule.name) == (item.family, item.rule))
+            yield f"accepted, but not found: {name}{suggestion(item.path, same, 'paths of this rule')}"
         elif item.until < today:
             yield f"accepted until {item.until} only, so asked again: {name}: {item.why}"
         else:

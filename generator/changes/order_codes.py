@@ -29,7 +29,12 @@ def family(both: FamilyPair) -> Iterator[Change]:
         yield both.change("movement", Thing("movement", new.name), said, old.movement, new.movement)
     manufacturer = Thing(f"manufacturers.{new.manufacturer.name}", f"manufacturer {new.manufacturer.name}")
     yield from members(both, manufacturer, old.manufacturer, new.manufacturer)
-    yield from members(both, Thing("evidence", "evidence"), old.evidence, new.evidence)
+    evidence = Thing("evidence", "evidence")
+    if old.evidence and new.evidence:
+        yield from members(both, evidence, old.evidence, new.evidence)
+    elif old.evidence or new.evidence:  # With --lenient, a spec in an older form of the language has none.
+        said = " is new" if new.evidence else " is gone"
+        yield both.change("evidence", evidence, said, old.evidence, new.evidence)
     if old.manual != new.manual:
         texts = [f"{item.revision}{f' of {item.date}' if item.date else ''}" for item in (old.manual, new.manual)]
         said = f" {arrow(*texts)}" if texts[0] != texts[1] else ": details"

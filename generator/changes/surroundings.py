@@ -12,7 +12,7 @@ from .counterparts import recognised
 from .family_pair import FamilyPair
 from .order_codes import supply
 from .pairs import Pair, both_of, paired
-from .value_text import arrow
+from .value_text import arrow, shown
 
 #: Sections without effect on code: the rule, the member of the family, and the word for one item.
 _DISPLAYED = (
@@ -80,10 +80,16 @@ def displayed(both: FamilyPair) -> Iterator[Change]:
         for key in dict.fromkeys((*olds, *news)):
             old, new = olds.get(key), news.get(key)
             if old != new:
-                how = " is new" if old is None else " is gone" if new is None else " has changed"
+                how = " is new" if old is None else " is gone" if new is None else _changed(old, new)
                 yield both.change(rule, Thing(f"{section}.{key}", f"{word} {key}"), how, old, new)
     for before, after in both_of(paired(both.old.field_groups, both.new.field_groups)):
         yield from members(both, Thing(f"field_groups.{after.name}", f"group {after.name}"), before, after)
+
+
+def _changed(old: Any, new: Any) -> str:
+    """Return the old and new value of a characteristic with a short text, or only that the item has changed."""
+    before, after = (shown(getattr(item, "value", None)) for item in (old, new))
+    return f": {before} → {after}" if before != after else " has changed"
 
 
 def _key(item: Any) -> str:

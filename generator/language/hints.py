@@ -59,6 +59,13 @@ _YES_OR_NO = {
     **dict.fromkeys(("no", "n", "off", "false", "0"), "false"),
 }
 _TYPE_BITS = re.compile(r"u?int_?([0-9]{1,2})(?:_t)?|[ui]([0-9]{1,2})")
+#: Hints for missing keys that most older specs lack.
+TO_ADD = {
+    "evidence": (
+        "if the whole manual was read, add 'evidence: {grade: manual, documents: {manual: all pages}}', otherwise"
+        " another grade"
+    ),
+}
 #: Longest text, in characters, that is tried as a number.
 _LONGEST = 100
 

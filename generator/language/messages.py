@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from .hints import foreign_key_hint, key_hint, number_hint, value_hint, word_hint
+from .hints import TO_ADD, foreign_key_hint, key_hint, number_hint, value_hint, word_hint
 from .problems import WORDS_ONLY, Path, listed, meant, missing, quoted, suggestion
 from .second_reading import is_left_out
 
@@ -191,7 +191,7 @@ def _missing(error: Any, path: Path, kind: str) -> Iterator[Finding]:
     ]
     gone = [key for key in error.validator_value if key not in error.instance and key not in misspelt]
     if gone:
-        needs = missing(gone, _owner(error, path, kind))
+        needs = "; ".join([missing(gone, _owner(error, path, kind)), *(TO_ADD[key] for key in gone if key in TO_ADD)])
         only_words = not misspelt and WORDS_ONLY.issuperset(gone)
         yield Finding("missing-key", path, needs, bool(path) and isinstance(path[-1], str), alone=only_words)
 

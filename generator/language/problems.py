@@ -194,7 +194,7 @@ def meant(word: str, choices: Sequence[str]) -> str:
     """Return the one choice that ``word`` misspells or abbreviates, or an empty string."""
     if len(word) > LONGEST_QUOTE:
         return ""
-    for alike in (_is_spelling, _is_slip, _is_abbreviation):
+    for alike in (_is_spelling, is_slip, _is_abbreviation):
         found = [item for item in choices if alike(word, item)]
         if found:
             return found[0] if len(found) == 1 else ""
@@ -212,7 +212,7 @@ def _alike(one: str, other: str) -> int:
     return sum(1 for _ in pairs)
 
 
-def _is_slip(word: str, known: str) -> bool:
+def is_slip(word: str, known: str) -> bool:
     """Return True for one extra, missing or wrong letter, or two swapped ones, unless it is likely a different word.
 
     Differences in short words, first letters, digits and units are rarely typos: spi is not ssi, reset not preset,

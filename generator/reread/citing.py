@@ -68,10 +68,16 @@ class Citing:
         """
         option = _OPTION.fullmatch(self.path)
         name = option[1].casefold() if option is not None else ""
-        # A short label without a digit, such as A or TO, can be any word.
-        is_label = not name.isdigit() and (len(name) > 2 or any(map(str.isdigit, name)))
-        is_named = is_label and name in {word.casefold() for word in passage.old}
+        words = {word.casefold() for word in passage.old}
+        # A short label, such as A, TO or 21, can be any word, but not at the end of an order code.
+        is_label = len(name) > (3 if name.isdigit() else 2) or (not name.isdigit() and any(map(str.isdigit, name)))
+        is_named = (is_label and name in words) or (name.isdigit() and name in _ends(words))
         return is_named or not self.sections.isdisjoint(sections)
+
+
+def _ends(words: Iterable[str]) -> set[str]:
+    """Return the two digits at the end of each order code among words."""
+    return {found[1] for word in words if (found := _ORDER_CODE.fullmatch(word)) is not None}
 
 
 def _here(file: str) -> str:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
 
-from .sections import WORD, Manual, Section, aligned
+from .sections import WORD, Manual, Section, aligned, letters
 
 #: Differences with no more equal words between them are one passage.
 _TOGETHER = 6
@@ -44,7 +44,12 @@ def same_language(old: Manual, new: Manual) -> bool:
 
 
 def changed(old: Manual, new: Manual) -> Iterator[Passage]:
-    """Yield the passages that differ. Sections that were only renumbered or moved do not differ."""
+    """Yield the passages that differ.
+
+    Sections that were only renumbered or moved do not differ. A running head of one edition can be the title on the
+    cover of both, so text that only one edition has is skipped if it is a running head.
+    """
+    heads = old.heads | new.heads
     for before, after in aligned(old, new):
         if before is None or after is None:
             section = before or after
@@ -61,17 +66,21 @@ def changed(old: Manual, new: Manual) -> Iterator[Passage]:
                 (shown if gone else "", "" if gone else shown),
             )
         else:
-            titles = (WORD.findall(item.title) for item in (before, after))
-            for texts in (titles, (before.words, after.words)):
-                yield from _in_section(before, *texts)
+            for first, second in (
+                (WORD.findall(before.title), WORD.findall(after.title)),
+                (before.words, after.words),
+            ):
+                yield from _in_section(before, first, second, heads)
 
 
-def _in_section(section: Section, old: Sequence[str], new: Sequence[str]) -> Iterator[Passage]:
+def _in_section(section: Section, old: Sequence[str], new: Sequence[str], heads: Collection[str]) -> Iterator[Passage]:
     if old == new:
         return
     for low, high, new_low, new_high in _groups(old, new):
         if "".join(old[low:high]) == "".join(new[new_low:new_high]):
             continue  # the same letters, divided otherwise at the end of a line
+        if (low == high or new_low == new_high) and letters((*old[low:high], *new[new_low:new_high])) in heads:
+            continue
         close, near = (
             (*old[max(low - before, 0) : high + after], *new[max(new_low - before, 0) : new_high + after])
             for before, after in ((_CLOSE, _CLOSE), (_BEFORE, _AFTER))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from itertools import pairwise
@@ -69,10 +69,15 @@ class Section:
 
 @dataclass(frozen=True, slots=True)
 class Manual:
-    """The text of an edition. ``missing`` contains the listed sections for which the text has no heading."""
+    """The text of an edition.
+
+    ``missing`` contains the listed sections for which the text has no heading.
+    ``heads`` contains the letters of each running head.
+    """
 
     sections: tuple[Section, ...]
     missing: Mapping[str, str]
+    heads: frozenset[str] = frozenset()
 
     @property
     def words(self) -> Counter[str]:
@@ -129,12 +134,14 @@ def divide(text: str) -> Manual:
     text = _LINK.sub(lambda found: found["shown"], text)
     pages = [[line for line in map(plain, page.split("\n")) if line.strip()] for page in text.split("\f")]
     has_pages = len(pages) >= _RUNNING
-    lines = _joined([line for page in (_without_edges(pages) if has_pages else pages) for line in page])
+    edges = _heads_at_edges(pages) if has_pages else set()
+    lines = _joined([line for page in (_without_edges(pages, edges) if has_pages else pages) for line in page])
     numbered = {index: found for index, line in enumerate(lines) if (found := _numbered(line)) is not None}
     listed = _contents(lines, numbered)
     titles = {numbered[index][0]: numbered[index][1] for index in sorted(listed, reverse=True)}
     headings, page_of = _headings(lines, numbered, listed, titles)
-    left_out = set() if has_pages else _page_numbers(lines) | _running_heads(lines, set(headings))
+    running = set() if has_pages else _running_heads(lines, set(headings))
+    left_out = running if has_pages else running | _page_numbers(lines)
     bodies: list[tuple[str, str, list[str]]] = [(COVER, COVER, [])]
     start = min((index for index, (number, _) in headings.items() if number[0].isdigit()), default=0)
     rest: list[str] = []
@@ -153,7 +160,8 @@ def divide(text: str) -> Manual:
     )
     have = {number for number, _ in headings.values()}
     missing = {number: title for number, title in titles.items() if number[0] != "0" and number not in have}
-    return Manual(tuple(sections), missing)
+    heads = {letters([head]) for head in (*edges, *(lines[at] for at in running))}
+    return Manual(tuple(sections), missing, frozenset(heads - {""}))
 
 
 def plain(line: str) -> str:
@@ -199,6 +207,11 @@ def _words(lines: Iterable[str], titles: Mapping[str, str]) -> list[str]:
 
     text = re.sub(r"(?<=[a-zà-ÿ])-\n(?=[a-zà-ÿ])", "", "\n".join(lines))
     return WORD.findall(_SECTION_REFERENCE.sub(reference, _PAGE_REFERENCE.sub("", text)))
+
+
+def letters(words: Iterable[str]) -> str:
+    """Return the letters of words. The numbers of a running head change from page to page."""
+    return re.sub(r"[\W\d_]+", "", "".join(words))
 
 
 def _head(line: str) -> str:
@@ -252,11 +265,15 @@ def _is_regular(places: Sequence[int]) -> bool:
     return usual >= _SHORT_PAGE and near >= _MOSTLY * len(lengths)
 
 
-def _without_edges(pages: Sequence[Sequence[str]]) -> Iterator[Sequence[str]]:
-    """Yield the pages without page numbers, and without the lines that occur often and mostly at the edges."""
+def _heads_at_edges(pages: Sequence[Sequence[str]]) -> set[str]:
+    """Return the lines, with # for numbers, that occur often and mostly at the edges of pages."""
     often = Counter(_head(line) for page in pages for line in page)
     edges = Counter(_head(line) for page in pages for line in (*page[:_PAGE_EDGE], *page[_PAGE_EDGE:][-_PAGE_EDGE:]))
-    heads = {head for head, found in edges.items() if found >= max(_RUNNING, _MOSTLY * often[head])}
+    return {head for head, found in edges.items() if found >= max(_RUNNING, _MOSTLY * often[head])}
+
+
+def _without_edges(pages: Sequence[Sequence[str]], heads: Collection[str]) -> Iterator[Sequence[str]]:
+    """Yield the pages without page numbers and running heads."""
     for page in pages:
         last = len(page) - _PAGE_EDGE
         yield [

@@ -263,6 +263,19 @@ def test_an_earlier_form_of_the_language(git: Git, tmp_path: Path, capsys: pytes
     )
 
 
+def test_a_spec_without_evidence_is_compared(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "specs" / "demo.yaml"
+    text = file.read_text(encoding="utf-8")
+    (evidence,) = [line for line in text.splitlines(keepends=True) if line.startswith("evidence:")]
+    file.write_text(text.replace(evidence, ""), encoding="utf-8")
+    git("commit", "-q", "-a", "-m", "old form")
+    file.write_text(text, encoding="utf-8")
+    _, out, _ = diff(capsys, "--lenient", "HEAD:specs", "specs")
+    assert "  documentation  evidence is new [evidence]\n1 change: 1 documentation\n" in out
+    _, out, _ = diff(capsys, "--lenient", "specs", "HEAD:specs")
+    assert "evidence is gone [evidence]" in out
+
+
 def test_a_family_that_cannot_be_read_is_left_out(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = (tmp_path / "specs" / "demo.yaml").read_text(encoding="utf-8")
     other = text.replace("device: demo", "device: other").replace('"DEMO{', '"OTHER{').replace("DEMO17-", "OTHER17-")

@@ -227,6 +227,24 @@ def test_an_option_renamed_in_headings_leads_to_its_facts(tmp_path: Path, capsys
     assert "order_code.parts.output.values.S1.interface" in [item["path"] for item in found["facts"][:5]]
 
 
+def test_a_removed_row_of_an_order_code_leads_to_its_option(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    old = MANUAL.replace("### 3.2", "Model TVS20 has a frame of its own.\n\n### 3.2", 1)
+    (found,) = passages(tmp_path, capsys, MANUAL, old)
+    assert isinstance(found["facts"], list)
+    assert "order_code.parts.resolution.values.20.sets.singleturn_bits" in [item["path"] for item in found["facts"][:5]]
+
+
+def test_a_running_head_that_is_the_title_of_the_cover_is_no_difference(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    title, *lines = [line for line in MANUAL.split("\n") if line]
+    head = title.lstrip("# ")
+    pages = [lines[at : at + 20] for at in range(0, len(lines), 20)]
+    assert len(pages) > 4
+    text = "\f".join("\n".join([head, *page, str(number)]) for number, page in enumerate(pages, 1))
+    assert passages(tmp_path, capsys, text) == []
+
+
 @pytest.mark.parametrize(
     ("data", "said"),
     [

@@ -8,6 +8,7 @@ list it here, and add a broken spec in ``tests/check/broken``.
 from __future__ import annotations
 
 from . import (
+    agreement,
     banks,
     bases,
     biss,
@@ -121,5 +122,13 @@ RULES: tuple[Rule, ...] = (
     quantities.quantity_repeated,
     quantities.time_repeated,
     quantities.column_units,
+    agreement.misspelt_name,
+    agreement.number_in_meaning,
+    agreement.unused_bits,
+    agreement.access_repeated,
+    agreement.zero_within_limits,
+    agreement.requests_repeated,
+    agreement.table_repeated,
+    quantities.conversions,
     repeated.repeated_text,
 )

@@ -12,18 +12,48 @@ from .walk import Spec, mapping, sources
 
 _CITED = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(?P<page>[0-9]+))?")
 _NUMBERED = re.compile(r"[0-9]+(?:\.[0-9]+)*")
-_END = 10_000
+#: Where a section begins or ends if the contents do not say.
+_FIRST, _END = 1, 10_000
+#: Number of cited pages that show which pages a spec cites, and the share of them that agrees.
+_ENOUGH, _SHARE = 50, 0.95
 
 
 def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that every cited section of the manual is in its contents, and every cited page in its section."""
+    """Check that every cited section of the manual is in its contents, and every cited page in its section.
+
+    In a spec whose sources cite the pages on which sections and entries begin, no source may cite another page.
+    """
     contents = mapping(raw, "manual", "contents")
     spans = _spans(contents)
+    first_pages = 0
+    later_pages: list[tuple[Path, str, int, int]] = []
     for path, value in sources(spec) if contents else ():
-        for piece in value.split(";"):
-            cited = _CITED.fullmatch(piece.strip())
-            if cited is not None:
-                _check(cited["section"], cited["page"], path, spans, _names(spec, path), report)
+        pieces = [found for piece in value.split(";") if (found := _CITED.fullmatch(piece.strip())) is not None]
+        own, names = _names(spec, path)
+        for cited in pieces:
+            section = cited["section"]
+            if not _is_in_section(section, cited["page"], path, spans, names, report):
+                continue
+            page, begins = int(cited["page"]), _begins(spans[section], own)
+            pages = {int(found["page"] or 0) for found in pieces if found["section"] == section}
+            if page in begins:
+                first_pages += 1
+            elif begins and not pages & begins:
+                later_pages.append((path, section, page, max((item for item in begins if item < page), default=page)))
+    if first_pages >= max(_ENOUGH, _SHARE * (first_pages + len(later_pages))):
+        for path, section, page, begin in later_pages:
+            wrong = f"nothing cited here begins on page {page} of section {section} according to the table of contents"
+            report.add(
+                "cited-place", path, f"{wrong}; the other sources cite first pages, so write p.{begin}, or both pages"
+            )
+
+
+def _begins(spans: Mapping[str, tuple[int, int]], own: list[str]) -> set[int]:
+    """Return the first page of the entry of an item or, without one, those of its section and of all its entries."""
+    name = next((name for name in own if name in spans), "")
+    if name:
+        return {spans[name][0]}
+    return {start for start, _ in spans.values()} if spans[""][0] > _FIRST else set()
 
 
 def _spans(contents: Mapping[str, Any]) -> dict[str, dict[str, tuple[int, int]]]:
@@ -37,7 +67,7 @@ def _spans(contents: Mapping[str, Any]) -> dict[str, dict[str, tuple[int, int]]]
         later = [other for other in rows[at + 1 :] if not other[0].startswith(f"{name}.")]
         end = _page(later[0][1], _END) if later else _END
         inside = [other for other in rows[at + 1 :] if other[0].startswith(f"{name}.")]
-        start = _page(item, 1)
+        start = _page(item, _FIRST)
         found[name] = {"": (start, end)}
         entries = [(title, page) for title, page in mapping(item, "entries").items() if isinstance(page, int)]
         after = _page(inside[0][1], end) if inside else end
@@ -51,42 +81,47 @@ def _page(item: Mapping[str, Any], otherwise: int) -> int:
     return page if isinstance(page, int) else otherwise
 
 
-def _names(spec: Spec, path: Path) -> list[str]:
-    """Return the printed names of the items around a source, the innermost first."""
+def _names(spec: Spec, path: Path) -> tuple[list[str], list[str]]:
+    """Return the printed names of the item with a source, and those of all items around it, the innermost first."""
     found: list[str] = []
+    own: list[str] = []
     node: Any = spec
     for step in path[:-1]:
         node = node[step]
         if isinstance(node, dict):
             printed = (node.get("printed_name"), *mapping(node, "names").values())
-            found[:0] = [name.casefold() for name in printed if isinstance(name, str)]
-    return found
+            own = [name.casefold() for name in printed if isinstance(name, str)]
+            found[:0] = own
+    return own, found
 
 
-def _check(
+def _is_in_section(
     section: str,
     page: str | None,
     path: Path,
     spans: Mapping[str, Mapping[str, tuple[int, int]]],
     names: list[str],
     report: DocumentReport,
-) -> None:
+) -> bool:
+    """Return whether a page is given and is in its section, and report a section or page that cannot be right."""
     if section not in spans:
         if _NUMBERED.fullmatch(section):
             hint = suggestion(section, [name for name in spans if _NUMBERED.fullmatch(name)])
             report.add("cited-place", path, f"the contents have no section {quoted(section)}{hint}")
-        return
+        return False
     if page is None:
-        return
+        return False
     name = next((name for name in names if name in spans[section]), "")
     start, end = spans[section][name]
-    if not start <= int(page) <= end:
-        what = f"the entry {quoted(name)} of section {section}" if name else f"section {section}"
-        where = (
-            f"on page {start} or later"
-            if end == _END
-            else f"on page {start}"
-            if start == end
-            else f"on pages {start} to {end}"
-        )
-        report.add("cited-place", path, f"{what} is {where} according to the table of contents, not on page {page}")
+    if start <= int(page) <= end:
+        return True
+    what = f"the entry {quoted(name)} of section {section}" if name else f"section {section}"
+    where = (
+        f"on page {start} or later"
+        if end == _END
+        else f"on page {start}"
+        if start == end
+        else f"on pages {start} to {end}"
+    )
+    report.add("cited-place", path, f"{what} is {where} according to the table of contents, not on page {page}")
+    return False

@@ -169,7 +169,7 @@ def alternative_use(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def units(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that exponents are in bits, and that numbers of a measurement have the right unit."""
+    """Check that exponents are in bits, and that numbers of a measurement and fields have the right unit."""
     parameters = mapping(raw, "parameters")
 
     def compare(path: Path, factor: Factor, needed: str, use: str) -> None:
@@ -183,6 +183,14 @@ def units(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 f" {'µm' if needed == 'micrometres' else needed}",
             )
 
+    for fields in field_lists(spec):
+        for path, field in fields:
+            unit, of = field.get("unit"), mapping(parameters, str(field.get("equals"))).get("unit")
+            if unit and of and _KIND_OF.get(unit, unit) != _KIND_OF.get(str(of), of):
+                wrong = (
+                    f"{quoted(field['name'])} is in {unit}, but it equals {quoted(field['equals'])}, which is in {of}"
+                )
+                report.add("unit-mismatch", (*path, "unit"), wrong)
     for path, text in expressions(spec):
         for factor in _factors(text):
             needed = "bits" if factor.power or path[-1] in _WIDTHS else _MEASURED.get(str(path[-1]), "")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from decimal import Decimal
 from typing import Any
 
@@ -48,6 +48,17 @@ _KEPT_TIME = re.compile(rf"\b(?:[Ww]ait|[Pp]ause|[Ww]ithin|[Aa]t least|[Aa]t mos
 #: Parts of a spec in which a text may repeat a time.
 _TIMED = ("registers", "procedures", "timings", "inputs")
 _NO_TEXTS = frozenset(("source", "bytes", "bits", "name", "address"))
+#: A quantity that a text gives in two units.
+_SAME = re.compile(
+    r"(?<![\w.,±])(?P<one>[−+-]?\d+(?:\.\d+)?) ?(?P<one_unit>°[CF]|mm|in)(?:,? which)? (?:is|=) "
+    r"(?P<two>[−+-]?\d+(?:\.\d+)?) ?(?P<two_unit>°[CF]|mm|in)\b"
+)
+_CONVERTED: Mapping[tuple[str, str], Callable[[float], float]] = {
+    ("°C", "°F"): lambda number: number * 1.8 + 32,
+    ("°F", "°C"): lambda number: (number - 32) / 1.8,
+    ("mm", "in"): lambda number: number / 25.4,
+    ("in", "mm"): lambda number: number * 25.4,
+}
 _CELL = re.compile(r"(?:(?:above|at least|at most|below) |[<>≤≥] ?)?-?\d+(?:\.\d+)?")
 
 
@@ -166,8 +177,34 @@ def time_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, item in items(spec, "errata"):
         affected = set(_times([found for text in item.get("affects", ()) for found in found_at(spec, text)]))
         used = [(found, _nanoseconds(found)) for found in _ANY_TIME.finditer(item.get("used", ""))]
-        if affected and used and (affected | named).isdisjoint(time for _, time in used):
-            _report_time(used[0][0], affected, (*path, "used"), report)
+        of_timing = [
+            set(_times(found))
+            for text in item.get("affects", ())
+            for found in found_at(spec, text)
+            if _is_timing(found)
+        ]
+        for known, possible in (
+            (affected, affected | named),
+            *((times, times) for times in of_timing[:1] if not of_timing[1:]),
+        ):
+            if known and used and possible.isdisjoint(time for _, time in used):
+                _report_time(used[0][0], known, (*path, "used"), report)
+                break
+    for path, item in _with_symbol(spec):
+        for found in re.finditer(rf"\b{re.escape(item['symbol'])} ?[<>=≤≥] ?{_TIME}", item.get("meaning", "")):
+            if _nanoseconds(found) not in set(_times(item)):
+                _report_time(found, set(_times(item)), (*path, "meaning"), report)
+
+
+def _is_timing(item: Any) -> bool:
+    return isinstance(item, dict) and not {"at_least_us", "typical_us", "at_most_us"}.isdisjoint(item)
+
+
+def _with_symbol(spec: Spec) -> Iterator[tuple[Path, Spec]]:
+    """Yield the timings with a symbol."""
+    places = ((), *(("interfaces", name) for name in mapping(spec, "interfaces")))
+    for place in places:
+        yield from ((path, item) for path, item in items(spec, *place, "timings") if "symbol" in item)
 
 
 def _compare_times(text: str, own: set[int], others: set[int], place: Path, report: DocumentReport) -> None:
@@ -208,6 +245,38 @@ def _texts(node: Any, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
     elif isinstance(node, list):
         for index, item in enumerate(node):
             yield from _texts(item, (*path, index))
+
+
+def conversions(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that quantities that are given in two units are the same in both."""
+    for path, item in items(spec, "characteristics"):
+        first: dict[tuple[object, object], list[Spec]] = {}
+        for at, value in items(item, "values"):
+            same = first.setdefault((value["quantity"], value.get("where")), [])
+            for other in same:
+                for bound in _BOUNDS:
+                    if bound in value and bound in other and (right := _converted(value, other, bound)) is not None:
+                        wrong = f"{value[bound]} {value['unit']} is {right:.4g} {other['unit']}, not {other[bound]}"
+                        report.add("quantity-text", (*path, *at, bound), wrong)
+            same.append(value)
+    for path, text in leaves(spec):
+        for found in _SAME.finditer(text) if isinstance(text, str) and path[-1] != "printed" else ():
+            values = [
+                {"number": Decimal(found[f"{key}"].replace("−", "-")), "unit": found[f"{key}_unit"]}
+                for key in ("one", "two")
+            ]
+            if (right := _converted(values[0], values[1], "number")) is not None:
+                wrong = f"{values[0]['number']} {values[0]['unit']} is {right:.4g} {values[1]['unit']}"
+                report.add("quantity-text", path, f"{wrong}, not {values[1]['number']}")
+
+
+def _converted(value: Spec, other: Spec, key: str) -> float | None:
+    """Return a value in the unit of another if the other differs from it by more than rounding."""
+    convert = _CONVERTED.get((value["unit"], other["unit"]))
+    if convert is None:
+        return None
+    right, given = convert(float(value[key])), float(other[key])
+    return right if abs(right - given) > max(abs(right) / 100, 0.5 if "°" in other["unit"] else 0) else None
 
 
 def column_units(spec: Spec, raw: Spec, report: DocumentReport) -> None:

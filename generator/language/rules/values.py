@@ -208,13 +208,20 @@ def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             )
         if "at_most_ns" not in timeout and "typical_ns" not in timeout:
             report.add("timeout-mismatch", path, "a fixed time-out needs 'at_most_ns' or 'typical_ns'", at_key=True)
+    clock = mapping(spec, "interfaces", Biss.name, "clock")
+    for below, printed in items(timeout, "printed") if "max_hz" in clock else ():
+        low, high = clock.get("min_hz", 0), clock["max_hz"]
+        if not low <= printed["clock_hz"] <= high and not explained(raw, *map(str, path)):
+            wrong = f"the clock is {low} to {high} Hz, so there is no time-out at {printed['clock_hz']} Hz"
+            right = f"if the manual gives both, add an erratum that affects {'.'.join(map(str, path))}"
+            report.add("timeout-mismatch", (*path, *below, "clock_hz"), f"{wrong}; {right}")
     if timeout["rule"] == "fixed" or halves is None:
         return
     for below, printed in items(timeout, "printed"):
-        twice, clock = halves * 10**9, printed["clock_hz"]
-        if abs(twice - 2 * clock * printed["timeout_ns"]) > clock:
-            expected = (twice + clock) // (2 * clock)
-            message = f"{halves} half periods at {clock} Hz are {expected} ns, not {printed['timeout_ns']}"
+        twice, hertz = halves * 10**9, printed["clock_hz"]
+        if abs(twice - 2 * hertz * printed["timeout_ns"]) > hertz:
+            expected = (twice + hertz) // (2 * hertz)
+            message = f"{halves} half periods at {hertz} Hz are {expected} ns, not {printed['timeout_ns']}"
             report.add("timeout-mismatch", (*path, *below, "timeout_ns"), message)
 
 

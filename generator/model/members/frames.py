@@ -199,7 +199,9 @@ FRAMES = (
         Member("default", "integer?", "Factory default.", "field-default", form="hex"),
         MEANING,
         NOTE,
-        Member("equals", "expression?", "Number expected on this device.", "field-expected", "documented value"),
+        Member(
+            "equals", "expression?", "Number expected on this device.", "field-expected", "documented value", form="hex"
+        ),
         Member("equals_text", "string", "Text expected on this device."),
         Member("constant", "integer?", "Fixed value of the bits.", "field-constant", "bits", of="value"),
         Member(

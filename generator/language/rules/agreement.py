@@ -1,0 +1,184 @@
+"""Rules for facts that a spec gives twice: in data and in a text, in two tables, or in the contents of the manual."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+from ..problems import DocumentReport, Path, is_slip, quoted
+from .walk import Has, Spec, by_name, explained, field_lists, items, leaves, mapping
+
+#: A hexadecimal number in a text.
+_HEX = re.compile(r"\b(?:0x([0-9A-Fa-f]+)|([0-9A-F]+)h)\b")
+_BIT = r"\d{1,3}(?::\d{1,3})?"
+#: Bits that a text calls unused, at the end of a sentence or clause.
+_UNUSED = re.compile(
+    rf"\bbits? ({_BIT}(?:(?:,| and|, and) {_BIT})*) (?:is|are) (?:not used|unused)(?=[.;,]|$)", re.IGNORECASE
+)
+_ONLY = re.compile(r"\b(?:is|are) (read|write)[ -]only\b")
+_NUMBERS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
+_REQUESTS = re.compile(rf"\b({'|'.join(_NUMBERS)}|[1-9]\d?) requests\b", re.IGNORECASE)
+#: Cells of two tables that must agree before one that differs is a mistake.
+_CELLS = 8
+#: Letters of a name in which one is likely wrong, and that is not another short word.
+_LONG = 8
+#: Longest contents that are compared. A manual has some 50 entries.
+_MOST_ENTRIES = 1000
+
+
+def misspelt_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that a printed name does not differ by one letter from an entry of the contents, or from its flag."""
+    entries: dict[str, str] = {}
+    for item in mapping(raw, "manual", "contents").values():
+        entries |= {title.casefold(): title for title in mapping(item, "entries")}
+    language = mapping(raw, "manual").get("language")
+    explained_names = "\n".join(item.get("used", "") for _, item in items(spec, "errata")).casefold()
+    for path, name in leaves(spec) if len(entries) <= _MOST_ENTRIES else ():
+        # A name in another language can differ by one letter too: temperature, temperatura.
+        if not isinstance(name, str) or (path[-2:] != ("names", language) and path[-1] != "printed_name"):
+            continue
+        right = next((title for title in entries if _misspells(name, title)), None)
+        if right and name.casefold() not in entries and name.casefold() not in explained_names:
+            wrong = f"the table of contents has {quoted(entries[right])}; correct one of the two"
+            report.add("misspelt-name", path, f"{wrong}, or add an erratum whose 'used' has this name")
+    for path, alarm in items(spec, "alarms"):
+        kind = "group" if "group" in alarm else "register"
+        owner = by_name(spec, "field_groups" if kind == "group" else "registers").get(alarm.get(kind, ""), {})
+        flag = by_name(owner, "fields").get(alarm.get("field", ""), {})
+        for below, name in _names(alarm):
+            other = dict(_names(flag)).get(below, "")
+            if _misspells(name, other):
+                wrong = f"the flag of this alarm has {quoted(other)}; correct one of the two"
+                report.add("misspelt-name", (*path, *below), wrong)
+
+
+def _misspells(name: str, other: str) -> bool:
+    """Return whether one letter of a name is wrong. An entry of the contents can be in the plural."""
+    one, two = name.casefold(), other.casefold()
+    return len(two) >= _LONG and one.rstrip("s") != two.rstrip("s") and is_slip(one, two)
+
+
+def _names(item: Spec) -> Iterator[tuple[Path, str]]:
+    for path, name in leaves({key: item[key] for key in ("printed_name", "names") if key in item}):
+        if isinstance(name, str):
+            yield path, name
+
+
+def number_in_meaning(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that a field with a fixed number does not have another hexadecimal number in its meaning."""
+    for fields in field_lists(spec):
+        for path, field in fields:
+            key = next((key for key in ("constant", "equals", "unused") if isinstance(field.get(key), int)), None)
+            printed = {int(with_prefix or with_h, 16) for with_prefix, with_h in _HEX.findall(field.get("meaning", ""))}
+            if key is not None and len(printed) == 1 and field[key] not in printed:
+                wrong = f"the meaning has {printed.pop():#x}, but {quoted(key)} is {field[key]:#x}"
+                report.add("printed-number", (*path, key), f"{wrong}; one of the two is wrong")
+
+
+def unused_bits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that a register has no field at bits that its note calls unused."""
+    for fields in field_lists(spec):
+        if fields.kind is not Has.REGISTER:
+            continue
+        unused = set(_bits(fields.owner.get("note", "")))
+        for path, field in fields:
+            high, _, low = str(field.get("at", "")).partition(":")
+            clash = [bit for bit in unused if high.isdigit() and int(low or high) <= bit <= int(high)]
+            if clash and not {"constant", "unused"} & {*field}:
+                wrong = (
+                    f"the note says that bit {min(clash)} is not used, but {quoted(str(field.get('name', '')))} uses it"
+                )
+                report.add("unused-bits", (*path, "at"), f"{wrong}; one of the two is wrong")
+
+
+def _bits(text: str) -> Iterator[int]:
+    """Yield the bits that a text calls unused."""
+    for found in _UNUSED.finditer(text):
+        for high, low in re.findall(r"(\d{1,3})(?::(\d{1,3}))?", found[1]):
+            yield from range(int(low or high), int(high) + 1)
+
+
+def access_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that a register with fixed contents is not writable, and has the access that its errata use."""
+    registers = by_name(spec, "registers")
+    for path, register in items(spec, "registers"):
+        fields = [field for _, field in items(register, "fields")]
+        fixed = bool(fields) and all("equals" in field for field in fields)
+        if fixed and register["access"] == "read_write" and not explained(raw, "registers", register["name"], "access"):
+            wrong = f"all fields of {quoted(register['name'])} have a fixed value ('equals'), so it should be read_only"
+            right = f"if the manual says read_write, add an erratum that affects registers.{register['name']}.access"
+            report.add("access-mismatch", (*path, "access"), f"{wrong}; {right}")
+    for path, erratum in items(spec, "errata"):
+        said = {*_ONLY.findall(erratum.get("used", ""))}
+        for text in erratum.get("affects", ()) if len(said) == 1 else ():
+            kind, _, name = text.partition(".")
+            access = f"{next(iter(said))}_only"
+            if kind == "registers" and name in registers and registers[name]["access"] != access:
+                wrong = f"this says {access}, but {quoted(name)} is {registers[name]['access']}"
+                report.add("access-mismatch", (*path, "used"), f"{wrong}; one of the two is wrong")
+
+
+def zero_within_limits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that the number for which zero stands is within the limits of its register."""
+    for path, register in items(spec, "registers"):
+        for _, field in items(register, "fields"):
+            zero, highest = field.get("zero_means"), register.get("max")
+            is_limited = register.get("limits_of") in (None, field.get("name"))
+            if isinstance(zero, int) and isinstance(highest, int) and is_limited and zero > highest:
+                wrong = f"zero stands for {zero}, which is above 'max' ({highest})"
+                report.add("limit-does-not-fit", (*path, "max"), f"{wrong}; one of the two is wrong")
+
+
+def requests_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that the number of requests in a text of a procedure is the one that its step sends."""
+    for path, procedure in items(spec, "procedures"):
+        times = {step["times"] for _, step in items(procedure, "steps") if "times" in step}
+        for below, text in leaves(procedure) if len(times) == 1 else ():
+            for found in _REQUESTS.findall(text) if isinstance(text, str) else ():
+                number = int(found) if found.isdigit() else _NUMBERS.index(found.casefold()) + 2
+                if number not in times:
+                    wrong = f"the text says {found} requests, but 'times' is {next(iter(times))}"
+                    report.add("quantity-repeated", (*path, *below), f"{wrong}; one of the two is wrong")
+
+
+def table_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that two tables with common columns agree in them, if they do so in all cells but one.
+
+    Rows belong together if a column whose cells are all different has the same cell in both.
+    """
+    tables = list(items(spec, "tables"))
+    for index, (path, table) in enumerate(tables):
+        for _, other in tables[:index]:
+            common = [name for name in table["columns"] if name in other["columns"]]
+            for key in (name for name in common if _is_key(table, name) and _is_key(other, name)):
+                rows = {_cell(other, row, key): row for row in other["rows"]}
+                pairs = [
+                    (at, row, rows[of])
+                    for at, row in enumerate(table["rows"])
+                    if (of := _cell(table, row, key)) in rows
+                ]
+                cells = [
+                    [(at, name, _cell(table, here, name), _cell(other, there, name)) for at, here, there in pairs]
+                    for name in common
+                    if name != key
+                ]
+                wrong = [[item for item in column if item[2] != item[3]] for column in cells]
+                # A column that mostly differs, such as one of texts, is about something else.
+                alike = [(column, bad) for column, bad in zip(cells, wrong, strict=True) if 2 * len(bad) <= len(column)]
+                if sum(len(bad) for _, bad in alike) == 1 and sum(len(column) for column, _ in alike) > _CELLS:
+                    at, name, here, there = next(bad[0] for _, bad in alike if bad)
+                    said = f"{quoted(name)} is {here} here, but {there} in the table {quoted(other['name'])}"
+                    place = (*path, "rows", at, table["columns"].index(name))
+                    report.add("quantity-repeated", place, f"{said}; one of the two is wrong")
+                    break
+
+
+def _cell(table: Spec, row: list[Any], column: str) -> str:
+    at = table["columns"].index(column)
+    return str(row[at]) if at < len(row) else ""
+
+
+def _is_key(table: Spec, column: str) -> bool:
+    found = [_cell(table, row, column) for row in table["rows"]]
+    return len(found) == len(set(found))
