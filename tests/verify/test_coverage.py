@@ -79,7 +79,7 @@ UNREACHED = (
         r"cw_step_differs",
         r"\(index < length\)",
         1,
-        "the other headers of this test write one byte at an address, and each has its step; the proof reads any number",
+        "these headers write one byte at an address, and each byte has its step; the proof reads any number",
     ),
     Unreached(
         r"lika_am36_biss_set_resolution_steps",
