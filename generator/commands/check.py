@@ -45,7 +45,7 @@ def run(paths: Sequence[Path], targets: Iterable[Target], cache: Cache | None = 
     families, report = load_families(paths, cache)
     new = [family for family in families if family.plain is not None or family.document.file not in clean]
     check_all(new, report)
-    found = look_at(families, targets, report, partial(_read, [family.document.file for family in new]))
+    found = look_at(families, targets, report, partial(_read, [family.document.file for family in new], cache))
     for family in new:
         file = family.document.file
         unchanged = family.content and content_of(family_files(Path(file))) == before[file]
@@ -54,10 +54,10 @@ def run(paths: Sequence[Path], targets: Iterable[Target], cache: Cache | None = 
     return found
 
 
-def _read(new: Sequence[str], family: Family, report: Report) -> Second | None:
+def _read(new: Sequence[str], cache: Cache, family: Family, report: Report) -> Second | None:
     """Read the second reading of a family if it is new. Otherwise only list it as read."""
     if family.document.file in new:
-        return read_beside(family, report)
+        return read_beside(family, report, cache)
     second = beside(Path(family.document.file))
     report.files += [str(second)] if second.is_file() else []
     return None

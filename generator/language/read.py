@@ -21,13 +21,13 @@ from .problems import Report
 from .second_reading import family_of, is_second
 from .yaml import FORBIDDEN, LINE_BREAK, MAX_BYTES, Refused, parse
 
-_NOTHING_KEPT = Cache(None)
+NOTHING_KEPT = Cache(None)
 #: Kind of entry in the cache for the data of a file and its places.
 _PARSED = "parsed"
 
 
 def read_document(
-    path: pathlib.Path, report: Report, shown_as: str | None = None, cache: Cache = _NOTHING_KEPT
+    path: pathlib.Path, report: Report, shown_as: str | None = None, cache: Cache = NOTHING_KEPT
 ) -> Document | None:
     """Read one file and add its problems to ``report``.
 
@@ -111,7 +111,7 @@ def _marks(data: Any, numbers: Iterator[tuple[int, int, int, int]]) -> Mark:
     return mark
 
 
-def read_specs(paths: Iterable[pathlib.Path], report: Report, cache: Cache = _NOTHING_KEPT) -> list[Document]:
+def read_specs(paths: Iterable[pathlib.Path], report: Report, cache: Cache = NOTHING_KEPT) -> list[Document]:
     """Read files and whole folders, each file once.
 
     A folder stands for the specs in it and below it, in sorted order. ``files.below`` finds them. A file given by name

@@ -7,10 +7,11 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from decimal import Decimal
 from pathlib import Path as File
 
+from ..cache import Cache
 from ..language.check import check_second
 from ..language.document import Document
 from ..language.problems import Path, Report, quoted
-from ..language.read import read_document
+from ..language.read import NOTHING_KEPT, read_document
 from ..language.second_reading import beside
 from ..loading.device import build_device
 from ..loading.library import Family
@@ -50,10 +51,10 @@ class Readings:
 Reader = Callable[[Family, Report], Second | None]
 
 
-def read_beside(family: Family, report: Report) -> Second | None:
+def read_beside(family: Family, report: Report, cache: Cache = NOTHING_KEPT) -> Second | None:
     """Read the second reading next to the spec of a family."""
     place = beside(File(family.document.file))
-    document = read_document(place, report) if place.is_file() else None
+    document = read_document(place, report, cache=cache) if place.is_file() else None
     return second_of(document, family.device.manufacturer, report) if document is not None else None
 
 
