@@ -47,9 +47,9 @@ typedef enum cw_step_kind {
  * One step of a procedure. Members that its kind does not use are ignored. If mask is 0xFF, a whole
  * byte is written. Otherwise the byte is read first, and its bits outside the mask are written back
  * unchanged. If a register has one address for several bytes, as over SPI, MORE steps follow with
- * its other bytes, and all of them are read or written in one call. For SEND, address is the number of bytes in the reply. All of them must arrive, the
- * first must equal the request, and if mask is 0xFF, the XOR of all bytes must be 0. If address is
- * 0, the reply is not checked.
+ * its other bytes, and all of them are read or written in one call. For SEND, address is the number
+ * of bytes in the reply. All of them must arrive, the first must equal the request, and if mask is
+ * 0xFF, the XOR of all bytes must be 0. If address is 0, the reply is not checked.
  */
 typedef struct cw_step {
     cw_step_kind kind; /**< kind of the step */
