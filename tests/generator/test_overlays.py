@@ -257,7 +257,7 @@ def test_second_readings_are_held_against_the_spec_as_it_is(tmp_path: Path, caps
     for path in SPECS.glob("amm5*.yaml"):
         (tmp_path / path.name).write_text(path.read_text(encoding="utf-8"), encoding="utf-8")
     (tmp_path / "manufacturer.yaml").write_text((SPECS / "manufacturer.yaml").read_text(encoding="utf-8"))
-    text = HEAD + "  - set: registers.manufacturer_id.access\n    to: read_write\n" + OWN
+    text = HEAD + "  - set: registers.serial_number.access\n    to: read_write\n" + OWN
     (tmp_path / "mine.yaml").write_text(text, encoding="utf-8")
     assert main(["check", str(tmp_path)]) == 0
     assert "no problems in 1 family: amm5" in capsys.readouterr().out

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -16,11 +17,11 @@ from codewheel.virtual import SpiLine, VirtualEncoder
 pytestmark = pytest.mark.slow
 
 SPECS = Path(__file__).parents[2] / "examples" / "encoders"
+PAGE = Path(__file__).parents[2] / "docs" / "spi.md"
 #: "SSC data transfer to configure the zero position", TLE5012B User's Manual Rev. 1.2, Figure 6-10 on page 72. The
 #: master sends the first two words of a write, and then releases the line. ANG_BASE is FE7h before and 760h after it.
 BEFORE = bytes.fromhex("FE 70")
 WRITTEN = bytes.fromhex("50 91 76 00 FF FF")
-BASE = 0x760
 #: READ_INTMODE_3 and DUMMY in the manufacturer's driver.
 READ = bytes.fromhex("80 91 FF FF FF FF")
 
@@ -65,8 +66,9 @@ def test_python_sends_the_words_of_the_manual(load: Callable[[str], Any]) -> Non
     package, module = load("infineon_encoders"), load("infineon_encoders.tle5012b")
     encoder, line = tle5012b()
     words: list[int] = []
-    bus = package.lookup("TLE5012B").pipeline().bus(recorded(line, words))
-    (reading,) = package.run(module.set_zero(BASE), bus)
+    (program,) = re.findall(r"```text\n(run\(.*)\n```", PAGE.read_text(encoding="utf-8"))
+    names = {"run": package.run, "tle5012b": module, "lookup": package.lookup, "exchange": recorded(line, words)}
+    (reading,) = eval(program, names)
     assert [word.to_bytes(6, "big") for word in words] == [READ, WRITTEN, READ]
     assert reading.data == bytes.fromhex("76 00")
     assert encoder.memory.value("mod_3") == 0x7600

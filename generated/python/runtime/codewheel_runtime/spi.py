@@ -204,8 +204,8 @@ class RegisterBus:
             FrameError: A word is damaged.
         """
         reading = self._line._reading(address)
-        # A late reply needs a further word, which can be the same request.
-        for _ in range(2 if self._line._late else 1):
+        answer = self._sent(reading)
+        if self._line._late:  # The reply comes with a further word, which can be the same request.
             answer = self._sent(reading)
         data: int = answer.reply.data
         return data.to_bytes(length, "big")
