@@ -1,7 +1,8 @@
 """Results that depend only on the content of a file, kept for as long as the file has the same size and times.
 
-Any change of a file changes its ``st_ctime_ns``, which no program can set. A file that has just changed could change
-again without that, within the resolution of these times, so its result is not kept yet.
+Any change of a file changes its ``st_ctime_ns``, which no program can set. Windows has no such time, so nothing is kept
+there. A file that has just changed could change again without that, within the resolution of these times, so its result
+is not kept yet.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ class KnownFiles:
     """Results by file. ``place`` says which files these are, because their paths can be relative."""
 
     def __init__(self, cache: Cache, kind: str, place: Sequence[str]) -> None:
-        self._cache, self._kind, self._place = cache, kind, [os.getcwd(), *place]
+        self._cache, self._kind, self._place = cache, kind, [_here(), *place]
         found = cache.get(kind, self._place)
         self._before: dict[str, Any] = found if isinstance(found, dict) else {}
         self._now: dict[str, Any] = {}
@@ -38,7 +39,7 @@ class KnownFiles:
         entry: Any = self._before.get(path)
         is_known = isinstance(entry, list) and len(entry) == 2 and entry[0] == stamp
         found = entry[1] if is_known else work()
-        if max(status.st_mtime_ns, status.st_ctime_ns) < self._latest:
+        if max(status.st_mtime_ns, status.st_ctime_ns) < self._latest and os.name != "nt":
             self._now[path] = [stamp, found]
         return found
 
@@ -46,3 +47,11 @@ class KnownFiles:
         """Store the results of all files that were asked for."""
         if self._now != self._before:
             self._cache.put(self._kind, self._place, self._now)
+
+
+def _here() -> str:
+    """Return the working folder. If it has been removed, only absolute paths lead anywhere."""
+    try:
+        return os.getcwd()
+    except OSError:
+        return ""

@@ -1,7 +1,7 @@
 """Parts of outputs that depend on one family: from the cache, or else rendered in parallel processes.
 
 Only built-in targets with default options and without the user's templates have such parts. The result is the same as
-without this module. A process that dies ends the run before anything is written.
+without this module. If a process dies, the run ends before anything is written.
 """
 
 from __future__ import annotations
@@ -28,6 +28,9 @@ _MEMORY = 256 * 2**20
 #: Least number of parts that justifies more processes, and largest number that a process holds before returning them.
 _FEWEST, _MOST = 4, 256
 _NUMBER = 4
+#: The targets that take longest come first, after the first one also C: other processes are busy by then, and this one
+#: has done half the work for C when it looked for problems.
+_ORDER = ("masters", "c", "docs", "python", "biss", "browser", "opcua")
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,6 @@ class Kept:
     tell: Callable[[int, int], None] = lambda begun, all_of_them: None
 
 
-NOTHING_KEPT = Kept(Cache(None))
 #: Name of a target, and a family.
 _Task = tuple[str, Device]
 
@@ -52,17 +54,7 @@ def is_plain(target: Target, options: Options) -> bool:
     return target.name in BUILT_IN and options == _defaults(target)
 
 
-def parts_of(devices: Sequence[Device], targets: Sequence[str], kept: Kept) -> dict[str, dict[str, Any]]:
-    """Return the parts of these targets by name of the target and of the family.
-
-    Raises:
-        TargetError: A target fails, or a process dies.
-    """
-    with Begun(devices, targets, kept) as work:
-        return work.finished()
-
-
-class Begun:
+class Rendering:
     """Parts that other processes make while this one goes on. The end of the context ends these processes.
 
     Args:
@@ -84,11 +76,10 @@ class Begun:
         if self._missing:
             with suppress(ValueError):  # The target reports it.
                 shipped_masters(kept.cache)
-        # The targets that take longest are the last ones.
-        self._missing.reverse()
+        self._missing.sort(key=lambda task: _ORDER.index(task[0]))
         self._first = _Pool(self._missing[:_MOST], self._make)
 
-    def __enter__(self) -> Begun:
+    def __enter__(self) -> Rendering:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -139,7 +130,8 @@ class _Pool:
         os.write(fill, b"".join(position.to_bytes(_NUMBER, "big") for position in range(len(tasks))))
         os.close(fill)
         with suppress(OSError):  # Without further processes, this one does everything.
-            self._children.extend(_child(self._work) for _ in range(_processes(len(tasks)) - 1))
+            for _ in range(_processes(len(tasks)) - 1):
+                self._children.append(_child(self._work, [stream for _, stream in self._children]))
 
     def __enter__(self) -> _Pool:
         return self
@@ -194,11 +186,18 @@ def _processes(tasks: int) -> int:
     return max(1, min(_MOST_PROCESSES, len(os.sched_getaffinity(0)), free // _MEMORY))
 
 
-def _child(work: Callable[[], Iterator[tuple[int, Any]]]) -> tuple[int, BinaryIO]:
-    """Start a process that works, and return its number and the stream of its results."""
+def _child(work: Callable[[], Iterator[tuple[int, Any]]], others: Sequence[BinaryIO]) -> tuple[int, BinaryIO]:
+    """Start a process that works, and return its number and the stream of its results.
+
+    It closes the streams of all children, including its own. Otherwise it would wait for ever to be read from if this
+    process is killed.
+    """
     out, into = os.pipe()
     number = os.fork()
     if number == 0:
+        os.close(out)
+        for stream in others:
+            stream.close()
         _run(work, into)
     os.close(into)
     return number, open(out, "rb")

@@ -111,6 +111,7 @@ def write(
     targets: Mapping[str, Mapping[str, str]],
     force: bool = False,
     waiting: Callable[[], None] = lambda: None,
+    gate: Callable[[], None] = lambda: None,
 ) -> list[Change]:
     """Write the files of ``targets`` to their folders, remove obsolete ones, and keep foreign files.
 
@@ -119,6 +120,7 @@ def write(
         targets: The files of each target, keyed by the name of the target.
         force: True to overwrite foreign files that are in the way.
         waiting: Called before the function waits for another run that is writing to the folder.
+        gate: Called before a file changes. An error that it raises ends the function, and nothing has changed.
 
     Raises:
         WriteError: A foreign file is in the way, another run does not end, or a file cannot be written. In that case
@@ -130,7 +132,7 @@ def write(
     try:
         with locked(folder, waiting):
             try:
-                return _written(folder, targets, force)
+                return _written(folder, targets, force, gate)
             finally:
                 if is_new:
                     with suppress(OSError):  # a folder that is not empty stays
@@ -144,10 +146,14 @@ def write(
         ) from None
 
 
-def _written(folder: Path, targets: Mapping[str, Mapping[str, str]], force: bool) -> list[Change]:
+def _written(
+    folder: Path, targets: Mapping[str, Mapping[str, str]], force: bool, gate: Callable[[], None]
+) -> list[Change]:
     """Write the targets to the folder. This process must hold its lock."""
     _clear(folder, targets)
     found = {target: changes(folder, target, files) for target, files in targets.items()}
+    if any(item.what != "unchanged" for of_target in found.values() for item in of_target):
+        gate()
     to_write = [name for name, files in targets.items() if _needs_writing(folder, name, files, found[name])]
     _refuse_what_is_in_the_way(folder, {name: targets[name] for name in to_write}, found, force)
     stages: list[_Stage] = []

@@ -77,9 +77,17 @@ def _notices(changes: Sequence[Change], accepted: Sequence[Accepted], today: dat
     for item in accepted:
         name = f"{item.family}: {item.rule} {item.path}"
         if not any(map(item.covers, changes)):
-            same = (change.path for change in changes if (change.family, change.rule.name) == (item.family, item.rule))
-            yield f"accepted, but not found: {name}{suggestion(item.path, same, 'paths of this rule')}"
+            yield f"accepted, but not found: {name}{_meant(item, changes)}"
         elif item.until < today:
             yield f"accepted until {item.until} only, so asked again: {name}: {item.why}"
         else:
             yield f"accepted until {item.until}: {name}: {item.why}"
+
+
+def _meant(item: Accepted, changes: Sequence[Change]) -> str:
+    """Return a suggestion for the family of an entry if it has no changes, or else for the path."""
+    families = {change.family for change in changes}
+    if item.family not in families:
+        return suggestion(item.family, sorted(families), "families with changes")
+    same = (change.path for change in changes if (change.family, change.rule.name) == (item.family, item.rule))
+    return suggestion(item.path, same, "paths of this rule")

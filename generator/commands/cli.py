@@ -109,20 +109,23 @@ def _generate(chosen: argparse.Namespace) -> int:
                 before.put({"families": names, "files": report.files} | known)
                 return 0
     from ..loading.stored import digest_of
-    from ..parts import Begun, Kept
+    from ..parts import Kept, Rendering
     from ..targets import Library
     from ..targets.registry import BUILT_IN
     from ..write import hashes
     from .outputs import are_built_in, complete, options_named, rendered, targets_named
 
     progress = Progress("codewheel: checking the specs")
-    # Older editions, problems and templates of the user are rare, so other processes begin with the rest at once.
-    parts = [] if report or chosen.templates else [name for name in chosen.target or BUILT_IN if name in BUILT_IN]
+    # Other processes begin to render at once, unless the run will end with problems. They do not know the user's
+    # templates and options.
+    changed = {setting.partition(".")[0] for setting in chosen.option}
+    plain = [name for name in dict.fromkeys(chosen.target or BUILT_IN) if name in BUILT_IN and name not in changed]
     digests = {item.device.name: item.digest for item in families}
     if not chosen.no_cache:
         digests = {item.device.name: item.digest or digest_of(item.device) for item in families}
     kept = Kept(_cache(chosen), digests, progress.begun)
-    with Begun([item.device for item in families], list(dict.fromkeys(parts)), kept) as work:
+    loaded = [item.device for item in families]
+    with Rendering(loaded, [] if report or chosen.templates else plain, kept) as begun:
         targets = targets_named(chosen.target)
         settings = options_named(chosen.option, targets)
         if chosen.templates is not None and not chosen.templates.is_dir():
@@ -136,7 +139,7 @@ def _generate(chosen: argparse.Namespace) -> int:
         names = [device.name for device in devices]
         print(look_up.read_line(paths, names, report))
         with progress:
-            files = rendered(Library(devices, chosen.templates), targets, settings, work)
+            files = rendered(Library(devices, chosen.templates), targets, settings, begun)
     if chosen.templates is None and are_built_in(targets, chosen.target):
         made = {name: hashes(texts) for name, texts in files.items()}
         before.put({"families": names, "files": report.files, "hashes": made})

@@ -27,11 +27,11 @@ def run(chosen: argparse.Namespace, files: Rendered, gate: Callable[[], None]) -
         Stop: The disk fails, or a file differs.
     """
     try:
-        found = [item for name, texts in files.items() for item in changes(chosen.output, name, texts)]
-        if not chosen.check:
-            if not chosen.unchecked and any(item.what != "unchanged" for item in found):
-                gate()
-            found = write(chosen.output, files, chosen.force, lambda: _tell_of_the_wait(chosen.output))
+        if chosen.check:
+            found = [item for name, texts in files.items() for item in changes(chosen.output, name, texts)]
+        else:
+            asked = (lambda: None) if chosen.unchecked else gate
+            found = write(chosen.output, files, chosen.force, lambda: _tell_of_the_wait(chosen.output), asked)
     except WriteError as error:
         raise Stop(str(error), 1) from None
     _tell(found, chosen)

@@ -11,7 +11,7 @@ from typing import Any
 from ..language.problems import Report, listed, suggestion
 from ..loading.library import Family, load_families, sound_families
 from ..model import Device
-from ..parts import Begun, is_plain
+from ..parts import Rendering, is_plain
 from ..render import TemplateFault, unused_templates
 from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import BUILT_IN, PackageMissing, files_of, load_target, problems_of, target_names
@@ -134,15 +134,15 @@ def tell_unfit(families: Sequence[Family], targets: Iterable[Target], report: Re
 
 
 def rendered(
-    library: Library, targets: Sequence[Target], options: Mapping[str, Options], work: Begun | None = None
+    library: Library, targets: Sequence[Target], options: Mapping[str, Options], begun: Rendering | None = None
 ) -> dict[str, Mapping[str, str]]:
-    """Return the files of each target, as texts by path. ``options`` are by target name. ``work`` returns the parts.
+    """Return the files of each target, as texts by path. ``options`` are by target name. ``begun`` returns the parts.
 
     Raises:
         Stop: A target or a user's template fails (exit code 1), or the name of a template is misspelt (exit code 2).
     """
     try:
-        made = work.finished() if work is not None else {}
+        made = begun.finished() if begun is not None else {}
         parts = {item.name: made.get(item.name, {}) for item in targets if is_plain(item, options[item.name])}
         try:
             files = _files(library, targets, options, parts)

@@ -80,8 +80,9 @@ def _check_device(checked: Checked, document: Document, report: Report) -> dict[
     report.mark(document, checked.cut)
     cut = set(checked.cut)
     given = _with_words(checked.data, checked.kind)
+    about = _Noting(report, document)
     for rule in RULES:
-        about = _Noting(report, document)
+        about.noted = []
         rule(given, document.data, about)
         if rule in FOUNDATIONS:
             codes = codes and not any(path[0] in _NO_CODES for path in about.noted)

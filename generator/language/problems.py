@@ -129,6 +129,8 @@ class DocumentReport:
     def __init__(self, report: Report, document: Document) -> None:
         self._report = report
         self.document = document
+        #: The data of the document that rules asked about last, and its leaves.
+        self.leaves: tuple[Any, Sequence[tuple[Path, Any]]] = (None, ())
 
     def add(self, rule: str, path: Path, message: str, *, at_key: bool = False) -> None:
         """Add a problem at ``path``, as :meth:`Report.add` does."""

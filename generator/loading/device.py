@@ -283,7 +283,10 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
 
     Only the first problem is reported, for the first order code that has it.
     """
-    for parameters in context.parameter_sets.get(register.interface, ()):
+    sets = context.parameter_sets.get(register.interface, ())
+    places = (place for item in register.layout.fields for place in (item.low, item.width))
+    is_alike = all(item is None or item.is_constant for item in (*places, register.min, register.max))
+    for parameters in sets[:1] if is_alike else sets:
         placed = register.layout.place(parameters)
         wrong = _wrong_limits(register, placed, parameters) or _wrong_default(register, placed, parameters)
         if wrong is not None:

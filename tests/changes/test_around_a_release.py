@@ -135,13 +135,21 @@ def test_a_wrong_file_of_accepted_changes(
     assert message in err
 
 
-def test_an_entry_that_accepts_nothing_is_reported(both: tuple[Path, Path], capsys: pytest.CaptureFixture[str]) -> None:
-    (both[1] / "accepted.yaml").write_text(
-        f"accepted:\n  - {ENTRY}2999-12-31}}\n".replace("max", "min"), encoding="utf-8"
-    )
-    assert "accepted, but not found: my_encoder: clock-narrower interfaces.biss.clock.min_hz" in " ".join(
-        run(capsys, "diff", *both)[1].split()
-    )
+@pytest.mark.parametrize(
+    ("right", "wrong", "suggested"),
+    [
+        ("clock.max_hz", "clock", "did you mean 'interfaces.biss.clock.max_hz'?"),
+        ("my_encoder", "my_encodr", "did you mean 'my_encoder'?"),
+    ],
+)
+def test_an_entry_that_accepts_nothing_is_reported(
+    both: tuple[Path, Path], capsys: pytest.CaptureFixture[str], right: str, wrong: str, suggested: str
+) -> None:
+    entry = f"{ENTRY}2999-12-31}}".replace(right, wrong)
+    (both[1] / "accepted.yaml").write_text(f"accepted:\n  - {entry}\n", encoding="utf-8")
+    told = " ".join(run(capsys, "diff", *both)[1].split())
+    assert "accepted, but not found: " in told
+    assert suggested in told
 
 
 def test_the_entry_for_an_older_edition_keeps_what_was_taken_away(

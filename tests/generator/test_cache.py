@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import random
+import select
 import shutil
 import signal
 import subprocess
@@ -29,7 +30,7 @@ from codewheel.loading import selected
 from codewheel.loading.library import Family, load_families, load_library
 from codewheel.loading.selected import families_for
 from codewheel.loading.stored import NotStorable, as_data, from_data
-from codewheel.parts import Kept, parts_of
+from codewheel.parts import Kept, Rendering
 from codewheel.targets import Library
 from codewheel.targets.registry import BUILT_IN, files_of, load_target
 
@@ -583,7 +584,8 @@ def begun(specs: Path, cache: Cache) -> int:
     library, digests = library_of(specs, cache)
     found = [0]
     kept = Kept(cache, digests, lambda _, all_of_them: found.append(all_of_them))
-    parts_of(library.devices, BUILT_IN, kept)
+    with Rendering(library.devices, BUILT_IN, kept) as rendering:
+        rendering.finished()
     return found[-1]
 
 
@@ -726,8 +728,8 @@ from codewheel.commands.terminal import Stop
 mine, start = os.getpid(), parts._child
 def dies(*arguments):
     HOW
-def child(work):
-    started = start(work)
+def child(*arguments):
+    started = start(*arguments)
     os.waitid(os.P_PID, started[0], os.WEXITED | os.WNOWAIT)
     return started
 class Pool(parts._Pool):
@@ -761,6 +763,41 @@ def test_a_process_that_dies_ends_the_run(folder: Path, two: Path, tmp_path: Pat
         f"codewheel: a process that renders files {end}; nothing has changed; run the command again\n",
     )
     assert not out.exists()
+
+
+ORPHAN = """
+import os, signal
+from codewheel.parts import _child
+first = _child(lambda: iter([(0, "x" * 2**20)]), [])
+second = _child(lambda: iter([(0, "x" * 2**20)]), [first[1]])
+print(first[0], second[0], flush=True)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="this system has no file descriptors of processes")
+def test_no_process_stays_behind_if_its_parent_is_killed(tmp_path: Path) -> None:
+    """Both have more to return than a pipe holds, so they wait to be read from."""
+    with open(tmp_path / "numbers", "w") as file:  # A pipe would stay open as long as they run.
+        subprocess.run([sys.executable, "-c", ORPHAN], stdout=file, check=False)
+    numbers = [int(number) for number in (tmp_path / "numbers").read_text().split()]
+    assert len(numbers) == 2
+    left = [number for number in numbers if not has_ended(number, 20)]
+    for number in left:
+        os.kill(number, signal.SIGKILL)
+    assert left == []
+
+
+def has_ended(process: int, within_s: float) -> bool:
+    try:
+        handle = os.pidfd_open(process)
+    except ProcessLookupError:
+        return True
+    try:
+        return bool(select.select([handle], [], [], within_s)[0])
+    finally:
+        os.close(handle)
 
 
 @pytest.mark.slow

@@ -7,24 +7,27 @@ from collections.abc import Iterator
 from typing import Any
 
 from ..problems import DocumentReport, Path, is_slip, quoted
-from .walk import Has, Spec, by_name, explained, field_lists, items, leaves, mapping
+from .walk import Has, Spec, by_name, explained, field_lists, items, leaves, leaves_of, mapping
 
 #: A hexadecimal number in a text.
-_HEX = re.compile(r"\b(?:0x([0-9A-Fa-f]+)|([0-9A-F]+)h)\b")
+_HEX = re.compile(r"\b(?:0x([0-9A-Fa-f]+)|([0-9][0-9A-F]*)h)\b")
+#: Words before a number that is a place and not a value.
+_PLACE = re.compile(r"\b(?:register|address|at)\b", re.IGNORECASE)
 _BIT = r"\d{1,3}(?::\d{1,3})?"
-#: Bits that a text calls unused, at the end of a sentence or clause.
+#: Bits that a sentence calls unused without a condition.
 _UNUSED = re.compile(
-    rf"\bbits? ({_BIT}(?:(?:,| and|, and) {_BIT})*) (?:is|are) (?:not used|unused)(?=[.;,]|$)", re.IGNORECASE
+    rf"(?:^|[.;] )bits? ({_BIT}(?:(?:,| and|, and) {_BIT})*) (?:is|are) (?:not used|unused)(?=[.;]|$)", re.IGNORECASE
 )
 _ONLY = re.compile(r"\b(?:is|are) (read|write)[ -]only\b")
 _NUMBERS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
 _REQUESTS = re.compile(rf"\b({'|'.join(_NUMBERS)}|[1-9]\d?) requests\b", re.IGNORECASE)
 #: Cells of two tables that must agree before one that differs is a mistake.
 _CELLS = 8
-#: Letters of a name in which one is likely wrong, and that is not another short word.
-_LONG = 8
-#: Longest contents that are compared. A manual has some 50 entries.
-_MOST_ENTRIES = 1000
+#: Letters of a word in which one is likely wrong, and that is not another short word.
+_LONG = 6
+#: Longest contents and most tables that are compared. A manual has some 50 entries and 10 tables.
+_MOST_ENTRIES, _MOST_TABLES = 200, 50
+_NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 
 
 def misspelt_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -34,7 +37,7 @@ def misspelt_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         entries |= {title.casefold(): title for title in mapping(item, "entries")}
     language = mapping(raw, "manual").get("language")
     explained_names = "\n".join(item.get("used", "") for _, item in items(spec, "errata")).casefold()
-    for path, name in leaves(spec) if len(entries) <= _MOST_ENTRIES else ():
+    for path, name in leaves_of(spec, report) if len(entries) <= _MOST_ENTRIES else ():
         # A name in another language can differ by one letter too: temperature, temperatura.
         if not isinstance(name, str) or (path[-2:] != ("names", language) and path[-1] != "printed_name"):
             continue
@@ -54,9 +57,17 @@ def misspelt_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def _misspells(name: str, other: str) -> bool:
-    """Return whether one letter of a name is wrong. An entry of the contents can be in the plural."""
-    one, two = name.casefold(), other.casefold()
-    return len(two) >= _LONG and one.rstrip("s") != two.rstrip("s") and is_slip(one, two)
+    """Return whether one letter in a word of a name is wrong. An entry of the contents can be in the plural."""
+    if abs(len(name) - len(other)) > 1:
+        return False
+    one, two = name.casefold().split(), other.casefold().split()
+    if len(one) != len(two):
+        return False
+    wrong = [pair for pair in zip(one, two, strict=True) if pair[0] != pair[1]]
+    if len(wrong) != 1:
+        return False
+    word, right = wrong[0]
+    return len(right) >= _LONG and word.rstrip("s") != right.rstrip("s") and is_slip(word, right)
 
 
 def _names(item: Spec) -> Iterator[tuple[Path, str]]:
@@ -70,7 +81,10 @@ def number_in_meaning(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for fields in field_lists(spec):
         for path, field in fields:
             key = next((key for key in ("constant", "equals", "unused") if isinstance(field.get(key), int)), None)
-            printed = {int(with_prefix or with_h, 16) for with_prefix, with_h in _HEX.findall(field.get("meaning", ""))}
+            meaning = field.get("meaning", "")
+            printed = {int(with_prefix or with_h, 16) for with_prefix, with_h in _HEX.findall(meaning)}
+            if _PLACE.search(meaning):
+                continue
             if key is not None and len(printed) == 1 and field[key] not in printed:
                 wrong = f"the meaning has {printed.pop():#x}, but {quoted(key)} is {field[key]:#x}"
                 report.add("printed-number", (*path, key), f"{wrong}; one of the two is wrong")
@@ -85,7 +99,7 @@ def unused_bits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         for path, field in fields:
             high, _, low = str(field.get("at", "")).partition(":")
             clash = [bit for bit in unused if high.isdigit() and int(low or high) <= bit <= int(high)]
-            if clash and not {"constant", "unused"} & {*field}:
+            if clash and not {"constant", "unused"} & {*field} and field.get("equals") != 0:
                 wrong = (
                     f"the note says that bit {min(clash)} is not used, but {quoted(str(field.get('name', '')))} uses it"
                 )
@@ -105,12 +119,15 @@ def access_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, register in items(spec, "registers"):
         fields = [field for _, field in items(register, "fields")]
         fixed = bool(fields) and all("equals" in field for field in fields)
-        if fixed and register["access"] == "read_write" and not explained(raw, "registers", register["name"], "access"):
+        is_explained = "note" in register or explained(raw, "registers", register["name"], "access")
+        if fixed and register["access"] == "read_write" and not is_explained:
             wrong = f"all fields of {quoted(register['name'])} have a fixed value ('equals'), so it should be read_only"
-            right = f"if the manual says read_write, add an erratum that affects registers.{register['name']}.access"
+            right = "if the manual says read_write, say so in a 'note'"
             report.add("access-mismatch", (*path, "access"), f"{wrong}; {right}")
     for path, erratum in items(spec, "errata"):
-        said = {*_ONLY.findall(erratum.get("used", ""))}
+        # A sentence about bits or fields is not about the register.
+        used = erratum.get("used", "")
+        said = set() if re.search(r"\b(?:bit|field)", used, re.IGNORECASE) else {*_ONLY.findall(used)}
         for text in erratum.get("affects", ()) if len(said) == 1 else ():
             kind, _, name = text.partition(".")
             access = f"{next(iter(said))}_only"
@@ -125,7 +142,8 @@ def zero_within_limits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         for _, field in items(register, "fields"):
             zero, highest = field.get("zero_means"), register.get("max")
             is_limited = register.get("limits_of") in (None, field.get("name"))
-            if isinstance(zero, int) and isinstance(highest, int) and is_limited and zero > highest:
+            # 0 can stand for the number after the highest one, such as 65536 in 16 bits.
+            if isinstance(zero, int) and isinstance(highest, int) and is_limited and zero > highest + 1:
                 wrong = f"zero stands for {zero}, which is above 'max' ({highest})"
                 report.add("limit-does-not-fit", (*path, "max"), f"{wrong}; one of the two is wrong")
 
@@ -134,7 +152,8 @@ def requests_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the number of requests in a text of a procedure is the one that its step sends."""
     for path, procedure in items(spec, "procedures"):
         times = {step["times"] for _, step in items(procedure, "steps") if "times" in step}
-        for below, text in leaves(procedure) if len(times) == 1 else ():
+        only = len(times) == 1 and len(procedure["steps"]) == 1
+        for below, text in leaves(procedure) if only else ():
             for found in _REQUESTS.findall(text) if isinstance(text, str) else ():
                 number = int(found) if found.isdigit() else _NUMBERS.index(found.casefold()) + 2
                 if number not in times:
@@ -143,11 +162,11 @@ def requests_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def table_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that two tables with common columns agree in them, if they do so in all cells but one.
+    """Check that two tables with common columns agree in their numbers, if they do so in all cells but one.
 
     Rows belong together if a column whose cells are all different has the same cell in both.
     """
-    tables = list(items(spec, "tables"))
+    tables = list(items(spec, "tables"))[:_MOST_TABLES]
     for index, (path, table) in enumerate(tables):
         for _, other in tables[:index]:
             common = [name for name in table["columns"] if name in other["columns"]]
@@ -163,6 +182,7 @@ def table_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                     for name in common
                     if name != key
                 ]
+                cells = [[item for item in column if all(map(_NUMBER.fullmatch, item[2:]))] for column in cells]
                 wrong = [[item for item in column if item[2] != item[3]] for column in cells]
                 # A column that mostly differs, such as one of texts, is about something else.
                 alike = [(column, bad) for column, bad in zip(cells, wrong, strict=True) if 2 * len(bad) <= len(column)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from ..problems import DocumentReport, Path, quoted
-from .walk import Spec, leaves
+from .walk import Spec, leaves_of
 
 #: Keys of numbers that manuals print in hexadecimal.
 HEXADECIMAL = frozenset("address addresses poly init xorout check control constant unused biss_id".split())
@@ -23,7 +23,7 @@ def number_base(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     A JSON file may use decimal numbers, because JSON has no others.
     """
     in_json = report.document.line(1).startswith("{")
-    for path, number in leaves(spec):
+    for path, number in leaves_of(spec, report):
         if not isinstance(number, int) or isinstance(number, bool):
             continue
         written = report.document.written(path)
@@ -39,7 +39,7 @@ def number_base(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def typographic_quotes(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that no text is in typographic quotes, which YAML treats as part of the text."""
-    for path, value in leaves(spec):
+    for path, value in leaves_of(spec, report):
         if isinstance(value, str) and len(value) > 1 and (value[0], value[-1]) in _TYPOGRAPHIC:
             wrong = f"the quotes {value[0]} and {value[-1]} are part of this text"
             report.add("typographic-quotes", path, f'{wrong}; write "{value[1:-1]}" with straight quotes')

@@ -8,14 +8,14 @@ from itertools import pairwise
 from typing import Any
 
 from ..problems import DocumentReport, Path, quoted, suggestion
-from .walk import Spec, mapping, sources
+from .walk import Spec, leaves_of, mapping, sources
 
 _CITED = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(?P<page>[0-9]+))?")
 _NUMBERED = re.compile(r"[0-9]+(?:\.[0-9]+)*")
 #: Where a section begins or ends if the contents do not say.
 _FIRST, _END = 1, 10_000
 #: Number of cited pages that show which pages a spec cites, and the share of them that agrees.
-_ENOUGH, _SHARE = 50, 0.95
+_ENOUGH, _SHARE = 50, 0.98
 
 
 def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -27,7 +27,7 @@ def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     spans = _spans(contents)
     first_pages = 0
     later_pages: list[tuple[Path, str, int, int]] = []
-    for path, value in sources(spec) if contents else ():
+    for path, value in sources(leaves_of(spec, report)) if contents else ():
         pieces = [found for piece in value.split(";") if (found := _CITED.fullmatch(piece.strip())) is not None]
         own, names = _names(spec, path)
         for cited in pieces:
@@ -42,10 +42,8 @@ def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 later_pages.append((path, section, page, max((item for item in begins if item < page), default=page)))
     if first_pages >= max(_ENOUGH, _SHARE * (first_pages + len(later_pages))):
         for path, section, page, begin in later_pages:
-            wrong = f"nothing cited here begins on page {page} of section {section} according to the table of contents"
-            report.add(
-                "cited-place", path, f"{wrong}; the other sources cite first pages, so write p.{begin}, or both pages"
-            )
+            wrong = f"nothing in section {section} begins on page {page}, and other sources cite first pages"
+            report.add("cited-place", path, f"{wrong}; cite p.{begin}, or p.{begin} and p.{page}")
 
 
 def _begins(spans: Mapping[str, tuple[int, int]], own: list[str]) -> set[int]:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from ..problems import DocumentReport, listed, quoted
-from .walk import Spec, by_name, mapping, sources
+from .walk import Spec, by_name, leaves, mapping, sources
 
 #: Number of implementations that a grade needs.
 _IMPLEMENTATIONS = {"quoted": 1}
@@ -61,7 +61,7 @@ def _sources(spec: Spec, grade: str, read: Spec, agreeing: list[str], report: Do
     wanted = [f"a source in {listed(read, 'or')}"] if read else []
     if grade in _CORROBORATED and len(agreeing) > 1:
         wanted.append(f"two sources among {listed(agreeing)}")
-    for path, value in sources({**spec, "errata": [], "examples": []}):
+    for path, value in sources(leaves({**spec, "errata": [], "examples": []})):
         cited = {match[1] or "manual" for match in map(_DOCUMENT.match, value.split(";")) if match}
         agree = grade in _CORROBORATED and len(cited & {*agreeing}) > 1
         if not agree and cited.isdisjoint(read):

@@ -11,7 +11,7 @@ from ...say.words import counted, nanoseconds
 from ..places import found_at
 from ..problems import DocumentReport, Path, listed, quoted
 from .meanings import supply_named
-from .walk import Spec, items, leaves, mapping
+from .walk import Spec, items, leaves, leaves_of, mapping
 
 _UNITS = {
     "angle": "°",
@@ -191,9 +191,9 @@ def time_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 _report_time(used[0][0], known, (*path, "used"), report)
                 break
     for path, item in _with_symbol(spec):
-        for found in re.finditer(rf"\b{re.escape(item['symbol'])} ?[<>=≤≥] ?{_TIME}", item.get("meaning", "")):
-            if _nanoseconds(found) not in set(_times(item)):
-                _report_time(found, set(_times(item)), (*path, "meaning"), report)
+        printed = list(re.finditer(rf"\b{re.escape(item['symbol'])} ?[<>=≤≥] ?{_TIME}", item.get("meaning", "")))
+        if printed and set(_times(item)).isdisjoint(map(_nanoseconds, printed)):
+            _report_time(printed[0], set(_times(item)), (*path, "meaning"), report)
 
 
 def _is_timing(item: Any) -> bool:
@@ -250,16 +250,16 @@ def _texts(node: Any, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
 def conversions(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that quantities that are given in two units are the same in both."""
     for path, item in items(spec, "characteristics"):
-        first: dict[tuple[object, object], list[Spec]] = {}
+        same: dict[tuple[object, object], list[tuple[Path, Spec]]] = {}
         for at, value in items(item, "values"):
-            same = first.setdefault((value["quantity"], value.get("where")), [])
-            for other in same:
-                for bound in _BOUNDS:
-                    if bound in value and bound in other and (right := _converted(value, other, bound)) is not None:
-                        wrong = f"{value[bound]} {value['unit']} is {right:.4g} {other['unit']}, not {other[bound]}"
-                        report.add("quantity-text", (*path, *at, bound), wrong)
-            same.append(value)
-    for path, text in leaves(spec):
+            same.setdefault((value["quantity"], value.get("where")), []).append((at, value))
+        # With more than two values, nothing says which of them belong together.
+        for (_, other), (at, value) in (found for found in same.values() if len(found) == 2):
+            for bound in _BOUNDS:
+                if bound in value and bound in other and (right := _converted(value, other, bound)) is not None:
+                    wrong = f"{value[bound]} {value['unit']} is {right:.4g} {other['unit']}, not {other[bound]}"
+                    report.add("quantity-text", (*path, *at, bound), wrong)
+    for path, text in leaves_of(spec, report):
         for found in _SAME.finditer(text) if isinstance(text, str) and path[-1] != "printed" else ():
             values = [
                 {"number": Decimal(found[f"{key}"].replace("−", "-")), "unit": found[f"{key}_unit"]}
@@ -275,8 +275,18 @@ def _converted(value: Spec, other: Spec, key: str) -> float | None:
     convert = _CONVERTED.get((value["unit"], other["unit"]))
     if convert is None:
         return None
-    right, given = convert(float(value[key])), float(other[key])
-    return right if abs(right - given) > max(abs(right) / 100, 0.5 if "°" in other["unit"] else 0) else None
+    here, given = float(value[key]), float(other[key])
+    right, back = convert(here), _CONVERTED[other["unit"], value["unit"]](given)
+    is_rounded = abs(right - given) <= max(abs(right) / 100, _half_digit(other[key]))
+    # A difference of temperatures has no offset.
+    is_difference = "°" in other["unit"] and abs(right - convert(0.0) - given) <= max(0.5, _half_digit(other[key]))
+    return None if is_rounded or is_difference or abs(back - here) <= _half_digit(value[key]) else right
+
+
+def _half_digit(number: object) -> float:
+    """Return half a unit of the last digit of a number as it is printed."""
+    exponent = Decimal(str(number)).as_tuple().exponent
+    return 0.5 * 10.0**exponent if isinstance(exponent, int) else 0.0
 
 
 def column_units(spec: Spec, raw: Spec, report: DocumentReport) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -20,7 +19,6 @@ _SETS = frozenset(
 _MAPS_OF_SETS = frozenset(("only_with", "open_only_with"))
 #: Keys of fields without data. Each word of a frame can have its own check bits with the same names.
 _NOT_DATA = frozenset(("constant", "unused", "crc", "parity_of"))
-_NO_MEANING = re.compile(r"\b(?:reserved|unused|undefined|not|no)\b", re.IGNORECASE)
 
 
 def repeated_item(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -46,12 +44,8 @@ def repeated_text(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         for path, field in fields:
             values = [((*path, "values", name), value) for name, value in mapping(field, "values").items()]
             _compare(values, "printed_name", report)
-            _compare((item for item in values if _says_what(item[1].get("meaning", ""))), "meaning", report)
-
-
-def _says_what(meaning: str) -> bool:
-    """Return whether a meaning belongs to one value. Several values can be reserved or not used."""
-    return " " in meaning and _NO_MEANING.search(meaning) is None
+            # Several values can be "not used".
+            _compare((item for item in values if item[1].get("meaning", "").count(" ") > 1), "meaning", report)
 
 
 def _compare(found: Iterable[tuple[Path, Spec]], key: str, report: DocumentReport) -> None:

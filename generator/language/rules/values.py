@@ -10,7 +10,7 @@ from itertools import pairwise
 from ...model import INTERFACES, Biss
 from ...say.words import counted
 from ..problems import DocumentReport, Path, quoted, suggestion
-from .walk import Spec, explained, field_lists, interface_of, items, last_address, mapping, sources
+from .walk import Spec, explained, field_lists, interface_of, items, last_address, leaves_of, mapping, sources
 
 _PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
 _NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"
@@ -232,7 +232,7 @@ def bad_source(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     ]
     documents = mapping(raw, "documents")
     own = mapping(raw, "manual").get("language")
-    for path, value in sources(spec):
+    for path, value in sources(leaves_of(spec, report)):
         for piece in value.split(";"):
             _check_piece(piece.strip(), path, editions, list(documents), own, report)
 

@@ -7,7 +7,7 @@ shapes.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any
@@ -176,6 +176,13 @@ def _is_list(value: object) -> bool:
     return isinstance(value, list)
 
 
+def leaves_of(spec: Spec, report: DocumentReport) -> Sequence[tuple[Path, Any]]:
+    """Return the leaves of a whole spec. The report keeps them, because one rule after another needs them."""
+    if report.leaves[0] is not spec:
+        report.leaves = (spec, leaves(spec))
+    return report.leaves[1]
+
+
 def leaves(data: Any) -> list[tuple[Path, Any]]:
     """Return every text, number and boolean with its path."""
     found: list[tuple[Path, Any]] = []
@@ -191,8 +198,8 @@ def _add_leaves(node: Any, path: Path, found: list[tuple[Path, Any]]) -> None:
         found.append((path, node))
 
 
-def sources(data: Any) -> Iterator[tuple[Path, str]]:
-    """Yield every source with its path."""
-    for path, value in leaves(data):
+def sources(found: Iterable[tuple[Path, Any]]) -> Iterator[tuple[Path, str]]:
+    """Yield every source among leaves, with its path."""
+    for path, value in found:
         if isinstance(value, str) and (path[-1] == "source" or str(path[-1]).endswith("_source")):
             yield path, value

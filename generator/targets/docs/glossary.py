@@ -22,18 +22,21 @@ class GlossaryPage(TypedDict):
 
 
 def page_values(devices: Sequence[Device]) -> GlossaryPage:
-    parts = [(for_interface(device, item.name), item) for device in devices for item in device.interfaces]
+    parts = []
+    for device in devices:
+        for item in device.interfaces:
+            here = for_interface(device, item.name)
+            parts.append((here, item, list(_places(here, item))))
     terms = sorted(TERMS, key=lambda item: item.name.casefold())
     found = ((term, [one for part in parts if (one := _link(term, *part))]) for term in terms)
     return {"term_rows": [(text(term.name), text(term.meaning), ", ".join(links)) for term, links in found if links]}
 
 
-def _link(term: Term, here: Device, interface: Interface) -> str:
+def _link(term: Term, here: Device, interface: Interface, places: Sequence[tuple[str, str]]) -> str:
     """Return a link to the section about the term on an interface page, or an empty string."""
     if term.over is not None:
         section = term.section if isinstance(interface, term.over) and _has(here, interface, term.section) else ""
     else:
-        places = list(_places(here, interface))
         exactly = (place for name, place in places if name in term.spelled)
         within = (place for name, place in places if any(f" {word} " in f" {name} " for word in term.spelled))
         section = next(chain(exactly, within), "")

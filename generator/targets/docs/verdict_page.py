@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Annotated, TypedDict
 
 from ...model import Device, Field, Interface, Layout, Verdict
-from ...plan.reports import Judgement, Only, reportings, reports_of, sums_up, verdict_of
+from ...plan.reports import Judgement, Only, Reporting, reportings, reports_of, sums_up, verdict_of
 from ...plan.values import Active, meaning_of
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import own_names
@@ -26,9 +26,12 @@ class UsablePage(TypedDict):
 
 
 def page_values(devices: Sequence[Device]) -> UsablePage:
+    told = [(device, list(reportings(device))) for device in devices]
     return {
-        "decides_rows": [row for device in devices for row in _of_family(device, _decides(device), device.name)],
-        "frame_rows": [row for device in devices for row in _of_family(device, _frames(device))],
+        "decides_rows": [
+            row for device, found in told for row in _of_family(device, _decides(device, found), device.name)
+        ],
+        "frame_rows": [row for device, found in told for row in _of_family(device, _frames(device, found))],
         "report_rows": [row for device in devices for row in _of_family(device, _reports(device))],
     }
 
@@ -40,10 +43,10 @@ def _of_family(device: Device, rows: Iterator[Row], name: str = "") -> Iterator[
         yield family if index == 0 else "", *row
 
 
-def _decides(device: Device) -> Iterator[Row]:
+def _decides(device: Device, told: Sequence[Reporting]) -> Iterator[Row]:
     """Yield rows of interface, frames, deciding field, its active value, verdict, source, errata."""
     found: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
-    for item in reportings(device):
+    for item in told:
         if item.judgement is not None:
             layout = item.codec.layout
             rows = tuple(_speaking(device, item.interface, layout, item.judgement))
@@ -87,9 +90,9 @@ def _unless(field: Field, layout: Layout) -> str:
     return f", with {STYLE.phrase(said(*listed(here)))} inactive" if here else ""
 
 
-def _frames(device: Device) -> Iterator[Row]:
+def _frames(device: Device, reporting: Sequence[Reporting]) -> Iterator[Row]:
     """Yield rows of interface, frames, possible reports."""
-    told = {item.codec.layout.name: item.told for item in reportings(device)}
+    told = {item.codec.layout.name: item.told for item in reporting}
     found: dict[tuple[str, tuple[str, ...]], list[Layout]] = {}
     for interface, layout in device.layouts():
         if layout.sender == "encoder":
