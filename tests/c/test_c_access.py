@@ -269,6 +269,7 @@ HELPERS: Mapping[str, int] = {
     "cw_step_poll(0x60U, 0x80U, 0x80U).mask": 0x80,
     "cw_step_wait(5U).microseconds": 5,
     "cw_step_more(0x60U, 0x80U, 0x80U).address": 0x60,
+    "cw_step_read_one(0x60U).times": 0,
 }
 
 

@@ -195,12 +195,7 @@ class CallProof:
 
     @cached_property
     def harness(self) -> str:
-        text = (
-            "#define CW_STEP_BYTES 8U\n"
-            + "".join(f'#include "codewheel/{name}.h"\n' for name in SHARED)
-            + PRELUDE
-            + _TRANSPORT
-        )
+        text = "".join(f'#include "codewheel/{name}.h"\n' for name in SHARED) + PRELUDE + _TRANSPORT
         if self.device is not None:
             # Comparing labels, too, is proved with encoder.h; here it may find anything,
             # so that the search holds whatever the label.

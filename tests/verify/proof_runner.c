@@ -3,7 +3,6 @@
  * asks for. That it does what cw_run() does is shown by the fuzzer and by the tests of procedures,
  * which all go through both.
  */
-#define CW_STEP_BYTES 8U
 #include "codewheel/runner.h"
 
 uint32_t nondet_number(void);
@@ -26,8 +25,17 @@ static bool is_read(size_t at)
     return steps[at].kind == CW_STEP_READ;
 }
 
-/* The list, and the places for what it reads at the very end of their memory. */
-static size_t any_steps(uint8_t **bytes, size_t *length)
+/* Whether the byte of a MORE step belongs to a register. */
+static bool belongs(size_t at)
+{
+    while (at != 0U && steps[at].kind == CW_STEP_MORE) {
+        at--;
+    }
+    return steps[at].kind != CW_STEP_MORE && steps[at].kind != CW_STEP_WAIT && steps[at].kind != CW_STEP_SEND;
+}
+
+/* Any list, and the places for what it reads at the very end of their memory. */
+static size_t listed(uint8_t **bytes, size_t *length)
 {
     const size_t count = nondet_size();
     size_t at;
@@ -43,6 +51,25 @@ static size_t any_steps(uint8_t **bytes, size_t *length)
         }
     }
     *bytes = &room[STEPS - *length];
+    return count;
+}
+
+static bool is_whole(size_t count)
+{
+    size_t at;
+    for (at = 0U; at < count; at++) {
+        if (steps[at].kind == CW_STEP_MORE && !belongs(at)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* A list whose further bytes all belong to registers. */
+static size_t any_steps(uint8_t **bytes, size_t *length)
+{
+    const size_t count = listed(bytes, length);
+    __CPROVER_assume(is_whole(count));
     return count;
 }
 
@@ -72,7 +99,7 @@ static bool is_sound(const cw_runner *runner, size_t count)
     return runner->steps == steps && runner->count == count && runner->at <= count && runner->begun <= count
         && (!well || runner->bytes == &room[STEPS - reads_from(runner->at, count)])
         && (well || runner->at == count || steps[runner->at].kind == CW_STEP_CLOSE)
-        && (runner->at == 0U || runner->at == count || steps[runner->at].kind != CW_STEP_MORE)
+        && (runner->at == count || steps[runner->at].kind != CW_STEP_MORE)
         && (well || runner->failure.step < runner->begun)
         && (runner->at == count || runner->round < most_of(&steps[runner->at]));
 }
@@ -138,6 +165,18 @@ void places_that_do_not_fit(void)
     const size_t other = nondet_size();
     __CPROVER_assume(other != length);
     __CPROVER_assert(cw_runner_start(&runner, steps, count, bytes, other, 0U) == CW_FAULT_LENGTH, "a wrong length is refused");
+    __CPROVER_assert(cw_runner_next(&runner, nondet_number()) == CW_TODO_END, "and it is over");
+}
+
+/* Further bytes without a register: nothing is done at all. */
+void bytes_of_nothing(void)
+{
+    cw_runner runner;
+    uint8_t *bytes;
+    size_t length;
+    const size_t count = listed(&bytes, &length);
+    __CPROVER_assume(!is_whole(count));
+    __CPROVER_assert(cw_runner_start(&runner, steps, count, bytes, length, 0U) == CW_FAULT_LENGTH, "it is refused");
     __CPROVER_assert(cw_runner_next(&runner, nondet_number()) == CW_TODO_END, "and it is over");
 }
 

@@ -160,3 +160,68 @@ def test_words_of_64_bits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
         ["gcc", *strict, "-I", str(out / "c" / "include"), str(source), "-o", str(tmp_path / "a")], check=True
     )
     subprocess.run([tmp_path / "a"], check=True)
+
+
+#: A register of 40 bits, which fits into a word of 64 bits with its address.
+LONG_REGISTER = """\
+registers:
+  - name: offset
+    printed_name: OFFSET
+    meaning: Offset
+    interface: spi
+    address: 0x20
+    length: 5
+    access: read_write
+    source: "7"
+procedures:
+  - name: set_offset
+    title: Write the offset
+    interface: spi
+    arguments: [{name: offset, of: offset, meaning: Offset}]
+    steps: [{do: write, register: offset, value: offset, meaning: write the offset}]
+    source: "7"
+examples:
+  - name: offset
+    kind: procedure
+    procedure: set_offset
+    order_code: LONG
+    arguments: {offset: 0xFEDCBA9876}
+    writes: [{address: 0x20, value: 0xFEDCBA9876}]
+    source: "7"
+"""
+ACCESSES = """\
+      - name: read_request
+        from: master
+        source: "7"
+        fields: [{name: command, bits: 8, constant: 1}, {name: address, bits: 16}, {name: zero, bits: 40, constant: 0}]
+      - name: write_request
+        from: master
+        source: "7"
+        fields: [{name: command, bits: 8, constant: 2}, {name: address, bits: 16}, {name: data, bits: 40}]
+      - name: register_reply
+        from: encoder
+        source: "7"
+        fields: [{name: data, bits: 40}, {name: zero, bits: 24, unused: 0}]
+evidence:"""
+
+
+def test_an_example_writes_a_register_of_more_than_32_bits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    more = "{request: read_request, reply: register_reply, purpose: read}, "
+    more += "{request: write_request, reply: register_reply, purpose: write}, "
+    text = SPEC.replace("device: long", "device: longer").replace("evidence:", ACCESSES)
+    text = text.replace("exchanges: [", f"exchanges: [{more}")
+    (tmp_path / "longer.yaml").write_text(text + LONG_REGISTER, encoding="ascii")
+    maker = "codewheel: 1\nmanufacturer: acme\ntitle: ACME\nsource: test\npython_package: longer_encoders\n"
+    (tmp_path / "manufacturer.yaml").write_text(maker, encoding="ascii")
+    out = tmp_path / "out"
+    assert main(["generate", str(tmp_path), "--target", "python", "--target", "c", "-o", str(out)]) == 0
+    monkeypatch.syspath_prepend(str(out / "python"))
+    package = importlib.import_module("longer_encoders")
+    words: list[int] = []
+
+    def exchange(word: int) -> int:
+        words.append(word)
+        return 0
+
+    package.run(package.longer.set_offset(0xFEDCBA9876), package.lookup("LONG").pipeline().bus(exchange))
+    assert words == [0x020020FEDCBA9876]

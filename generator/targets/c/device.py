@@ -134,12 +134,6 @@ class DeviceView:
         return [Part(name, f"{self.stem}_{name}.h", about, used) for name, about, here, used in found if here]
 
     @property
-    def step_bytes(self) -> int:
-        """Most bytes that a step of a procedure accesses at once."""
-        registers = (item.register for item in self.registers if self.procedures)
-        return max((item.length for item in registers if item.is_accessed_whole), default=1)
-
-    @property
     def headers(self) -> list[str]:
         """Include paths of all headers of the interface."""
         return [self.header, *(f"{self.maker.name}/{item.file}" for item in self.parts)]

@@ -10,7 +10,8 @@
  *     cw_runner_start(&runner, steps, count, bytes, length, now_us);
  *
  *     switch (cw_runner_next(&runner, now_us)) {           in the main loop
- *     case READ:  start reading runner.length bytes from runner.address into runner.data
+ *     case READ:  start reading runner.length bytes from runner.address into runner.data. Over SPI,
+ *                 they are the bytes of one register
  *     case WRITE: start writing runner.length bytes from runner.data to runner.address. Unless the
  *                 encoder has SPI, there is only one, which runner.byte holds too
  *     case SEND:  start sending the request runner.byte and receiving runner.length bytes of
@@ -85,17 +86,19 @@ typedef struct cw_runner {
  * @param runner  the procedure in progress
  * @param steps  the list of steps, which must remain valid until END
  * @param count  number of steps
- * @param bytes  buffer with one byte for each READ step, which must remain valid until END
- * @param length  size of bytes, which must be the number of READ steps
+ * @param bytes  buffer with one byte for each READ step and each MORE step after it. It must remain
+ *               valid until END
+ * @param length  size of bytes, which must be the number of these steps
  * @param now_us  current time
- * @return OK, or LENGTH if length is wrong or there are no steps. The runner is then at END
+ * @return OK, or LENGTH if length is wrong, there are no steps or a MORE step does not belong to a
+ *         register of up to CW_STEP_BYTES bytes. The runner is then at END
  */
 CW_NODISCARD
 static inline cw_result cw_runner_start(
     cw_runner *runner, const cw_step *steps, size_t count, uint8_t *bytes,
     size_t length, uint32_t now_us)
 {
-    const bool fits = (count != 0U) && (cw_run_reads(steps, count) == length);
+    const bool fits = cw_run_fits(steps, count, length);
     const cw_runner fresh = {
         fits ? CW_OK : CW_FAULT_LENGTH,
         { 0U, CW_STEP_WAIT, CW_STEP_WAIT, 0U, 0, false },
@@ -107,16 +110,16 @@ static inline cw_result cw_runner_start(
     return runner->result;
 }
 
-/** Advance to the next step, or after a failure to the next step that closes a register. */
+/** Advance past the MORE steps to the next one, or after a failure to the next that closes. */
 static inline void cw_runner_advance(cw_runner *runner, size_t steps)
 {
+    const bool failed = runner->result != CW_OK;
     runner->at += steps;
     runner->round = 0U;
-    if (runner->result != CW_OK) {
-        while ((runner->at < runner->count) &&
-            !cw_step_closes(runner->steps, runner->begun, &runner->steps[runner->at])) {
-            runner->at++;
-        }
+    while ((runner->at < runner->count) &&
+        ((runner->steps[runner->at].kind == CW_STEP_MORE) ||
+        (failed && !cw_step_closes(runner->steps, runner->begun, &runner->steps[runner->at])))) {
+        runner->at++;
     }
 }
 
@@ -173,23 +176,13 @@ static inline cw_todo cw_runner_ask(
     return todo;
 }
 
-/** Return the number of bytes that the current step accesses at once. */
-static inline size_t cw_runner_bytes(const cw_runner *runner)
-{
-    return cw_step_bytes(&runner->steps[runner->at], runner->count - runner->at);
-}
-
 /** Ask for the next access of a WRITE or CLOSE step: a read first, unless the mask is FFh. */
 static inline cw_todo cw_runner_write(
-    cw_runner *runner, const cw_step *step)
+    cw_runner *runner, const cw_step *step, size_t length)
 {
-    const size_t length = cw_runner_bytes(runner);
-    size_t index;
-    if (cw_step_keeps(step, length) && (runner->round == 0U)) {
+    const bool keeps = cw_step_change(step, runner->held, length);
+    if (keeps && (runner->round == 0U)) {
         return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->held, length);
-    }
-    for (index = 0U; index < length; index++) {
-        runner->held[index] = cw_step_changed(&step[index], runner->held[index]);
     }
     runner->byte = runner->held[0];
     return cw_runner_ask(runner, CW_TODO_WRITE, step->address, runner->held, length);
@@ -202,21 +195,19 @@ static inline cw_todo cw_runner_write(
 static inline cw_todo cw_runner_begin(cw_runner *runner)
 {
     const cw_step *const step = &runner->steps[runner->at];
-    size_t length;
+    const size_t length = cw_run_together(step, runner->count - runner->at);
     switch (step->kind) {
     case CW_STEP_WRITE:
     case CW_STEP_CLOSE:
-        return cw_runner_write(runner, step);
+        return cw_runner_write(runner, step, length);
     case CW_STEP_READ:
-        length = cw_run_together(step, runner->count - runner->at);
         return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->bytes, length);
     case CW_STEP_POLL:
     case CW_STEP_VERIFY:
-        length = cw_runner_bytes(runner);
         return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->held, length);
     case CW_STEP_SEND:
         if (step->times == 0U) {
-            cw_runner_advance(runner, cw_runner_bytes(runner));
+            cw_runner_advance(runner, 1U);
             return CW_TODO_END;
         }
         if (step->address > CW_REPLY_BYTES) {
@@ -227,7 +218,7 @@ static inline cw_todo cw_runner_begin(cw_runner *runner)
         return cw_runner_ask(runner, CW_TODO_SEND, 0U, runner->held, step->address);
     case CW_STEP_WAIT:
         runner->pause_us = step->microseconds;
-        cw_runner_advance(runner, cw_runner_bytes(runner));
+        cw_runner_advance(runner, 1U);
         return CW_TODO_END;
     case CW_STEP_MORE:
     default:
@@ -269,15 +260,12 @@ static inline cw_todo cw_runner_next(cw_runner *runner, uint32_t now_us)
     return todo;
 }
 
-/** Evaluate the value read by a poll: advance, or read again after a pause, up to the limit. */
-static inline void cw_runner_polled(cw_runner *runner, const cw_step *step)
+/** Read again after a pause, up to the limit of a poll. */
+static inline void cw_runner_again(cw_runner *runner)
 {
     const bool bounded = runner->poll_at_most != 0U;
-    const size_t length = cw_runner_bytes(runner);
     runner->round++;
-    if (cw_step_differs(step, length, runner->held, length) == length) {
-        cw_runner_advance(runner, length);
-    } else if (runner->round >= (bounded ? runner->poll_at_most : CW_POLL_AT_MOST)) {
+    if (runner->round >= (bounded ? runner->poll_at_most : CW_POLL_AT_MOST)) {
         cw_runner_fail(runner, CW_FAULT_TIMEOUT, CW_STEP_POLL, 0);
     } else {
         runner->pause_us = bounded ? runner->poll_pause_us : CW_POLL_PAUSE_US;
@@ -297,7 +285,7 @@ static inline void cw_runner_sent(cw_runner *runner, const cw_step *step)
     } else if (runner->alone) {
         runner->pause_us = step->microseconds;
     } else {
-        cw_runner_advance(runner, cw_runner_bytes(runner));
+        cw_runner_advance(runner, 1U);
     }
 }
 
@@ -305,7 +293,6 @@ static inline void cw_runner_sent(cw_runner *runner, const cw_step *step)
 static inline void cw_runner_accessed(cw_runner *runner, cw_todo did)
 {
     const cw_step *const step = &runner->steps[runner->at];
-    const size_t length = cw_runner_bytes(runner);
     size_t differs;
     switch (step->kind) {
     case CW_STEP_READ:
@@ -313,12 +300,12 @@ static inline void cw_runner_accessed(cw_runner *runner, cw_todo did)
         cw_runner_advance(runner, runner->length);
         break;
     case CW_STEP_POLL:
-        cw_runner_polled(runner, step);
-        break;
     case CW_STEP_VERIFY:
-        differs = cw_step_differs(step, length, runner->held, length);
-        if (differs == length) {
-            cw_runner_advance(runner, length);
+        differs = cw_step_differs(step, runner->held, runner->length);
+        if (differs == runner->length) {
+            cw_runner_advance(runner, 1U);
+        } else if (step->kind == CW_STEP_POLL) {
+            cw_runner_again(runner);
         } else {
             cw_runner_fail(
                 runner, CW_FAULT_VERIFY, CW_STEP_VERIFY, (int32_t)runner->held[differs]);
@@ -335,7 +322,7 @@ static inline void cw_runner_accessed(cw_runner *runner, cw_todo did)
         if (did == CW_TODO_READ) {
             runner->round++;
         } else {
-            cw_runner_advance(runner, length);
+            cw_runner_advance(runner, 1U);
         }
         break;
     }

@@ -97,7 +97,7 @@ class Modify(NamedTuple):
     """Read a register, replace its bits in ``mask`` by those of ``value``, and write it.
 
     ``mask`` and ``value`` apply to the number that the bytes form. ``order`` is its byte order, as in
-    ``int.from_bytes``.
+    ``int.from_bytes``. ``whole`` is true if the register has a single address for several bytes.
     """
 
     address: int
@@ -107,6 +107,7 @@ class Modify(NamedTuple):
     value: int
     meaning: str = ""
     order: Literal["little", "big"] = "little"
+    whole: bool = False
 
 
 @by_class

@@ -23,14 +23,6 @@ extern "C" {
 
 /* -- procedures -------------------------------------------------------------------------------- */
 
-/**
- * Most bytes of a register that has one address, as over SPI. Headers of encoders with such
- * registers define it. All other programs are smaller without it.
- */
-#ifndef CW_STEP_BYTES
-#define CW_STEP_BYTES 1U
-#endif
-
 /** Kinds of procedure steps. */
 typedef enum cw_step_kind {
     CW_STEP_WRITE = 1, /**< write value to the register byte at address */
@@ -47,16 +39,18 @@ typedef enum cw_step_kind {
  * One step of a procedure. Members that its kind does not use are ignored. If mask is 0xFF, a whole
  * byte is written. Otherwise the byte is read first, and its bits outside the mask are written back
  * unchanged. If a register has one address for several bytes, as over SPI, MORE steps follow with
- * its other bytes, and all of them are read or written in one call. For SEND, address is the number
- * of bytes in the reply. All of them must arrive, the first must equal the request, and if mask is
- * 0xFF, the XOR of all bytes must be 0. If address is 0, the reply is not checked.
+ * its other bytes, up to CW_STEP_BYTES in all, and one call reads or writes all of them. READ steps
+ * at consecutive addresses are read in one call too, unless their times is 0, which means that each
+ * register needs a call of its own. For SEND, address is the number of bytes in the reply. All of
+ * them must arrive, the first must equal the request, and if mask is 0xFF, the XOR of all bytes
+ * must be 0. If address is 0, the reply is not checked.
  */
 typedef struct cw_step {
     cw_step_kind kind; /**< kind of the step */
     uint16_t address; /**< address of the register byte, or for SEND the length of the reply */
     uint8_t mask; /**< bits that are written or compared */
     uint8_t value; /**< value to write, to compare with, or to send */
-    uint16_t times; /**< SEND: number of requests */
+    uint16_t times; /**< SEND: number of requests. READ: 0 for a call of its own, otherwise 1 */
     uint32_t microseconds; /**< minimum wait, or for SEND the minimum pause between requests */
 } cw_step;
 
@@ -89,6 +83,13 @@ static inline cw_step cw_step_read(uint16_t address)
     return step;
 }
 
+/** Return a step that reads a register in a call of its own, as over SPI. MORE steps can follow. */
+static inline cw_step cw_step_read_one(uint16_t address)
+{
+    const cw_step step = { CW_STEP_READ, address, 0xFFU, 0U, 0U, 0U };
+    return step;
+}
+
 /** Return a step that reads one register byte until its bits under mask equal value. */
 static inline cw_step cw_step_poll(uint16_t address, uint8_t mask, uint8_t value)
 {
@@ -103,7 +104,7 @@ static inline cw_step cw_step_verify(uint16_t address, uint8_t mask, uint8_t val
     return step;
 }
 
-/** Return the step for the next byte of a register with one address. */
+/** Return the step for the next byte of a register that has one address for all of them. */
 static inline cw_step cw_step_more(uint16_t address, uint8_t mask, uint8_t value)
 {
     const cw_step step = { CW_STEP_MORE, address, mask, value, 1U, 0U };
@@ -124,7 +125,7 @@ static inline cw_step cw_step_close(uint16_t address, uint8_t mask, uint8_t valu
  * own error number, which is passed on in the failure. Set a function to NULL if your bus does not
  * have it. Functions that need it then return UNSUPPORTED.
  *   read_registers   reads length bytes from consecutive register addresses, starting at address.
- *                    Over SPI, each address has as many bytes as a register, high byte first
+ *                    Over SPI, they are the bytes of the one register there, high byte first
  *   write_registers  writes length bytes in the same way
  *   wait_us          returns after at least this many microseconds
  *   send_request     sends this byte, which is a complete RS-485 request (its control field), and
@@ -152,6 +153,7 @@ typedef struct cw_transport {
 #define CW_POLL_AT_MOST 1000U /**< default for poll_at_most */
 #define CW_POLL_PAUSE_US 1000U /**< default for poll_pause_us */
 #define CW_REPLY_BYTES 16U /**< longest reply that a step can check */
+#define CW_STEP_BYTES 8U /**< most bytes of a register that has one address */
 
 /**
  * The step that failed, and the cause. It is set if the result is TRANSPORT, TIMEOUT, VERIFY or
@@ -334,62 +336,53 @@ static inline cw_result cw_send(
 static inline size_t cw_step_bytes(const cw_step *steps, size_t count)
 {
     size_t bytes = 1U;
-#if CW_STEP_BYTES > 1U
-    while ((bytes < count) && (bytes < CW_STEP_BYTES) && (steps[bytes].kind == CW_STEP_MORE)) {
+    while ((bytes < count) && (steps[bytes].kind == CW_STEP_MORE)) {
         bytes++;
     }
-#else
-    (void)steps;
-    (void)count;
-#endif
     return bytes;
 }
 
-/** Return true if a WRITE or CLOSE step keeps some bits of its bytes, which are then read first. */
-static inline bool cw_step_keeps(const cw_step *steps, size_t length)
+/**
+ * Replace the bits under the masks of a WRITE or CLOSE step. Return true if other bits are kept, so
+ * that the bytes must be read first.
+ */
+static inline bool cw_step_change(const cw_step *steps, uint8_t *bytes, size_t length)
 {
-    size_t index = 0U;
-    while ((index < length) && (steps[index].mask == 0xFFU)) {
-        index++;
+    bool keeps = false;
+    size_t index;
+    for (index = 0U; index < length; index++) {
+        const uint32_t mask = steps[index].mask;
+        keeps = keeps || (mask != 0xFFU);
+        bytes[index] =
+            (uint8_t)(((uint32_t)bytes[index] & ~mask) | ((uint32_t)steps[index].value & mask));
     }
-    return index < length;
-}
-
-/** Return the byte that a step writes in place of the one held. */
-static inline uint8_t cw_step_changed(const cw_step *step, uint8_t held)
-{
-    const uint32_t mask = step->mask;
-    return (uint8_t)(((uint32_t)held & ~mask) | ((uint32_t)step->value & mask));
+    return keeps;
 }
 
 /** Return the index of the first byte that differs from its step under the mask, or length. */
 static inline size_t cw_step_differs(
-    const cw_step *steps, size_t count, const uint8_t *bytes, size_t length)
+    const cw_step *steps, const uint8_t *bytes, size_t length)
 {
     size_t index = 0U;
-    while ((index < count) && (index < length) &&
+    while ((index < length) &&
         (((uint32_t)bytes[index] & (uint32_t)steps[index].mask) == (uint32_t)steps[index].value)) {
         index++;
     }
     return index;
 }
 
-/** Carry out a WRITE or CLOSE step, the first of count steps. */
+/** Carry out a WRITE or CLOSE step of length bytes. */
 CW_NODISCARD
 static inline cw_result cw_run_write(
-    const cw_transport *transport, const cw_step *step, size_t count, cw_failure *failure)
+    const cw_transport *transport, const cw_step *step, size_t length, cw_failure *failure)
 {
     uint8_t bytes[CW_STEP_BYTES] = { 0U };
-    const size_t length = cw_step_bytes(step, count);
-    size_t index;
-    if (cw_step_keeps(step, length)) {
+    if (cw_step_change(step, bytes, length)) {
         const cw_result result = cw_read(transport, step->address, bytes, length, failure);
         if (result != CW_OK) {
             return result;
         }
-    }
-    for (index = 0U; index < length; index++) {
-        bytes[index] = cw_step_changed(&step[index], bytes[index]);
+        (void)cw_step_change(step, bytes, length);
     }
     return cw_write(transport, step->address, bytes, length, failure);
 }
@@ -412,12 +405,11 @@ static inline cw_result cw_run_send(
     return result;
 }
 
-/** Carry out a POLL step, the first of count steps. */
+/** Carry out a POLL or VERIFY step of length bytes. */
 CW_NODISCARD
-static inline cw_result cw_run_poll(
-    const cw_transport *transport, const cw_step *step, size_t count, cw_failure *failure)
+static inline cw_result cw_run_compare(
+    const cw_transport *transport, const cw_step *step, size_t length, cw_failure *failure)
 {
-    const size_t length = cw_step_bytes(step, count);
     const bool bounded = transport->poll_at_most != 0U;
     const uint32_t at_most = bounded ? transport->poll_at_most : CW_POLL_AT_MOST;
     const uint32_t pause = bounded ? transport->poll_pause_us : CW_POLL_PAUSE_US;
@@ -425,6 +417,7 @@ static inline cw_result cw_run_poll(
     for (readings = 0U; readings < at_most; readings++) {
         uint8_t held[CW_STEP_BYTES] = { 0U };
         cw_result result = CW_OK;
+        size_t differs;
         if ((readings != 0U) && (pause != 0U)) {
             result = cw_wait(transport, pause, failure);
         }
@@ -434,78 +427,80 @@ static inline cw_result cw_run_poll(
         if (result != CW_OK) {
             return result;
         }
-        if (cw_step_differs(step, length, held, length) == length) {
+        differs = cw_step_differs(step, held, length);
+        if (differs == length) {
             return CW_OK;
+        }
+        if (step->kind == CW_STEP_VERIFY) {
+            return cw_failed(
+                CW_FAULT_VERIFY, CW_STEP_VERIFY, step->address, (int32_t)held[differs], failure);
         }
     }
     return cw_failed(CW_FAULT_TIMEOUT, CW_STEP_POLL, step->address, 0, failure);
 }
 
-/** Carry out a VERIFY step, the first of count steps. */
-CW_NODISCARD
-static inline cw_result cw_run_verify(
-    const cw_transport *transport, const cw_step *step, size_t count, cw_failure *failure)
+/**
+ * Return true if there are steps, the READ steps return length bytes to the caller, and all MORE
+ * steps belong to registers of up to CW_STEP_BYTES bytes.
+ */
+static inline bool cw_run_fits(const cw_step *steps, size_t count, size_t length)
 {
-    const size_t length = cw_step_bytes(step, count);
-    uint8_t held[CW_STEP_BYTES] = { 0U };
-    const cw_result result = cw_read(transport, step->address, held, length, failure);
-    const size_t differs = cw_step_differs(step, length, held, length);
-    if ((result == CW_OK) && (differs != length)) {
-        return cw_failed(
-            CW_FAULT_VERIFY, CW_STEP_VERIFY, step->address, (int32_t)held[differs], failure);
-    }
-    return result;
-}
-
-/** Return the number of bytes that the READ steps return to the caller. */
-static inline size_t cw_run_reads(const cw_step *steps, size_t count)
-{
+    cw_step_kind kind = CW_STEP_WAIT;
     size_t reads = 0U;
-    size_t index = 0U;
-    while (index < count) {
-        const size_t bytes = cw_step_bytes(&steps[index], count - index);
-        if (steps[index].kind == CW_STEP_READ) {
-            reads += bytes;
+    size_t bytes = 0U;
+    size_t index;
+    for (index = 0U; index < count; index++) {
+        const bool is_more = steps[index].kind == CW_STEP_MORE;
+        kind = is_more ? kind : steps[index].kind;
+        bytes = is_more ? (bytes + 1U) : 1U;
+        if ((is_more && ((kind == CW_STEP_WAIT) || (kind == CW_STEP_SEND))) ||
+            (bytes > CW_STEP_BYTES)) {
+            return false;
         }
-        index += bytes;
+        reads += (kind == CW_STEP_READ) ? 1U : 0U;
     }
-    return reads;
+    return (count != 0U) && (reads == length);
 }
 
-/** Return the number of leading steps whose consecutive bytes one call can read together. */
+/**
+ * Return the number of leading steps that one call carries out. READ steps at consecutive addresses
+ * are read together, unless their registers have one address each.
+ */
 static inline size_t cw_run_together(const cw_step *steps, size_t count)
 {
     size_t together = cw_step_bytes(steps, count);
-#if CW_STEP_BYTES > 1U
-    if (together > 1U) {
+    if ((together != 1U) || (steps[0].kind != CW_STEP_READ) || (steps[0].times == 0U)) {
         return together;
     }
-#endif
     while ((together < count) && (steps[together].kind == CW_STEP_READ) &&
+        (steps[together].times != 0U) &&
         ((size_t)steps[together].address == ((size_t)steps[0].address + together))) {
         together++;
+    }
+    /* A MORE step belongs to the last of them, which is then read on its own. */
+    if ((together < count) && (steps[together].kind == CW_STEP_MORE)) {
+        together--;
     }
     return together;
 }
 
-/** Carry out the first of count steps, of any kind except READ. */
+/** Carry out a step of any kind except READ, which accesses length bytes at once. */
 CW_NODISCARD
 static inline cw_result cw_run_step(
-    const cw_transport *transport, const cw_step *step, size_t count,
+    const cw_transport *transport, const cw_step *step, size_t length,
     cw_failure *failure)
 {
     switch (step->kind) {
     case CW_STEP_WRITE:
     case CW_STEP_CLOSE:
-        return cw_run_write(transport, step, count, failure);
+        return cw_run_write(transport, step, length, failure);
     case CW_STEP_WAIT:
         return cw_wait(transport, step->microseconds, failure);
     case CW_STEP_SEND:
         return cw_run_send(transport, step, failure);
     case CW_STEP_POLL:
-        return cw_run_poll(transport, step, count, failure);
     case CW_STEP_VERIFY:
-        return cw_run_verify(transport, step, count, failure);
+        return cw_run_compare(transport, step, length, failure);
     case CW_STEP_READ:
     case CW_STEP_MORE:
     default:
@@ -551,8 +546,8 @@ static inline bool cw_run_closing(
     size_t index;
     for (index = failed + 1U; index < count; index++) {
         if (cw_step_closes(steps, failed + 1U, &steps[index])) {
-            const cw_step *const step = &steps[index];
-            well = (cw_run_write(transport, step, count - index, NULL) == CW_OK) && well;
+            const size_t length = cw_step_bytes(&steps[index], count - index);
+            well = (cw_run_write(transport, &steps[index], length, NULL) == CW_OK) && well;
         }
     }
     return well;
@@ -560,16 +555,18 @@ static inline bool cw_run_closing(
 
 /**
  * Carry out a list of steps in order, up to the first one that fails. After a failure, close what
- * was opened. Bytes at consecutive addresses are read in one call.
+ * was opened. READ steps at consecutive addresses are read in one call, unless times is 0.
  *
  * @param transport  your bus access functions
  * @param steps  the list, from a _steps() function of an encoder
  * @param count  number of steps
- * @param bytes  one byte for each READ step, in order. Meaningless after a failure
- * @param length  size of bytes, which must be the number of READ steps
+ * @param bytes  one byte for each READ step and each MORE step after it, in order. Meaningless
+ *               after a failure
+ * @param length  size of bytes, which must be the number of these steps
  * @param failure  details of the failed step, or NULL
- * @return OK, LENGTH (before the first step) if length is wrong or there are no steps, or the
- *         result of the step that failed
+ * @return OK, LENGTH (before the first step) if length is wrong, there are no steps or a MORE step
+ *         does not belong to a register of up to CW_STEP_BYTES bytes, or the result of the step
+ *         that failed
  */
 CW_NODISCARD
 static inline cw_result cw_run(
@@ -578,19 +575,18 @@ static inline cw_result cw_run(
 {
     size_t read = 0U;
     size_t index = 0U;
-    if ((count == 0U) || (cw_run_reads(steps, count) != length)) {
+    if (!cw_run_fits(steps, count, length)) {
         return CW_FAULT_LENGTH;
     }
     while (index < count) {
         const cw_step *const step = &steps[index];
         cw_result result;
-        size_t done = cw_step_bytes(step, count - index);
+        const size_t done = cw_run_together(step, count - index);
         if (step->kind == CW_STEP_READ) {
-            done = cw_run_together(step, count - index);
             result = cw_read(transport, step->address, &bytes[read], done, failure);
             read += done;
         } else {
-            result = cw_run_step(transport, step, count - index, failure);
+            result = cw_run_step(transport, step, done, failure);
         }
         if (result != CW_OK) {
             const bool closed = cw_run_closing(transport, steps, count, index);

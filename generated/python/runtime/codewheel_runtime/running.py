@@ -103,15 +103,15 @@ class _Run:
         self.bus, self.poll_s, self.wait = bus, poll_s, wait
         self.readings: list[Reading] = []
         self._written: set[int] = set()
-        #: Bytes of each write, by its address.
-        self._stored: dict[int, bytes] = {}
+        #: Last value of each byte, by its address, or by that of its register and its index there.
+        self._stored: dict[tuple[int, int], int] = {}
         self._before: dict[int, tuple[str, bytes]] = {}
 
     def do(self, step: Step) -> None:
         bus = cast(Bus, self.bus)
         if isinstance(step, Write):
             self._written.add(step.address)
-            self._stored[step.address] = step.data
+            self._store(step.address, step.data, whole=step.length > 1)
             bus.write(step.address, step.data)
         elif isinstance(step, Wait):
             self.wait(step.microseconds / 1_000_000)
@@ -124,21 +124,25 @@ class _Run:
             number = int.from_bytes(data, step.order) & ~step.mask | step.value
             self._before.setdefault(step.address, (step.register, data))
             changed = number.to_bytes(step.length, step.order)
-            self._stored[step.address] = changed
+            self._store(step.address, changed, whole=step.whole)
             bus.write(step.address, changed)
         elif isinstance(step, Verify):
             self._verify(step)
         else:
             self._poll(step)
 
+    def _store(self, address: int, data: bytes, *, whole: bool) -> None:
+        """Remember written bytes. Bytes of a whole register have no addresses of their own."""
+        for index, byte in enumerate(data):
+            self._stored[(address, index) if whole else (address + index, 0)] = byte
+
     def _verify(self, step: Verify) -> None:
-        written = b""
-        while len(written) < step.length:
-            data = self._stored.get(step.address + len(written), b"")
-            if not data:
-                raise ValueError(f"no earlier step wrote to {step.register}, so it cannot be verified")
-            written += data
-        written, found = written[: step.length], self._read(step)
+        stored, address = self._stored, step.address
+        last = [stored.get((address, index), stored.get((address + index, 0))) for index in range(step.length)]
+        written = bytes(byte for byte in last if byte is not None)
+        if len(written) < step.length:
+            raise ValueError(f"no earlier step wrote to {step.register}, so it cannot be verified")
+        found = self._read(step)
         if (int.from_bytes(written, step.order) ^ int.from_bytes(found, step.order)) & step.mask:
             raise VerifyError(step.register, step.address, written, found, step.mask)
 
