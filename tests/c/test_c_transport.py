@@ -806,8 +806,8 @@ def test_a_list_that_reads_another_number_of_bytes_does_nothing(ways: Callable[[
 
 
 def test_a_kind_that_does_not_exist_is_refused(ways: Callable[[str], Machine]) -> None:
-    answer = ways("amm5").steps([(WAIT, 0, 0, 0, 0, 9), (8, 0x21, 0, 0, 0, 0)], 0, Encoder())
-    assert (answer.result, answer.record, answer.failure) == (RANGE, ["wait 9"], (1, 8, 8, 0x21, 0))
+    answer = ways("amm5").steps([(WAIT, 0, 0, 0, 0, 9), (9, 0x21, 0, 0, 0, 0)], 0, Encoder())
+    assert (answer.result, answer.record, answer.failure) == (RANGE, ["wait 9"], (1, 9, 9, 0x21, 0))
 
 
 def test_a_reply_longer_than_any_is_refused(ways: Callable[[str], Machine]) -> None:
