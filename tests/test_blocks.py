@@ -81,6 +81,7 @@ ELSEWHERE = {
     },
     "docs/spi.md": {
         "python: ": "tests/virtual/test_spi.py::test_the_programs_of_the_pages",
+        "text: run": "tests/virtual/test_spi_steps.py::test_python_sends_the_words_of_the_manual",
         ": $ codewheel": "tests/docs/test_start_pages.py::test_its_commands",
     },
     "docs/rules.md": {"yaml: ": "tests/docs/test_rules_page.py::test_the_page_is_that_of_today"},

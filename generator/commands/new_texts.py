@@ -440,7 +440,7 @@ interfaces:
   spi:
     source: "5"
     mode: 1                               # 0 and 1: the clock idles low. 1 and 3: data is taken on the second edge
-    word_bits: 16                         # 8 to 48, the same for requests and replies
+    word_bits: 16                         # 8 to 64, the same for requests and replies
     reply: next_word                      # or same_word
     clock: {max_hz: 10000000, source: "5.1"}
     # Which reply answers which request. Leave this out if the encoder ignores the words of the master.
@@ -532,7 +532,7 @@ procedures:
     title: Set the zero position
     interface: spi
     arguments: [{name: position, of: zero_position, meaning: Upper 8 bits of the position that becomes 0}]
-    steps:                                # each accesses one byte
+    steps:                                # each accesses a whole register
       - {do: write, register: zero_position, value: position, meaning: write the zero position}
       - {do: read, register: zero_position, meaning: check the value}
     source: "6.2"

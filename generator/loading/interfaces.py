@@ -5,7 +5,7 @@ Missing required keys have been reported. Stand-ins replace them, so that the re
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from ..model import (
@@ -21,7 +21,6 @@ from ..model import (
     OutputCode,
     Port,
 )
-from ..model.expressions import Expression
 from .fields import Context, Site, build_values
 from .from_mapping import Raw, record, sources
 from .layouts import build_layout
@@ -38,8 +37,8 @@ def _interface(name: str, raw: Raw, context: Context) -> Interface:
     )
     kind: Callable[..., Interface] = INTERFACES[name]
     sound = tuple(item for item in layouts if item is not None)
-    for item in sound if "word_bits" in raw else ():
-        _check_word(item, raw["word_bits"], Site(("interfaces", name, "layouts", item.name), context, name))
+    if "word_bits" in raw:
+        _check_word(raw["word_bits"], sound, Site(("interfaces", name), context, name))
     return record(
         kind,
         raw,
@@ -49,10 +48,23 @@ def _interface(name: str, raw: Raw, context: Context) -> Interface:
     )
 
 
-def _check_word(layout: Layout, bits: int, site: Site) -> None:
-    if layout.bits != Expression(bits):
-        wrong = f"'{layout.name}' has {layout.bits.render()} bits, but a word has {bits}"
-        site.report("width-mismatch", f"{wrong}; correct 'word_bits' or the fields")
+#: Least and highest number of bits in an SPI word.
+_WORD = (8, 64)
+
+
+def _check_word(text: int | str, layouts: Sequence[Layout], site: Site) -> None:
+    """Check that a word has a possible number of bits for every order code, and that each layout has as many."""
+    bits = site.context.expression(text)
+    if bits is None:
+        return
+    low, high = _WORD
+    lengths = {bits.value(parameters) for parameters in site.sets}
+    for length in [length for length in sorted(lengths) if not low <= length <= high][:1]:
+        site.report("width-mismatch", f"a word has {length} bits, but {low} to {high} are possible", "word_bits")
+    for layout in layouts:
+        if layout.bits != bits:
+            wrong = f"'{layout.name}' has {layout.bits.render()} bits, but a word has {bits.render()}"
+            site.report("width-mismatch", f"{wrong}; correct 'word_bits' or the fields", "layouts", layout.name)
 
 
 def build_measurement(raw: Raw, context: Context) -> Measurement | None:
@@ -93,8 +105,8 @@ def _rs485(raw: Raw, context: Context) -> Mapping[str, Any]:
 
 
 def _spi(raw: Raw, context: Context) -> Mapping[str, Any]:
-    clock = {"min_hz": 0, **raw.get("clock", {})}
-    return {"clock": record(Clock, clock), "exchanges": _exchanges(raw)}
+    clock, bits = {"min_hz": 0, **raw.get("clock", {})}, context.expression(raw["word_bits"])
+    return {"clock": record(Clock, clock), "word_bits": bits, "exchanges": _exchanges(raw)}
 
 
 def _exchanges(raw: Raw) -> tuple[Exchange, ...]:

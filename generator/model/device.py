@@ -228,8 +228,17 @@ class Register:
     opened_by_field: str = ""
 
     @property
+    def is_accessed_whole(self) -> bool:
+        """True if all bytes have the same address, so that they are read or written at once."""
+        return not INTERFACES[self.interface].byte_addresses
+
+    def address_of(self, byte: int) -> int:
+        """Return the address of a byte, counted from 0."""
+        return self.address if self.is_accessed_whole else self.address + byte
+
+    @property
     def last_address(self) -> int:
-        return self.address + (self.length - 1 if INTERFACES[self.interface].byte_addresses else 0)
+        return self.address_of(self.length - 1)
 
     @property
     def readable(self) -> bool:

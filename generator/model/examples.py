@@ -14,7 +14,7 @@ Values = Mapping[str, int | str | bool]
 
 @dataclass(frozen=True, slots=True)
 class Write:
-    """A byte written to a register."""
+    """A byte written to a register, or the number in a register that is written at once."""
 
     address: int
     value: int

@@ -295,10 +295,10 @@ def _can_be_read_back(item: Writes) -> bool:
 
 
 def _stored(item: Writes) -> Iterator[Piece]:
-    """Yield the written bits that have a meaning. Reserved bits can have any value when read."""
+    """Yield the bytes with the written bits that have a meaning. Reserved bits can have any value when read."""
     for piece in item.pieces:
         mask = piece.mask & ~(_unused_bits(item.register, piece.byte) >> piece.right)
-        if mask:
+        if mask or item.register.is_accessed_whole:
             yield replace(piece, mask=mask)
 
 
@@ -337,9 +337,15 @@ def _operation(device: Device, procedure: Procedure, step: Step) -> Operation:
 
 
 def pieces_of(register: Register, field: Field | None = None) -> tuple[Piece, ...]:
-    """Return the bytes of a field, or of a whole register, in ascending order of address."""
+    """Return the bytes of a field, or of a whole register, in ascending order of address.
+
+    If a register is accessed whole, its bytes outside the field have the mask 0.
+    """
     if field is not None:
-        return tuple(sorted(field.pieces, key=lambda item: item.byte))
+        found = {item.byte: item for item in field.pieces}
+        if found and register.is_accessed_whole:
+            found = {byte: found.get(byte, Piece(byte, 0, 0, 0)) for byte in range(register.length)}
+        return tuple(found[byte] for byte in sorted(found))
     last = register.length - 1
     low_first = register.byte_order == "low_byte_first"
     return tuple(Piece(byte, 0, 0xFF, 8 * (byte if low_first else last - byte)) for byte in range(register.length))

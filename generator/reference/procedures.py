@@ -17,7 +17,7 @@ Limits = tuple["Expression | None", "Expression | None"]
 def register_writes(
     device: Device, procedure: Procedure, variant: Variant, arguments: Mapping[str, int]
 ) -> tuple[Write, ...]:
-    """Return every byte that the procedure writes, in order.
+    """Return every byte that the procedure writes, in order, or the number if a register is written at once.
 
     The limits of later steps take the written values into account.
 
@@ -36,6 +36,9 @@ def register_writes(
                 register, step, variant, arguments, device, limits, held.get(step.register, register.default or 0)
             )
             variant = after_write(device, variant, register, held[step.register])
+            if register.is_accessed_whole:
+                writes.append(Write(register.address, held[step.register]))
+                continue
             data = number_to_bytes(register.layout, held[step.register], 8 * register.length)
             writes += [Write(register.address + index, byte) for index, byte in enumerate(data)]
     return tuple(writes)

@@ -122,7 +122,7 @@ def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
 def _words(fact: WordFormat) -> str:
     idle, edge = "high" if fact.mode & 2 else "low", "second" if fact.mode & 1 else "first"
     clock = f"SPI mode {fact.mode} (the clock idles {idle}, data is taken on the {edge} edge)"
-    return f"{counted(fact.bits, 'bit')}, {clock}, {REPLIES[fact.reply]}"
+    return f"{fact.bits.render()} bits, {clock}, {REPLIES[fact.reply]}"
 
 
 def _timeout(timeout: Timeout) -> str:

@@ -23,6 +23,7 @@ class SpiLine:
         if not isinstance(interface, Spi):
             raise ValueError(f"{encoder.variant.code} has no SPI")
         self.encoder, self.interface = encoder, interface
+        self.word_bits = interface.word_bits.value(encoder.variant.parameters)
         self._writes = [item for item in interface.exchanges if item.purpose == "write"]
         self._written: dict[str, int] = {}
         self._next = 0
@@ -30,15 +31,14 @@ class SpiLine:
 
     def exchange(self, word: int) -> int:
         """Receive a word, and return the word that the encoder sends meanwhile. A fault can change it."""
-        encoder, bits = self.encoder, self.interface.word_bits
         answer = self._answer(word)
         if self.interface.exchanges and self.interface.reply == "next_word":
             answer, self._next = self._next, answer
-        return disturbed(encoder, answer, bits)
+        return disturbed(self.encoder, answer, self.word_bits)
 
     def receive(self, data: bytes) -> None:
         """Take bytes that the master sends."""
-        size = (self.interface.word_bits + 7) // 8
+        size = (self.word_bits + 7) // 8
         self._received += data
         while len(self._received) >= size:
             word, self._received = self._received[:size], self._received[size:]
@@ -88,7 +88,7 @@ class SpiLine:
             if not started and item in self._writes[1:]:
                 continue
             place = self.encoder.place(self._layout(item.request))
-            decoded = codec.decode_bits(self.encoder.device, place, word, self.interface.word_bits)
+            decoded = codec.decode_bits(self.encoder.device, place, word, self.word_bits)
             if not decoded.problems:
                 return item, decoded.values
         self._written = {}

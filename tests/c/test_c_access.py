@@ -268,6 +268,8 @@ HELPERS: Mapping[str, int] = {
     "cw_step_send(0xDAU, 10U, 40U, 7U, 0xFFU).times": 10,
     "cw_step_poll(0x60U, 0x80U, 0x80U).mask": 0x80,
     "cw_step_wait(5U).microseconds": 5,
+    "cw_step_more(0x60U, 0x80U, 0x80U).address": 0x60,
+    "cw_step_read_one(0x60U).times": 0,
 }
 
 
@@ -316,7 +318,7 @@ FUNCTIONS: Mapping[str, int] = {
         "(measured.output_code = (lika_sma21_biss_output_code)2, "
         "lika_sma21_biss_write_configuration(&none, sma21, &measured, NULL))"
     ): RANGE,
-    "cw_run_step(&none, &reading, NULL)": RANGE,
+    "cw_run_step(&none, &reading, 1U, NULL)": RANGE,
     # x^4 = x + 1, x^35 = x^5 = x^2 + x, all inverted; of more than 32 bits the last 32 count.
     "cw_biss_crc(0U, 32U)": 15,
     "cw_biss_crc(1U, 32U)": 12,

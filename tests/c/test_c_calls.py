@@ -20,7 +20,7 @@ SHARED = {
     "biss": "answer_decode master_init master_read master_write master_abort master_next master_next_late"
     " request_encode",
     "biss_slave": "slave_init slave_allow slave_give slave_stored slave_next",
-    "transport": "step_send step_poll",
+    "transport": "step_send step_poll step_more step_read_one",
     "receive": "words16 words32 samples biss_receive biss_receive_cds ssi_receive ssi_repeats"
     " ask take take_any resume late reason",
     "runner": "start next done close",

@@ -19,6 +19,7 @@ from transport_harness import (
     CONSTANT,
     CRC,
     LENGTH,
+    MORE,
     OK,
     POLL,
     RANGE,
@@ -806,8 +807,8 @@ def test_a_list_that_reads_another_number_of_bytes_does_nothing(ways: Callable[[
 
 
 def test_a_kind_that_does_not_exist_is_refused(ways: Callable[[str], Machine]) -> None:
-    answer = ways("amm5").steps([(WAIT, 0, 0, 0, 0, 9), (8, 0x21, 0, 0, 0, 0)], 0, Encoder())
-    assert (answer.result, answer.record, answer.failure) == (RANGE, ["wait 9"], (1, 8, 8, 0x21, 0))
+    answer = ways("amm5").steps([(WAIT, 0, 0, 0, 0, 9), (9, 0x21, 0, 0, 0, 0)], 0, Encoder())
+    assert (answer.result, answer.record, answer.failure) == (RANGE, ["wait 9"], (1, 9, 9, 0x21, 0))
 
 
 def test_a_reply_longer_than_any_is_refused(ways: Callable[[str], Machine]) -> None:
@@ -865,3 +866,69 @@ def test_a_list_without_steps_is_not_carried_out(ways: Callable[[str], Machine])
 def test_a_request_that_is_sent_no_times_is_none(ways: Callable[[str], Machine]) -> None:
     answer = ways("amm5").steps([(SEND, 0, 0, 0x55, 0, 0), (WRITE, 0x20, 0xFF, 1, 1, 0)], 0, Encoder())
     assert (answer.result, answer.record) == (OK, ["w 20 01"])
+
+
+# -- registers that have one address for several bytes
+
+
+def test_all_bytes_of_a_register_are_accessed_at_once(ways: Callable[[str], Machine]) -> None:
+    steps = [
+        (WRITE, 0x10, 0xFF, 0x01, 1, 0),
+        (MORE, 0x10, 0xFF, 0x92, 1, 0),
+        (WRITE, 0x10, 0xF0, 0x30, 1, 0),
+        (MORE, 0x10, 0x0F, 0x04, 1, 0),
+        (POLL, 0x10, 0x00, 0x00, 1, 0),
+        (MORE, 0x10, 0xFF, 0x94, 1, 0),
+        (VERIFY_STEP, 0x10, 0xFF, 0x31, 1, 0),
+        (MORE, 0x10, 0x80, 0x80, 1, 0),
+        (READ, 0x10, 0xFF, 0, 0, 0),
+        (MORE, 0x10, 0xFF, 0, 0, 0),
+        (CLOSE, 0x10, 0xFF, 0, 1, 0),
+        (MORE, 0x10, 0xFF, 0, 1, 0),
+    ]
+    answer = ways("amm5").steps(steps, 2, Encoder())
+    assert (answer.result, answer.data) == (OK, b"\x31\x94")
+    assert answer.record == ["w 10 01 92", "r 10 2", "w 10 31 94", "r 10 2", "r 10 2", "r 10 2", "w 10 00 00"]
+
+
+def test_a_later_byte_that_differs_is_reported(ways: Callable[[str], Machine]) -> None:
+    """What the failed list wrote is closed with all of its bytes."""
+    steps = [
+        (WRITE, 0x10, 0xFF, 1, 1, 0),
+        (MORE, 0x10, 0xFF, 2, 1, 0),
+        (VERIFY_STEP, 0x10, 0xFF, 1, 1, 0),
+        (MORE, 0x10, 0xFF, 3, 1, 0),
+        (WRITE, 0x12, 0xFF, 1, 1, 0),
+        (MORE, 0x12, 0xFF, 1, 1, 0),
+        (CLOSE, 0x10, 0xFF, 4, 1, 0),
+        (MORE, 0x10, 0xFF, 5, 1, 0),
+    ]
+    answer = ways("amm5").steps(steps, 0, Encoder())
+    assert answer.record == ["w 10 01 02", "r 10 2", "w 10 04 05"]
+    assert answer.failure == (2, VERIFY_STEP, VERIFY_STEP, 0x10, 2)
+    assert not answer.left_open
+
+
+@pytest.mark.parametrize(
+    ("steps", "seen"),
+    [
+        ([(READ, 0x10, 1), (READ, 0x11, 1), (READ, 0x12, 1)], ["r 10 3"]),
+        ([(READ, 0x10, 0), (READ, 0x11, 0), (READ, 0x12, 0)], ["r 10 1", "r 11 1", "r 12 1"]),
+        ([(READ, 0x10, 1), (READ, 0x11, 0), (READ, 0x12, 1)], ["r 10 1", "r 11 1", "r 12 1"]),
+        ([(READ, 0x10, 1), (READ, 0x11, 1), (MORE, 0x11, 1)], ["r 10 1", "r 11 2"]),
+        ([(READ, 0x10, 1), (MORE, 0x10, 1), (READ, 0x11, 1)], ["r 10 2", "r 11 1"]),
+    ],
+)
+def test_registers_with_one_address_are_read_on_their_own(
+    steps: list[tuple[int, int, int]], seen: list[str], ways: Callable[[str], Machine]
+) -> None:
+    answer = ways("amm5").steps([(kind, at, 0xFF, 0, times, 0) for kind, at, times in steps], 3, Encoder())
+    assert (answer.result, answer.record) == (OK, seen)
+
+
+@pytest.mark.parametrize("kinds", [[MORE], [WAIT, MORE], [SEND, MORE], [WRITE, *[MORE] * 8]])
+def test_bytes_that_belong_to_no_register_are_refused(kinds: list[int], ways: Callable[[str], Machine]) -> None:
+    """Nothing is written: a number that lacks some of its bytes would be another one."""
+    steps = [(kind, 0x10, 0xFF, 0, 1, 0) for kind in [*kinds, WRITE]]
+    answer = ways("amm5").steps([(WRITE, 0x20, 0xFF, 0, 1, 0), *steps][kinds == [MORE] :], 0, Encoder())
+    assert (answer.result, answer.record, answer.failure) == (LENGTH, [], UNTOUCHED)

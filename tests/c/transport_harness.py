@@ -26,7 +26,7 @@ from codewheel.targets.c.reserved import c_name
 
 OK, LENGTH, CRC, CONSTANT, RANGE, TRANSPORT, TIMEOUT, UNSUPPORTED = range(8)
 VERIFY = 14
-WRITE, WAIT, SEND, READ, POLL, CLOSE, VERIFY_STEP = range(1, 8)
+WRITE, WAIT, SEND, READ, POLL, CLOSE, VERIFY_STEP, MORE = range(1, 9)
 
 _READ = ctypes.CFUNCTYPE(
     ctypes.c_int32, ctypes.c_void_p, ctypes.c_uint16, ctypes.POINTER(ctypes.c_uint8), ctypes.c_size_t
@@ -337,7 +337,8 @@ static int32_t started(const cw_transport *transport, cw_runner *runner, cw_todo
             : transport->read_registers(transport->context, runner->address, runner->data, runner->length);
     case CW_TODO_WRITE:
         return transport->write_registers == NULL ? MISSING
-            : transport->write_registers(transport->context, runner->address, &runner->byte, 1U);
+            : transport->write_registers(transport->context, runner->address,
+                runner->length == 1U ? &runner->byte : runner->data, runner->length);
     case CW_TODO_SEND:
         return transport->send_request == NULL ? MISSING
             : transport->send_request(transport->context, runner->byte, runner->data, runner->length);

@@ -56,7 +56,6 @@ UNUSED = {
             "layout.other_bits",
             "manual_edition.date",
             "parameter.interface.spi",
-            "procedure.interface.spi",
             "procedure.interface.ssi",
             "register.above_max.refused",
             "register.interface.rs485",

@@ -246,8 +246,24 @@ def test_bits_that_do_not_count_may_differ(lika: Any) -> None:
             lika.run(steps, memory)
     with pytest.raises(lika.StepError, match="no earlier step wrote to it, so it cannot be verified"):
         lika.run([lika.Verify(5, 1, "it", 0xFF)], Memory())
+    with pytest.raises(lika.StepError, match="no earlier step wrote to it, so it cannot be verified"):
+        lika.run([lika.Write(5, 1, "it"), lika.Verify(5, 2, "it", 0xFFFF)], Memory())
     changed = [lika.Modify(5, 1, "it", 0x0F, 0x05), lika.Verify(5, 1, "it", 0x0F)]
     assert lika.run(changed, Memory({5: 0xF0})) == ()
+
+
+def test_each_byte_is_compared_with_its_last_value(lika: Any) -> None:
+    """Later steps change the second byte of a register, and then both bytes."""
+    both, second = lika.Modify(5, 2, "it", 0xFFFF, 0x0201), lika.Write(6, 7, "other")
+    verified = lika.Verify(5, 2, "it", 0xFFFF)
+    memory = Memory({5: 0, 6: 0})
+    assert lika.run([both, second, verified], memory) == ()
+    assert (memory.held[5], memory.held[6]) == (1, 7)
+    assert lika.run([second, both, verified, lika.Verify(6, 1, "other", 0xFF)], memory) == ()
+    assert (memory.held[5], memory.held[6]) == (1, 2)
+    memory.write = lambda address, data: None  # type: ignore[method-assign]
+    with pytest.raises(lika.StepError, match="register it at 05h holds 01 02, but 01 07 was written"):
+        lika.run([both, second, verified], memory)
 
 
 @pytest.mark.parametrize("wrong", range(7))

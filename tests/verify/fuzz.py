@@ -45,6 +45,11 @@ PRECONDITIONS = {
     "signed": "a value of no more than so many bits",
     "fits_signed": "1 to 64 bits",
     "run_together": "one step at least",
+    "run_write": "1 to 8 steps of one register",
+    "run_compare": "as run_write",
+    "run_step": "as run_write",
+    "step_change": "as many steps as bytes",
+    "step_differs": "as step_change",
     "label_match": "a code of the table",
 }
 

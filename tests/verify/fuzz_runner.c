@@ -52,8 +52,11 @@ static int32_t on_read(void *context, uint16_t address, uint8_t *bytes, size_t l
 
 static int32_t on_write(void *context, uint16_t address, const uint8_t *bytes, size_t length)
 {
-    require(length == 1U, "procedures write byte by byte");
-    tell(context, ((uint64_t)2U << 60U) | ((uint64_t)address << 16U) | bytes[0]);
+    size_t at;
+    tell(context, ((uint64_t)2U << 60U) | ((uint64_t)address << 16U) | length);
+    for (at = 0U; at < length; at++) {
+        tell(context, bytes[at]);
+    }
     return ends(context);
 }
 
@@ -98,7 +101,8 @@ static uint32_t carry_out(record *to, cw_runner *runner, uint32_t now)
         if (todo == CW_TODO_READ) {
             error = on_read(to, runner->address, runner->data, runner->length);
         } else if (todo == CW_TODO_WRITE) {
-            error = on_write(to, runner->address, &runner->byte, 1U);
+            require(runner->byte == runner->data[0], "the first byte");
+            error = on_write(to, runner->address, runner->data, runner->length);
         } else {
             error = on_send(to, runner->byte, runner->data, runner->length);
         }
@@ -146,7 +150,7 @@ static cw_result waiting_for_nothing(
 /* Whether a step looks at a byte: it never is as it should be where its value has bits outside the mask. */
 static bool is_compared(const cw_step *step)
 {
-    return step->kind == CW_STEP_POLL || step->kind == CW_STEP_VERIFY;
+    return step->kind == CW_STEP_POLL || step->kind == CW_STEP_VERIFY || step->kind == CW_STEP_MORE;
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -162,19 +166,24 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     size_t count;
     size_t length;
     size_t at;
+    bool is_read = false;
     input = data;
     left = size;
     count = (size_t)(take(1U) % (STEPS + 1U));
     for (at = 0U; at < count; at++) {
         const uint8_t kind = (uint8_t)take(1U);
-        steps[at].kind = (cw_step_kind)(1U + (kind % 7U));
+        steps[at].kind = (cw_step_kind)(1U + (kind % 8U));
         steps[at].address = (uint16_t)(take(1U) % 24U);
         steps[at].mask = (uint8_t)take(1U);
         steps[at].value = (uint8_t)(take(1U) & (is_compared(&steps[at]) ? steps[at].mask : 0xFFU));
         steps[at].times = (uint16_t)(take(1U) % 4U);
         steps[at].microseconds = (uint32_t)take(2U);
     }
-    length = cw_run_reads(steps, count) + (((take(1U) & 15U) == 0U) ? 1U : 0U);
+    length = ((take(1U) & 15U) == 0U) ? 1U : 0U;
+    for (at = 0U; at < count; at++) {
+        is_read = (steps[at].kind == CW_STEP_MORE) ? is_read : (steps[at].kind == CW_STEP_READ);
+        length += is_read ? 1U : 0U;
+    }
     waited.script = input;
     waited.left = left;
     waited.count = 0U;

@@ -83,11 +83,13 @@ static cw_result any_run(
     cw_failure *failure)
 {
     size_t reads = 0;
+    bool reading = false;
     __CPROVER_assert(failed_with == 0, "nothing is run after a failure");
     for (size_t at = 0; at < count; at++) {
         __CPROVER_assert(steps[at].kind >= CW_STEP_WRITE, "a kind of step");
-        __CPROVER_assert(steps[at].kind <= CW_STEP_VERIFY, "a kind of step");
-        reads += steps[at].kind == CW_STEP_READ;
+        __CPROVER_assert(steps[at].kind <= CW_STEP_MORE, "a kind of step");
+        reading = steps[at].kind == CW_STEP_READ || (reading && steps[at].kind == CW_STEP_MORE);
+        reads += reading;
     }
     __CPROVER_assert(reads == length, "a place for each byte that is read");
     for (size_t at = 0; at < length; at++) bytes[at] = nondet_byte();

@@ -16,8 +16,26 @@ size_t nondet_size(void);
 static cw_step steps[STEPS];
 static uint8_t room[STEPS];
 
-/* The list, and the places for what it reads at the very end of their memory. */
-static size_t any_steps(uint8_t **bytes, size_t *length)
+/* Whether the byte of a step is one that is read: a MORE step belongs to the access before it. */
+static bool is_read(size_t at)
+{
+    while (at != 0U && steps[at].kind == CW_STEP_MORE) {
+        at--;
+    }
+    return steps[at].kind == CW_STEP_READ;
+}
+
+/* Whether the byte of a MORE step belongs to a register. */
+static bool belongs(size_t at)
+{
+    while (at != 0U && steps[at].kind == CW_STEP_MORE) {
+        at--;
+    }
+    return steps[at].kind != CW_STEP_MORE && steps[at].kind != CW_STEP_WAIT && steps[at].kind != CW_STEP_SEND;
+}
+
+/* Any list, and the places for what it reads at the very end of their memory. */
+static size_t listed(uint8_t **bytes, size_t *length)
 {
     const size_t count = nondet_size();
     size_t at;
@@ -28,11 +46,30 @@ static size_t any_steps(uint8_t **bytes, size_t *length)
         __CPROVER_assume(step.times <= ACCESSES);
         __CPROVER_assume(step.address <= ACCESSES || step.address > CW_REPLY_BYTES || step.kind != CW_STEP_SEND);
         steps[at] = step;
-        if (at < count && step.kind == CW_STEP_READ) {
+        if (at < count && is_read(at)) {
             (*length)++;
         }
     }
     *bytes = &room[STEPS - *length];
+    return count;
+}
+
+static bool is_whole(size_t count)
+{
+    size_t at;
+    for (at = 0U; at < count; at++) {
+        if (steps[at].kind == CW_STEP_MORE && !belongs(at)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* A list whose further bytes all belong to registers. */
+static size_t any_steps(uint8_t **bytes, size_t *length)
+{
+    const size_t count = listed(bytes, length);
+    __CPROVER_assume(is_whole(count));
     return count;
 }
 
@@ -49,7 +86,7 @@ static size_t reads_from(size_t first, size_t count)
 {
     size_t at, reads = 0U;
     for (at = 0U; at < STEPS; at++) {
-        reads += (at >= first && at < count && steps[at].kind == CW_STEP_READ) ? 1U : 0U;
+        reads += (at >= first && at < count && is_read(at)) ? 1U : 0U;
     }
     return reads;
 }
@@ -62,6 +99,7 @@ static bool is_sound(const cw_runner *runner, size_t count)
     return runner->steps == steps && runner->count == count && runner->at <= count && runner->begun <= count
         && (!well || runner->bytes == &room[STEPS - reads_from(runner->at, count)])
         && (well || runner->at == count || steps[runner->at].kind == CW_STEP_CLOSE)
+        && (runner->at == count || steps[runner->at].kind != CW_STEP_MORE)
         && (well || runner->failure.step < runner->begun)
         && (runner->at == count || runner->round < most_of(&steps[runner->at]));
 }
@@ -85,6 +123,7 @@ void a_round(void)
     runner.round = nondet_number();
     runner.pause_us = nondet_number();
     runner.held[0] = nondet_byte();
+    runner.held[1] = nondet_byte();
     __CPROVER_assume(runner.at <= count);
     runner.bytes = &room[STEPS - reads_from(runner.at, count)];
     __CPROVER_assume(is_sound(&runner, count));
@@ -126,6 +165,18 @@ void places_that_do_not_fit(void)
     const size_t other = nondet_size();
     __CPROVER_assume(other != length);
     __CPROVER_assert(cw_runner_start(&runner, steps, count, bytes, other, 0U) == CW_FAULT_LENGTH, "a wrong length is refused");
+    __CPROVER_assert(cw_runner_next(&runner, nondet_number()) == CW_TODO_END, "and it is over");
+}
+
+/* Further bytes without a register: nothing is done at all. */
+void bytes_of_nothing(void)
+{
+    cw_runner runner;
+    uint8_t *bytes;
+    size_t length;
+    const size_t count = listed(&bytes, &length);
+    __CPROVER_assume(!is_whole(count));
+    __CPROVER_assert(cw_runner_start(&runner, steps, count, bytes, length, 0U) == CW_FAULT_LENGTH, "it is refused");
     __CPROVER_assert(cw_runner_next(&runner, nondet_number()) == CW_TODO_END, "and it is over");
 }
 

@@ -70,10 +70,10 @@ UNREACHED = (
         "running asks only about a step of the list; the proof asks about any",
     ),
     Unreached(
-        r"cw_runner_accessed",
-        r"case CW_STEP_WAIT",
-        1,
-        "a wait has no access; the case stands for readers",
+        r"cw_(runner_accessed|runner_begin|run_step)",
+        r"case CW_STEP_(WAIT|MORE)",
+        4,
+        "a wait has no access, and further bytes belong to the step before them; the cases stand for readers",
     ),
     Unreached(
         r"lika_am36_biss_set_resolution_steps",

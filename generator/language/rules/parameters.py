@@ -93,7 +93,8 @@ def uses(spec: Spec, raw: Spec | None = None) -> Iterator[tuple[Path, str, int |
         own = "measurement" in interface
         here: Path = ("interfaces", kind, "measurement") if own else ("measurement",)
         measurement = mapping(interface if own else spec, "measurement")
-        yield from ((path, kind, text) for path, text in _under(here, measurement, _MEASURED))
+        word = _under(("interfaces", kind), interface, ("word_bits",))
+        yield from ((path, kind, text) for path, text in (*_under(here, measurement, _MEASURED), *word))
 
 
 def _under(path: Path, item: Spec, keys: Iterable[str]) -> Iterator[tuple[Path, int | str]]:

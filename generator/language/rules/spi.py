@@ -33,20 +33,9 @@ def exchanges(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if interface_of(registers.get(str(parameter.get("read_from")).partition(".")[0], {})) == Spi.name:
             wrong = f"a parameter cannot be read from a register over SPI; leave 'read_from' out of {quoted(name)}"
             report.add("spi-exchange", ("parameters", name, "read_from"), wrong, at_key=True)
-    _check_steps(spec, registers, report)
     _check_frames(spec, found, report)
     _check_parities(spec, report)
     _check_accesses(raw, layouts, found, report)
-
-
-def _check_steps(spec: Spec, registers: dict[str, Spec], report: DocumentReport) -> None:
-    """Check that procedures access single bytes, since a longer register has only one address."""
-    for path, procedure in items(spec, "procedures"):
-        for below, step in items(procedure, "steps") if procedure["interface"] == Spi.name else ():
-            length = registers.get(step.get("register", ""), {}).get("length")
-            if isinstance(length, int) and length > 1:
-                wrong = f"{quoted(step['register'])} has {length} bytes, but a step accesses one byte"
-                report.add("spi-exchange", (*path, *below, "register"), f"{wrong}; describe it in a 'note' instead")
 
 
 #: Keys of fields whose values follow from the spec or from other fields.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import ClassVar
 
+from ..expressions import Expression
 from ..facts import Sources
 from ..record import dataclass
 from .common import Clock, Common, Exchange
@@ -14,7 +15,7 @@ from .common import Clock, Common, Exchange
 class WordFormat:
     """Words of ``bits`` bits in SPI mode 0 to 3. ``reply`` is ``same_word`` or ``next_word``."""
 
-    bits: int
+    bits: Expression
     mode: int
     reply: str
     source: Sources
@@ -29,7 +30,7 @@ class Spi(Common):
 
     clock: Clock
     mode: int
-    word_bits: int
+    word_bits: Expression
     reply: str
     exchanges: tuple[Exchange, ...]
 

@@ -165,7 +165,7 @@ INTERFACES = (
         Member("port", "port?", "Settings of the serial port."),
         Member("data_ids", "[data_id]", "Data IDs of requests and replies."),
         Member("mode", "integer?", "SPI mode.", "interface-rule", "SPI mode", read="setting"),
-        Member("word_bits", "integer?", "Bits of an SPI word.", "interface-rule", "word length", read="setting"),
+        Member("word_bits", "expression?", "Bits of an SPI word.", "interface-rule", "word length", read="setting"),
         Member("reply", "name", "SPI word that answers a request.", "interface-rule", form="word", read="setting"),
         Member("exchanges", "[exchange]", "Requests over SPI or RS-485 with their replies.", "interface-rule"),
         Member("memory_access", "[memory_access]", "Replies to a memory access.", "interface-rule"),

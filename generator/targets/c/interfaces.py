@@ -195,7 +195,8 @@ class InterfaceCode:
                     yield from self._port(fact, about)
                 case WordFormat():
                     yield self._macro("MODE", fact.mode, about)
-                    yield self._macro("WORD_BITS", fact.bits, "number of bits of a word")
+                    if fact.bits.is_constant:
+                        yield self._macro("WORD_BITS", fact.bits.constant, "number of bits of a word")
                     late = int(fact.reply == "next_word")
                     yield self._macro("REPLY_WORDS", late, "number of words from a request to its reply")
                 case _:

@@ -47,7 +47,10 @@ _ZERO = Number(0)
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """An elementary step at index ``at`` of the list: one byte of a register, a wait, a request."""
+    """An elementary step at index ``at`` of the list: one byte of a register, a wait, a request.
+
+    ``more`` is true if the byte is accessed together with that of the step before.
+    """
 
     at: int
     op: Operation
@@ -55,6 +58,7 @@ class Row:
     address: int = 0
     mask: int = 0
     value: Expr = _ZERO
+    more: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -268,26 +272,28 @@ class ProcedureCode:
                 raise TargetError(
                     f"the place of '{_place(item)}' depends on the order code; the C target cannot access it alone"
                 )
-            elif isinstance(item, Polls) and len(item.pieces) > 1:
+            elif isinstance(item, Polls) and len(item.pieces) > 1 and not item.register.is_accessed_whole:
                 # The bytes could match one after the other, and never all at the same time.
                 lies = f"'{_place(item)}' is spread over {len(item.pieces)} bytes"
                 raise TargetError(f"{lies}, which the C target would poll one after the other")
             else:
                 for index, piece in enumerate(item.pieces):
-                    address, mask = item.register.address + piece.byte, piece.mask << piece.right
-                    value = self._bits(item, piece)
-                    yield Row(at + index, item, note if index == 0 else "", address, mask, value)
+                    yield self._row(at + index, item, "" if index else note, piece, self._bits(item, piece))
             at += len(item.pieces)
 
     @staticmethod
-    def _read_back(at: int, item: Verifies, filled: Filled, note: str) -> Iterator[Row | FilledRows]:
+    def _row(at: int, op: Writes | Reads | Polls | Verifies, note: str, piece: Piece, value: Expr) -> Row:
+        address, more = op.register.address_of(piece.byte), op.register.is_accessed_whole and piece.byte > 0
+        return Row(at, op, note, address, piece.mask << piece.right, value, more)
+
+    def _read_back(self, at: int, item: Verifies, filled: Filled, note: str) -> Iterator[Row | FilledRows]:
         """Yield one row for all bytes if every bit of them counts, else one row per byte."""
         if item.pieces == item.write.pieces:
             yield FilledRows(at, "verify", filled, note)
             return
         for index, piece in enumerate(item.pieces):
-            value = masked(Name(f"{filled.bytes}[{piece.byte}]"), piece.mask)
-            yield Row(at + index, item, "" if index else note, item.register.address + piece.byte, piece.mask, value)
+            value = _ZERO if not piece.mask else masked(Name(f"{filled.bytes}[{piece.byte}]"), piece.mask)
+            yield self._row(at + index, item, "" if index else note, piece, value)
 
     def _filled_by(self, item: Writes | Reads | Polls | Verifies) -> Filled | None:
         write = item.write if isinstance(item, Verifies) else item
@@ -297,8 +303,8 @@ class ProcedureCode:
 
     def _bits(self, item: Writes | Reads | Polls | Verifies, piece: Piece) -> Expr:
         """Return the value that a step writes to a byte, waits for, or reads back."""
-        if isinstance(item, Reads):
-            return Number(0)
+        if isinstance(item, Reads) or not piece.mask:
+            return _ZERO
         write = item.write if isinstance(item, Verifies) else item
         value = Stated(write.step.value) if isinstance(write, Polls) else write.value
         if isinstance(value, Stated):

@@ -17,6 +17,7 @@ from ...model import (
     ProcedureExample,
     RegisterExample,
     Rs485,
+    Write,
     assert_never,
     cite,
 )
@@ -156,12 +157,26 @@ class SelfTest:
             case ProcedureExample():
                 code = next(item for item in self.view.procedures if item.run.procedure.name == example.procedure)
                 given = tuple(number(example.arguments[item.given.argument.name]) for item in code.arguments)
-                writes = tuple((_hex(item.address), _hex(item.value)) for item in example.writes)
+                writes = tuple(byte for item in example.writes for byte in self._written(item))
                 yield ProcedureCheck(code, self._variant(example.order_code), given, writes)
             case MeasureExample():
                 yield from self._measure(example)
             case _:
                 assert_never(example)
+
+    def _written(self, item: Write) -> Iterator[tuple[str, str]]:
+        """Yield the bytes of a write, each with its address."""
+        length = 1
+        if self.writes_whole:
+            over = self.view.context.interface.name
+            registers = (one for one in self.view.device.registers if one.interface == over and one.writable)
+            length = next(one.length for one in registers if one.address == item.address)
+        yield from ((_hex(item.address), _hex(byte)) for byte in item.value.to_bytes(length, "big"))
+
+    @property
+    def writes_whole(self) -> bool:
+        """True if a write has all bytes of a register."""
+        return not self.view.context.interface.byte_addresses
 
     def _variant(self, order_code: str) -> str:
         """Return the macro of an order code, or of the first one if it is not a listed code."""

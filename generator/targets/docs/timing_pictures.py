@@ -145,7 +145,7 @@ def _spi(interface: Spi) -> Wave:
         "SPI: two words",
         (("CS", select), ("Clock", clock), *requests, ("MISO", words_of(*shown))),
         (),
-        f"Chip select is low during each word of {interface.word_bits} bits, and high between words. "
+        f"Chip select is low during each word of {interface.word_bits.render()} bits, and high between words. "
         + (f"{REPLIES[interface.reply].capitalize()}." if asked else "The encoder ignores the words of the master."),
     )
 

@@ -43,7 +43,7 @@ PACKAGE: Mapping[str, tuple[str, ...]] = {
         "registers": "Held agrees held_bytes held_parameters held_text whole",
         "reports": "Family Interface Movement Report Verdict",
         "spi": "Pipeline",
-        "steps": "Modify Poll Read Send Step Verify Wait writes",
+        "steps": "Modify Poll Read Send Step Verify Wait write_whole writes",
     }.items()
 }
 

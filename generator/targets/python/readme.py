@@ -168,6 +168,8 @@ class Readme:
             steps = self._procedures[example.procedure]
             if any(isinstance(item, (ModifyStep, PollStep)) for item in steps.procedure.steps):
                 continue
+            if any(self.device.register(name).is_accessed_whole for name in steps.procedure.registers):
+                continue
             encoder = f'lookup("{example.order_code}")'
             arguments = [*map(grouped, example.arguments.values())]
             if steps.takes_variant or not arguments:

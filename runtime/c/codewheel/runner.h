@@ -10,8 +10,10 @@
  *     cw_runner_start(&runner, steps, count, bytes, length, now_us);
  *
  *     switch (cw_runner_next(&runner, now_us)) {           in the main loop
- *     case READ:  start reading runner.length bytes from runner.address into runner.data
- *     case WRITE: start writing the byte runner.byte to runner.address
+ *     case READ:  start reading runner.length bytes from runner.address into runner.data. Over SPI,
+ *                 they are the bytes of one register
+ *     case WRITE: start writing runner.length bytes from runner.data to runner.address. Unless the
+ *                 encoder has SPI, there is only one, which runner.byte holds too
  *     case SEND:  start sending the request runner.byte and receiving runner.length bytes of
  *                 reply into runner.data (0: ignore the reply)
  *     case WAIT:  call again in runner.wait_us microseconds or later. Until then the bus is free,
@@ -58,11 +60,11 @@ typedef struct cw_runner {
     cw_failure failure; /**< the first failure. Has no meaning while result is OK */
     uint32_t wait_us; /**< WAIT: microseconds from now */
     uint16_t address; /**< READ, WRITE: address of the first register byte */
-    uint8_t byte; /**< WRITE, SEND: the byte to write, or the request */
+    uint8_t byte; /**< WRITE, SEND: the first byte to write, or the request */
     /** true between the requests of one step: send no other request, and do not poll */
     bool alone;
-    uint8_t *data; /**< READ, SEND: buffer for the received bytes */
-    size_t length; /**< READ, SEND: number of bytes to receive */
+    uint8_t *data; /**< READ, SEND: buffer for the received bytes. WRITE: the bytes to write */
+    size_t length; /**< number of these bytes */
     /** maximum number of readings per poll, as in a transport. Set it after the start */
     uint32_t poll_at_most;
     uint32_t poll_pause_us; /**< pause between two readings of a poll */
@@ -75,7 +77,7 @@ typedef struct cw_runner {
     uint32_t round; /**< private: accesses, requests or readings done for the step */
     uint32_t pause_us; /**< private: time to wait, counted from from_us */
     uint32_t from_us; /**< private: end of the last access */
-    uint8_t held[CW_REPLY_BYTES]; /**< private: a byte to change or check, or a reply */
+    uint8_t held[CW_REPLY_BYTES]; /**< private: bytes to change or check, or a reply */
 } cw_runner;
 
 /**
@@ -84,17 +86,19 @@ typedef struct cw_runner {
  * @param runner  the procedure in progress
  * @param steps  the list of steps, which must remain valid until END
  * @param count  number of steps
- * @param bytes  buffer with one byte for each READ step, which must remain valid until END
- * @param length  size of bytes, which must be the number of READ steps
+ * @param bytes  buffer with one byte for each READ step and each MORE step after it. It must remain
+ *               valid until END
+ * @param length  size of bytes, which must be the number of these steps
  * @param now_us  current time
- * @return OK, or LENGTH if length is wrong or there are no steps. The runner is then at END
+ * @return OK, or LENGTH if length is wrong, there are no steps or a MORE step does not belong to a
+ *         register of up to CW_STEP_BYTES bytes. The runner is then at END
  */
 CW_NODISCARD
 static inline cw_result cw_runner_start(
     cw_runner *runner, const cw_step *steps, size_t count, uint8_t *bytes,
     size_t length, uint32_t now_us)
 {
-    const bool fits = (count != 0U) && (cw_run_reads(steps, count) == length);
+    const bool fits = cw_run_fits(steps, count, length);
     const cw_runner fresh = {
         fits ? CW_OK : CW_FAULT_LENGTH,
         { 0U, CW_STEP_WAIT, CW_STEP_WAIT, 0U, 0, false },
@@ -106,16 +110,16 @@ static inline cw_result cw_runner_start(
     return runner->result;
 }
 
-/** Advance to the next step, or after a failure to the next step that closes a register. */
+/** Advance past the MORE steps to the next one, or after a failure to the next that closes. */
 static inline void cw_runner_advance(cw_runner *runner, size_t steps)
 {
+    const bool failed = runner->result != CW_OK;
     runner->at += steps;
     runner->round = 0U;
-    if (runner->result != CW_OK) {
-        while ((runner->at < runner->count) &&
-            !cw_step_closes(runner->steps, runner->begun, &runner->steps[runner->at])) {
-            runner->at++;
-        }
+    while ((runner->at < runner->count) &&
+        ((runner->steps[runner->at].kind == CW_STEP_MORE) ||
+        (failed && !cw_step_closes(runner->steps, runner->begun, &runner->steps[runner->at])))) {
+        runner->at++;
     }
 }
 
@@ -174,14 +178,14 @@ static inline cw_todo cw_runner_ask(
 
 /** Ask for the next access of a WRITE or CLOSE step: a read first, unless the mask is FFh. */
 static inline cw_todo cw_runner_write(
-    cw_runner *runner, const cw_step *step)
+    cw_runner *runner, const cw_step *step, size_t length)
 {
-    if ((step->mask != 0xFFU) && (runner->round == 0U)) {
-        return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->held, 1U);
+    const bool keeps = cw_step_change(step, runner->held, length);
+    if (keeps && (runner->round == 0U)) {
+        return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->held, length);
     }
-    runner->byte = (uint8_t)(((uint32_t)runner->held[0] & ~(uint32_t)step->mask) |
-        ((uint32_t)step->value & (uint32_t)step->mask));
-    return cw_runner_ask(runner, CW_TODO_WRITE, step->address, &runner->byte, 1U);
+    runner->byte = runner->held[0];
+    return cw_runner_ask(runner, CW_TODO_WRITE, step->address, runner->held, length);
 }
 
 /**
@@ -191,17 +195,16 @@ static inline cw_todo cw_runner_write(
 static inline cw_todo cw_runner_begin(cw_runner *runner)
 {
     const cw_step *const step = &runner->steps[runner->at];
-    size_t length;
+    const size_t length = cw_run_together(step, runner->count - runner->at);
     switch (step->kind) {
     case CW_STEP_WRITE:
     case CW_STEP_CLOSE:
-        return cw_runner_write(runner, step);
+        return cw_runner_write(runner, step, length);
     case CW_STEP_READ:
-        length = cw_run_together(step, runner->count - runner->at);
         return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->bytes, length);
     case CW_STEP_POLL:
     case CW_STEP_VERIFY:
-        return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->held, 1U);
+        return cw_runner_ask(runner, CW_TODO_READ, step->address, runner->held, length);
     case CW_STEP_SEND:
         if (step->times == 0U) {
             cw_runner_advance(runner, 1U);
@@ -217,6 +220,7 @@ static inline cw_todo cw_runner_begin(cw_runner *runner)
         runner->pause_us = step->microseconds;
         cw_runner_advance(runner, 1U);
         return CW_TODO_END;
+    case CW_STEP_MORE:
     default:
         cw_runner_fail(runner, CW_FAULT_RANGE, step->kind, 0);
         return CW_TODO_END;
@@ -256,14 +260,12 @@ static inline cw_todo cw_runner_next(cw_runner *runner, uint32_t now_us)
     return todo;
 }
 
-/** Evaluate the value read by a poll: advance, or read again after a pause, up to the limit. */
-static inline void cw_runner_polled(cw_runner *runner, const cw_step *step)
+/** Read again after a pause, up to the limit of a poll. */
+static inline void cw_runner_again(cw_runner *runner)
 {
     const bool bounded = runner->poll_at_most != 0U;
     runner->round++;
-    if (((uint32_t)runner->held[0] & (uint32_t)step->mask) == (uint32_t)step->value) {
-        cw_runner_advance(runner, 1U);
-    } else if (runner->round >= (bounded ? runner->poll_at_most : CW_POLL_AT_MOST)) {
+    if (runner->round >= (bounded ? runner->poll_at_most : CW_POLL_AT_MOST)) {
         cw_runner_fail(runner, CW_FAULT_TIMEOUT, CW_STEP_POLL, 0);
     } else {
         runner->pause_us = bounded ? runner->poll_pause_us : CW_POLL_PAUSE_US;
@@ -291,20 +293,22 @@ static inline void cw_runner_sent(cw_runner *runner, const cw_step *step)
 static inline void cw_runner_accessed(cw_runner *runner, cw_todo did)
 {
     const cw_step *const step = &runner->steps[runner->at];
+    size_t differs;
     switch (step->kind) {
     case CW_STEP_READ:
         runner->bytes = &runner->bytes[runner->length];
         cw_runner_advance(runner, runner->length);
         break;
     case CW_STEP_POLL:
-        cw_runner_polled(runner, step);
-        break;
     case CW_STEP_VERIFY:
-        if (((uint32_t)runner->held[0] & (uint32_t)step->mask) == (uint32_t)step->value) {
+        differs = cw_step_differs(step, runner->held, runner->length);
+        if (differs == runner->length) {
             cw_runner_advance(runner, 1U);
+        } else if (step->kind == CW_STEP_POLL) {
+            cw_runner_again(runner);
         } else {
             cw_runner_fail(
-                runner, CW_FAULT_VERIFY, CW_STEP_VERIFY, (int32_t)runner->held[0]);
+                runner, CW_FAULT_VERIFY, CW_STEP_VERIFY, (int32_t)runner->held[differs]);
         }
         break;
     case CW_STEP_SEND:
@@ -313,6 +317,7 @@ static inline void cw_runner_accessed(cw_runner *runner, cw_todo did)
     case CW_STEP_WRITE:
     case CW_STEP_CLOSE:
     case CW_STEP_WAIT:
+    case CW_STEP_MORE:
     default:
         if (did == CW_TODO_READ) {
             runner->round++;

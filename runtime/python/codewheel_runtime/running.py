@@ -14,11 +14,11 @@ class Bus(Protocol):
     """Object that reads and writes registers, such as ``biss.RegisterBus`` or your own master."""
 
     def read(self, address: int, length: int, /) -> bytes:
-        """Return ``length`` bytes, starting at an address."""
+        """Return ``length`` bytes, starting at an address. Over SPI, they are those of the register there."""
         ...
 
     def write(self, address: int, data: bytes, /) -> object:
-        """Write bytes, starting at an address."""
+        """Write bytes, starting at an address. Over SPI, they are those of the register there."""
         ...
 
 
@@ -103,15 +103,16 @@ class _Run:
         self.bus, self.poll_s, self.wait = bus, poll_s, wait
         self.readings: list[Reading] = []
         self._written: set[int] = set()
-        self._stored: dict[int, int] = {}
+        #: Last value of each byte, by its address, or by that of its register and its index there.
+        self._stored: dict[tuple[int, int], int] = {}
         self._before: dict[int, tuple[str, bytes]] = {}
 
     def do(self, step: Step) -> None:
         bus = cast(Bus, self.bus)
         if isinstance(step, Write):
             self._written.add(step.address)
-            self._stored[step.address] = step.value
-            bus.write(step.address, bytes([step.value]))
+            self._store(step.address, step.data, whole=step.length > 1)
+            bus.write(step.address, step.data)
         elif isinstance(step, Wait):
             self.wait(step.microseconds / 1_000_000)
         elif isinstance(step, Send):
@@ -123,18 +124,25 @@ class _Run:
             number = int.from_bytes(data, step.order) & ~step.mask | step.value
             self._before.setdefault(step.address, (step.register, data))
             changed = number.to_bytes(step.length, step.order)
-            self._stored.update(enumerate(changed, step.address))
+            self._store(step.address, changed, whole=step.whole)
             bus.write(step.address, changed)
         elif isinstance(step, Verify):
             self._verify(step)
         else:
             self._poll(step)
 
+    def _store(self, address: int, data: bytes, *, whole: bool) -> None:
+        """Remember written bytes. Bytes of a whole register have no addresses of their own."""
+        for index, byte in enumerate(data):
+            self._stored[(address, index) if whole else (address + index, 0)] = byte
+
     def _verify(self, step: Verify) -> None:
-        places = range(step.address, step.address + step.length)
-        if any(place not in self._stored for place in places):
+        stored, address = self._stored, step.address
+        last = [stored.get((address, index), stored.get((address + index, 0))) for index in range(step.length)]
+        written = bytes(byte for byte in last if byte is not None)
+        if len(written) < step.length:
             raise ValueError(f"no earlier step wrote to {step.register}, so it cannot be verified")
-        written, found = bytes(self._stored[place] for place in places), self._read(step)
+        found = self._read(step)
         if (int.from_bytes(written, step.order) ^ int.from_bytes(found, step.order)) & step.mask:
             raise VerifyError(step.register, step.address, written, found, step.mask)
 
@@ -171,7 +179,7 @@ class _Run:
         failed: list[str] = []
         for step in left:
             if isinstance(step, Write) and step.closes and step.address in self._written:
-                failed += self._tried(step.register, step.address, bytes([step.value]))
+                failed += self._tried(step.register, step.address, step.data)
         for address, (register, data) in reversed(self._before.items()):
             failed += self._tried(register, address, data)
         return tuple(failed)

@@ -31,22 +31,26 @@ typedef enum cw_step_kind {
     CW_STEP_READ = 4,  /**< read the register byte at address */
     CW_STEP_POLL = 5,  /**< read the byte at address until its bits under mask equal value */
     CW_STEP_CLOSE = 6, /**< like WRITE, to close what a WRITE to the same address opened */
-    CW_STEP_VERIFY = 7 /**< read the byte at address: its bits under mask must equal value */
+    CW_STEP_VERIFY = 7, /**< read the byte at address: its bits under mask must equal value */
+    CW_STEP_MORE = 8 /**< the next byte of the register at address, in the same access */
 } cw_step_kind;
 
 /**
  * One step of a procedure. Members that its kind does not use are ignored. If mask is 0xFF, a whole
  * byte is written. Otherwise the byte is read first, and its bits outside the mask are written back
- * unchanged. For SEND, address is the number of bytes in the reply. All of them must arrive, the
- * first must equal the request, and if mask is 0xFF, the XOR of all bytes must be 0. If address is
- * 0, the reply is not checked.
+ * unchanged. If a register has one address for several bytes, as over SPI, MORE steps follow with
+ * its other bytes, up to CW_STEP_BYTES in all, and one call reads or writes all of them. READ steps
+ * at consecutive addresses are read in one call too, unless their times is 0, which means that each
+ * register needs a call of its own. For SEND, address is the number of bytes in the reply. All of
+ * them must arrive, the first must equal the request, and if mask is 0xFF, the XOR of all bytes
+ * must be 0. If address is 0, the reply is not checked.
  */
 typedef struct cw_step {
     cw_step_kind kind; /**< kind of the step */
     uint16_t address; /**< address of the register byte, or for SEND the length of the reply */
     uint8_t mask; /**< bits that are written or compared */
     uint8_t value; /**< value to write, to compare with, or to send */
-    uint16_t times; /**< SEND: number of requests */
+    uint16_t times; /**< SEND: number of requests. READ: 0 for a call of its own, otherwise 1 */
     uint32_t microseconds; /**< minimum wait, or for SEND the minimum pause between requests */
 } cw_step;
 
@@ -79,6 +83,13 @@ static inline cw_step cw_step_read(uint16_t address)
     return step;
 }
 
+/** Return a step that reads a register in a call of its own, as over SPI. MORE steps can follow. */
+static inline cw_step cw_step_read_one(uint16_t address)
+{
+    const cw_step step = { CW_STEP_READ, address, 0xFFU, 0U, 0U, 0U };
+    return step;
+}
+
 /** Return a step that reads one register byte until its bits under mask equal value. */
 static inline cw_step cw_step_poll(uint16_t address, uint8_t mask, uint8_t value)
 {
@@ -90,6 +101,13 @@ static inline cw_step cw_step_poll(uint16_t address, uint8_t mask, uint8_t value
 static inline cw_step cw_step_verify(uint16_t address, uint8_t mask, uint8_t value)
 {
     const cw_step step = { CW_STEP_VERIFY, address, mask, value, 1U, 0U };
+    return step;
+}
+
+/** Return the step for the next byte of a register that has one address for all of them. */
+static inline cw_step cw_step_more(uint16_t address, uint8_t mask, uint8_t value)
+{
+    const cw_step step = { CW_STEP_MORE, address, mask, value, 1U, 0U };
     return step;
 }
 
@@ -106,7 +124,8 @@ static inline cw_step cw_step_close(uint16_t address, uint8_t mask, uint8_t valu
  * Bus access functions, which you provide. Each receives the context member and returns 0, or your
  * own error number, which is passed on in the failure. Set a function to NULL if your bus does not
  * have it. Functions that need it then return UNSUPPORTED.
- *   read_registers   reads length bytes from consecutive register addresses, starting at address
+ *   read_registers   reads length bytes from consecutive register addresses, starting at address.
+ *                    Over SPI, they are the bytes of the one register there, high byte first
  *   write_registers  writes length bytes in the same way
  *   wait_us          returns after at least this many microseconds
  *   send_request     sends this byte, which is a complete RS-485 request (its control field), and
@@ -134,6 +153,7 @@ typedef struct cw_transport {
 #define CW_POLL_AT_MOST 1000U /**< default for poll_at_most */
 #define CW_POLL_PAUSE_US 1000U /**< default for poll_pause_us */
 #define CW_REPLY_BYTES 16U /**< longest reply that a step can check */
+#define CW_STEP_BYTES 8U /**< most bytes of a register that has one address */
 
 /**
  * The step that failed, and the cause. It is set if the result is TRANSPORT, TIMEOUT, VERIFY or
@@ -312,22 +332,59 @@ static inline cw_result cw_send(
     return (result == CW_OK) ? result : cw_failed(result, CW_STEP_SEND, 0U, 0, failure);
 }
 
-/** Carry out a WRITE or CLOSE step. */
+/** Return the number of bytes that a step accesses at once: its own, and those of MORE steps. */
+static inline size_t cw_step_bytes(const cw_step *steps, size_t count)
+{
+    size_t bytes = 1U;
+    while ((bytes < count) && (steps[bytes].kind == CW_STEP_MORE)) {
+        bytes++;
+    }
+    return bytes;
+}
+
+/**
+ * Replace the bits under the masks of a WRITE or CLOSE step. Return true if other bits are kept, so
+ * that the bytes must be read first.
+ */
+static inline bool cw_step_change(const cw_step *steps, uint8_t *bytes, size_t length)
+{
+    bool keeps = false;
+    size_t index;
+    for (index = 0U; index < length; index++) {
+        const uint32_t mask = steps[index].mask;
+        keeps = keeps || (mask != 0xFFU);
+        bytes[index] =
+            (uint8_t)(((uint32_t)bytes[index] & ~mask) | ((uint32_t)steps[index].value & mask));
+    }
+    return keeps;
+}
+
+/** Return the index of the first byte that differs from its step under the mask, or length. */
+static inline size_t cw_step_differs(
+    const cw_step *steps, const uint8_t *bytes, size_t length)
+{
+    size_t index = 0U;
+    while ((index < length) &&
+        (((uint32_t)bytes[index] & (uint32_t)steps[index].mask) == (uint32_t)steps[index].value)) {
+        index++;
+    }
+    return index;
+}
+
+/** Carry out a WRITE or CLOSE step of length bytes. */
 CW_NODISCARD
 static inline cw_result cw_run_write(
-    const cw_transport *transport, const cw_step *step, cw_failure *failure)
+    const cw_transport *transport, const cw_step *step, size_t length, cw_failure *failure)
 {
-    uint8_t byte = step->value;
-    if (step->mask != 0xFFU) {
-        uint8_t held = 0U;
-        const cw_result result = cw_read(transport, step->address, &held, 1U, failure);
+    uint8_t bytes[CW_STEP_BYTES] = { 0U };
+    if (cw_step_change(step, bytes, length)) {
+        const cw_result result = cw_read(transport, step->address, bytes, length, failure);
         if (result != CW_OK) {
             return result;
         }
-        byte = (uint8_t)(((uint32_t)held & ~(uint32_t)step->mask) |
-            ((uint32_t)step->value & (uint32_t)step->mask));
+        (void)cw_step_change(step, bytes, length);
     }
-    return cw_write_byte(transport, step->address, byte, failure);
+    return cw_write(transport, step->address, bytes, length, failure);
 }
 
 /** Carry out a SEND step. */
@@ -348,91 +405,104 @@ static inline cw_result cw_run_send(
     return result;
 }
 
-/** Carry out a POLL step. */
+/** Carry out a POLL or VERIFY step of length bytes. */
 CW_NODISCARD
-static inline cw_result cw_run_poll(
-    const cw_transport *transport, const cw_step *step, cw_failure *failure)
+static inline cw_result cw_run_compare(
+    const cw_transport *transport, const cw_step *step, size_t length, cw_failure *failure)
 {
     const bool bounded = transport->poll_at_most != 0U;
     const uint32_t at_most = bounded ? transport->poll_at_most : CW_POLL_AT_MOST;
     const uint32_t pause = bounded ? transport->poll_pause_us : CW_POLL_PAUSE_US;
     uint32_t readings;
     for (readings = 0U; readings < at_most; readings++) {
-        uint8_t held = 0U;
+        uint8_t held[CW_STEP_BYTES] = { 0U };
         cw_result result = CW_OK;
+        size_t differs;
         if ((readings != 0U) && (pause != 0U)) {
             result = cw_wait(transport, pause, failure);
         }
         if (result == CW_OK) {
-            result = cw_read(transport, step->address, &held, 1U, failure);
+            result = cw_read(transport, step->address, held, length, failure);
         }
         if (result != CW_OK) {
             return result;
         }
-        if (((uint32_t)held & (uint32_t)step->mask) == (uint32_t)step->value) {
+        differs = cw_step_differs(step, held, length);
+        if (differs == length) {
             return CW_OK;
+        }
+        if (step->kind == CW_STEP_VERIFY) {
+            return cw_failed(
+                CW_FAULT_VERIFY, CW_STEP_VERIFY, step->address, (int32_t)held[differs], failure);
         }
     }
     return cw_failed(CW_FAULT_TIMEOUT, CW_STEP_POLL, step->address, 0, failure);
 }
 
-/** Carry out a VERIFY step. */
-CW_NODISCARD
-static inline cw_result cw_run_verify(
-    const cw_transport *transport, const cw_step *step, cw_failure *failure)
+/**
+ * Return true if there are steps, the READ steps return length bytes to the caller, and all MORE
+ * steps belong to registers of up to CW_STEP_BYTES bytes.
+ */
+static inline bool cw_run_fits(const cw_step *steps, size_t count, size_t length)
 {
-    uint8_t held = 0U;
-    const cw_result result = cw_read(transport, step->address, &held, 1U, failure);
-    if ((result == CW_OK) && (((uint32_t)held & (uint32_t)step->mask) != (uint32_t)step->value)) {
-        return cw_failed(
-            CW_FAULT_VERIFY, CW_STEP_VERIFY, step->address, (int32_t)held, failure);
-    }
-    return result;
-}
-
-/** Return the number of bytes that the READ steps return to the caller. */
-static inline size_t cw_run_reads(const cw_step *steps, size_t count)
-{
+    cw_step_kind kind = CW_STEP_WAIT;
     size_t reads = 0U;
+    size_t bytes = 0U;
     size_t index;
     for (index = 0U; index < count; index++) {
-        if (steps[index].kind == CW_STEP_READ) {
-            reads++;
+        const bool is_more = steps[index].kind == CW_STEP_MORE;
+        kind = is_more ? kind : steps[index].kind;
+        bytes = is_more ? (bytes + 1U) : 1U;
+        if ((is_more && ((kind == CW_STEP_WAIT) || (kind == CW_STEP_SEND))) ||
+            (bytes > CW_STEP_BYTES)) {
+            return false;
         }
+        reads += (kind == CW_STEP_READ) ? 1U : 0U;
     }
-    return reads;
+    return (count != 0U) && (reads == length);
 }
 
-/** Return the number of leading steps whose consecutive bytes one call can read together. */
+/**
+ * Return the number of leading steps that one call carries out. READ steps at consecutive addresses
+ * are read together, unless their registers have one address each.
+ */
 static inline size_t cw_run_together(const cw_step *steps, size_t count)
 {
-    size_t together = 1U;
+    size_t together = cw_step_bytes(steps, count);
+    if ((together != 1U) || (steps[0].kind != CW_STEP_READ) || (steps[0].times == 0U)) {
+        return together;
+    }
     while ((together < count) && (steps[together].kind == CW_STEP_READ) &&
+        (steps[together].times != 0U) &&
         ((size_t)steps[together].address == ((size_t)steps[0].address + together))) {
         together++;
+    }
+    /* A MORE step belongs to the last of them, which is then read on its own. */
+    if ((together < count) && (steps[together].kind == CW_STEP_MORE)) {
+        together--;
     }
     return together;
 }
 
-/** Carry out one step of any kind except READ. */
+/** Carry out a step of any kind except READ, which accesses length bytes at once. */
 CW_NODISCARD
 static inline cw_result cw_run_step(
-    const cw_transport *transport, const cw_step *step,
+    const cw_transport *transport, const cw_step *step, size_t length,
     cw_failure *failure)
 {
     switch (step->kind) {
     case CW_STEP_WRITE:
     case CW_STEP_CLOSE:
-        return cw_run_write(transport, step, failure);
+        return cw_run_write(transport, step, length, failure);
     case CW_STEP_WAIT:
         return cw_wait(transport, step->microseconds, failure);
     case CW_STEP_SEND:
         return cw_run_send(transport, step, failure);
     case CW_STEP_POLL:
-        return cw_run_poll(transport, step, failure);
     case CW_STEP_VERIFY:
-        return cw_run_verify(transport, step, failure);
+        return cw_run_compare(transport, step, length, failure);
     case CW_STEP_READ:
+    case CW_STEP_MORE:
     default:
         return cw_failed(CW_FAULT_RANGE, step->kind, step->address, 0, failure);
     }
@@ -476,7 +546,8 @@ static inline bool cw_run_closing(
     size_t index;
     for (index = failed + 1U; index < count; index++) {
         if (cw_step_closes(steps, failed + 1U, &steps[index])) {
-            well = (cw_run_write(transport, &steps[index], NULL) == CW_OK) && well;
+            const size_t length = cw_step_bytes(&steps[index], count - index);
+            well = (cw_run_write(transport, &steps[index], length, NULL) == CW_OK) && well;
         }
     }
     return well;
@@ -484,16 +555,18 @@ static inline bool cw_run_closing(
 
 /**
  * Carry out a list of steps in order, up to the first one that fails. After a failure, close what
- * was opened. Bytes at consecutive addresses are read in one call.
+ * was opened. READ steps at consecutive addresses are read in one call, unless times is 0.
  *
  * @param transport  your bus access functions
  * @param steps  the list, from a _steps() function of an encoder
  * @param count  number of steps
- * @param bytes  one byte for each READ step, in order. Meaningless after a failure
- * @param length  size of bytes, which must be the number of READ steps
+ * @param bytes  one byte for each READ step and each MORE step after it, in order. Meaningless
+ *               after a failure
+ * @param length  size of bytes, which must be the number of these steps
  * @param failure  details of the failed step, or NULL
- * @return OK, LENGTH (before the first step) if length is wrong or there are no steps, or the
- *         result of the step that failed
+ * @return OK, LENGTH (before the first step) if length is wrong, there are no steps or a MORE step
+ *         does not belong to a register of up to CW_STEP_BYTES bytes, or the result of the step
+ *         that failed
  */
 CW_NODISCARD
 static inline cw_result cw_run(
@@ -502,19 +575,18 @@ static inline cw_result cw_run(
 {
     size_t read = 0U;
     size_t index = 0U;
-    if ((count == 0U) || (cw_run_reads(steps, count) != length)) {
+    if (!cw_run_fits(steps, count, length)) {
         return CW_FAULT_LENGTH;
     }
     while (index < count) {
         const cw_step *const step = &steps[index];
         cw_result result;
-        size_t done = 1U;
+        const size_t done = cw_run_together(step, count - index);
         if (step->kind == CW_STEP_READ) {
-            done = cw_run_together(step, count - index);
             result = cw_read(transport, step->address, &bytes[read], done, failure);
             read += done;
         } else {
-            result = cw_run_step(transport, step, failure);
+            result = cw_run_step(transport, step, done, failure);
         }
         if (result != CW_OK) {
             const bool closed = cw_run_closing(transport, steps, count, index);

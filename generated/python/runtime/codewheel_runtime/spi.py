@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 from .encoder import Encoder
@@ -96,9 +96,7 @@ class Pipeline:
             RuntimeError: The word that was received with the previous request has not been taken.
         """
         address, _ = self._place_of(register)
-        if self._read is None:
-            raise TypeError(f"{self._encoder.code} has no request that reads a register")
-        return self._asked(self._read(address=address), register)
+        return self._asked(self._reading(address), register)
 
     def write(self, value: Value) -> Iterator[int]:
         """Yield the words that write a register. Exchange and take each one before the next.
@@ -112,11 +110,16 @@ class Pipeline:
             RuntimeError: The word that was received with the previous request has not been taken.
         """
         address, _ = self._place_of(type(value))
-        given = {"address": address, "data": int.from_bytes(value.encode(), "big")}
-        if not self._write:
-            raise TypeError(f"{self._encoder.code} has no request that writes a register")
-        for kind in self._write:
-            yield self._asked(kind(**{name: given[name] for name in kind._fields if name in given}), type(value))
+        for request in self._writing(address, value.encode()):
+            yield self._asked(request, type(value))
+
+    def bus(self, exchange: Callable[[int], int]) -> RegisterBus:
+        """Return a bus for ``run``, which carries out procedures.
+
+        Args:
+            exchange: Function that sends a word on your bus and returns the word that was received meanwhile.
+        """
+        return RegisterBus(self, exchange)
 
     def take(self, word: int) -> Answer | None:
         """Return the answer in a received word.
@@ -147,6 +150,19 @@ class Pipeline:
         """Forget all requests, after the encoder was switched off or a word was lost."""
         self._sent = self._before = None
 
+    def _reading(self, address: int) -> Request:
+        if self._read is None:
+            raise TypeError(f"{self._encoder.code} has no request that reads a register")
+        request: Request = self._read(address=address)
+        return request
+
+    def _writing(self, address: int, data: bytes) -> Iterator[Request]:
+        given = {"address": address, "data": int.from_bytes(data, "big")}
+        if not self._write:
+            raise TypeError(f"{self._encoder.code} has no request that writes a register")
+        for kind in self._write:
+            yield kind(**{name: given[name] for name in kind._fields if name in given})
+
     def _asked(self, request: Request, register: type | None) -> int:
         if type(request) not in self._replies:
             known = ", ".join(kind.__name__ for kind in self._replies)
@@ -169,3 +185,39 @@ class Pipeline:
         data = reply.data.to_bytes(self._registers[register][1], "big")
         decode: Any = register.decode
         return decode(data, self._encoder) if issubclass(register, ByEncoder) else decode(data)
+
+
+class RegisterBus:
+    """Registers over SPI, for ``run``. ``bus()`` of a pipeline makes one.
+
+    Each access sends its requests and takes their replies. Send no other words meanwhile. Flags in the replies are not
+    checked, so read back what you write.
+    """
+
+    def __init__(self, line: Pipeline, exchange: Callable[[int], int]) -> None:
+        self._line, self._exchange = line, exchange
+
+    def read(self, address: int, length: int, /) -> bytes:
+        """Return the bytes of the register at an address, most significant first.
+
+        Raises:
+            FrameError: A word is damaged.
+        """
+        reading = self._line._reading(address)
+        answer = self._sent(reading)
+        if self._line._late:  # The reply comes with a further word, which can be the same request.
+            answer = self._sent(reading)
+        data: int = answer.reply.data
+        return data.to_bytes(length, "big")
+
+    def write(self, address: int, data: bytes, /) -> None:
+        """Write the register at an address. A late reply is taken with the next access.
+
+        Raises:
+            FrameError: A word is damaged.
+        """
+        for request in self._line._writing(address, data):
+            self._sent(request)
+
+    def _sent(self, request: Request) -> Any:
+        return self._line.take(self._exchange(self._line._asked(request, None)))

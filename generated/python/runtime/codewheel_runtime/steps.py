@@ -10,14 +10,15 @@ from .codec import by_class
 
 @by_class
 class Write(NamedTuple):
-    """Write one byte to a register address.
+    """Write one byte to a register address, or a whole register that has a single address.
 
     Attributes:
-        address: Address of the byte.
-        value: Byte to write.
+        address: Address of the byte or of the register.
+        value: Number to write.
         register: Name of the register.
         meaning: Purpose of the step.
         closes: True if the step closes registers that an earlier step opened.
+        length: Number of bytes that are written at once, most significant first.
     """
 
     address: int
@@ -25,6 +26,12 @@ class Write(NamedTuple):
     register: str
     meaning: str = ""
     closes: bool = False
+    length: int = 1
+
+    @property
+    def data(self) -> bytes:
+        """Bytes to write."""
+        return self.value.to_bytes(self.length, "big")
 
 
 @by_class
@@ -90,7 +97,7 @@ class Modify(NamedTuple):
     """Read a register, replace its bits in ``mask`` by those of ``value``, and write it.
 
     ``mask`` and ``value`` apply to the number that the bytes form. ``order`` is its byte order, as in
-    ``int.from_bytes``.
+    ``int.from_bytes``. ``whole`` is true if the register has a single address for several bytes.
     """
 
     address: int
@@ -100,6 +107,7 @@ class Modify(NamedTuple):
     value: int
     meaning: str = ""
     order: Literal["little", "big"] = "little"
+    whole: bool = False
 
 
 @by_class
@@ -125,3 +133,8 @@ Step = Write | Wait | Send | Read | Modify | Poll | Verify
 def writes(register: str, address: int, data: bytes, meaning: str = "", *, closes: bool = False) -> tuple[Write, ...]:
     """Return the steps that write ``data`` to ascending addresses."""
     return tuple(Write(address + index, byte, register, meaning, closes) for index, byte in enumerate(data))
+
+
+def write_whole(register: str, address: int, data: bytes, meaning: str = "", *, closes: bool = False) -> tuple[Write]:
+    """Return the step that writes ``data`` at once to a register that has a single address."""
+    return (Write(address, int.from_bytes(data, "big"), register, meaning, closes, len(data)),)
