@@ -1,4 +1,4 @@
-"""The full description: lossless, under its own schema, and enough to decode a frame with nothing but an XML parser."""
+"""The full description is lossless, follows its own schema, and suffices to decode a frame with only an XML parser."""
 
 from __future__ import annotations
 
