@@ -162,7 +162,7 @@ def test_no_two_ids_on_the_way_down_contradict_each_other(files: dict[str, str],
 
 
 def test_the_label_of_data_has_no_comma(amm5: Device) -> None:
-    """In profilebiss.xml a Device's label below another begins with a comma (", Sensor"), an SCDS's not ("Data")."""
+    """In profilebiss.xml, the label of an inner Device begins with a comma (", Sensor"), unlike an SCDS ("Data")."""
     only = tuple(item for item in amm5.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
     root = check_format(generate(Library((dataclasses.replace(amm5, variants=only),)))[NAME])
     assert [(item.get("Pos"), item.text) for item in root.iterfind(".//SCDS/Label")] == [("1", "position")]

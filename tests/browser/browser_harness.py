@@ -58,7 +58,7 @@ class Case:
         }
 
     def text(self, number: int, other_bits: int = 0) -> str:
-        """A frame as people type it, with so many bits more or fewer; a word with all of its bits or without."""
+        """Return a frame as people type it, with bits added or removed. A word may lack its leading zeros."""
         bits = self.placed.bits + other_bits
         if not self.layout.in_bytes and self._is_too_high(number, other_bits):
             return f"0x{number | 1 << bits - 1:X}"
@@ -111,7 +111,7 @@ def _shown(value: int | str | bool) -> str:
 
 
 def cases(device: Device) -> Iterator[list[Case]]:
-    """Each frame and register, with all order codes that differ in something and some states of the registers."""
+    """Return each frame and register, for all order codes that differ, and for some states of the registers."""
     layouts = [(interface.name, layout, None) for interface, layout in device.layouts()]
     layouts += [(item.interface, item.layout, item) for item in device.registers]
     for interface, layout, register in layouts:

@@ -130,7 +130,7 @@ def test_examples_and_vectors_in_node(ask: Ask, library: Library, vectors: list[
         holds(item, expected, found)
 
 
-# ------------------------------------------------------------ the text that people type
+# ------------------------------------------------------------ typed text
 
 
 TEXTS = (
@@ -236,7 +236,7 @@ def test_registers_are_made_of_values(name: str, ask: Ask, node: Asker, library:
     assert kinds == {True, False}
 
 
-# ------------------------------------------------------------ why a CRC does not fit
+# ------------------------------------------------------------ why a CRC is wrong
 
 #: Mistakes that the page explains. Only the command explains the others.
 TOLD = {"crc_not_inverted", "start_value", "polynomial_reversed", "bits_in_front", "bits_behind", "first_bit_missing"}

@@ -1,4 +1,4 @@
-"""Mistakes with order codes that no compiler accepts, in C and in C++, without any option."""
+"""Mistakes with order codes that every compiler rejects, in C and in C++, without any option."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ int read_encoder(uint64_t word)
 def compiled(
     command: str, include: Path, tmp_path: Path, statement: str, kind: str = "lika_amm5_biss"
 ) -> tuple[int, str]:
-    """Compiles without any warning option; gives the exit code and what the compiler says."""
+    """Compile without any warning option, and return the exit code and the output of the compiler."""
     if shutil.which(command.split()[0]) is None:
         pytest.skip(f"{command.split()[0]} is not installed")
     source = tmp_path / "program.c"
