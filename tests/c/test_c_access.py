@@ -85,7 +85,7 @@ def test_every_register_is_written_within_its_limits(family: str, machines: Call
 
 
 def test_data_ids_of_other_replies_are_refused(family: tuple[Device, Run]) -> None:
-    """A sound frame of each layout with each of the 16 data IDs, parity and CRC made good: only its own are taken."""
+    """Return a valid frame of each layout with each of the 16 data IDs and the right CRC. Only its own are accepted."""
     device, run = family
     table = Table(device)
     pairs = []

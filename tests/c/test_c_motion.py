@@ -39,7 +39,7 @@ def started(
     now: int = 0,
     lost: tuple[int, int] = (0, 0),
 ) -> Tracker:
-    """A tracker that starts; ``lost`` has the microseconds and the refused positions after which the axis is."""
+    """Return a started tracker. ``lost`` contains the microseconds and the refusals after which the axis is lost."""
     tracker = Tracker(*[0x5A5A5A5A] * 13)
     config = Config(modulus, max_speed, boot, *lost)
     motion.tracker_start(ctypes.byref(tracker), ctypes.byref(config), now & 0xFFFFFFFF)

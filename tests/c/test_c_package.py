@@ -73,7 +73,7 @@ def written(folder: Path, devices: tuple[Device, ...]) -> Path:
 
 
 def ran(root: Path, name: str) -> tuple[int, str]:
-    """Compiles an example, all warnings errors, undefined behaviour watched; gives its exit status and output."""
+    """Compile an example with warnings as errors, and detect undefined behaviour. Return its exit status and output."""
     program = root / name
     command = [
         "gcc",

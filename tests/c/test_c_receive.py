@@ -218,7 +218,7 @@ def test_each_fault_of_a_biss_line(ask: Ask) -> None:
 
 
 def test_the_stop_bit_is_checked_where_it_was_received(ask: Ask) -> None:
-    """Some receivers clock none in: the last bit of the word may be the last one of the buffer, not a bit later."""
+    """Some receivers clock in no stop bit, so the last bit of the word may be the last one of the buffer."""
     line = biss_line(of(0x2B5, 10), 2, 1)  # 2 + 1 + 2 + 10 bits, and the stop bit: 16
     assert ask(f"b {in_bytes(line)} 10") == [OK, 0x2B5]
     assert ask(f"b {in_bytes(biss_line(of(0x2B5, 10), 2, 1, stop=1))} 10") == [CONSTANT, 0xA5A5A5A5A5A5A5A5]
@@ -250,7 +250,7 @@ def test_a_frame_in_any_number_of_samples(run: Run) -> None:
 
 
 def test_what_fills_up_the_last_byte_is_no_part_of_a_frame(run: Run) -> None:
-    """Samples that end within a word give none, also to the form that takes whole bytes: SSI has no CRC to see it."""
+    """Samples that end within a word are an error, also in the form for whole bytes. SSI has no CRC to detect it."""
     chance = random.Random(6)
     lines = [
         (bits, bytes([1, *of(chance.getrandbits(bits), bits), 0][:count]).hex())

@@ -49,7 +49,7 @@ def by_interface(device: Device) -> list[Device]:
 
 
 def said_by(device: Device, told: Told) -> tuple[str, str]:
-    """The field that makes a report, and what the report says: a flag can say another thing for other order codes."""
+    """Return the field and the text of a report. A flag can have another meaning for other order codes."""
     return told.by.field.name, meaning(told.made_of, alarm_of(device, told.made_of))
 
 

@@ -74,7 +74,7 @@ static_assert(lika::sma21_rs485::position_reply_decode(LIKA_SMA21_RS485_JP1_0005
 
 
 def assertions(device: Device) -> Iterator[str]:
-    """Two random frames of each layout that the encoder sends, for each order code, and what the reference finds."""
+    """Two random frames of each layout that the encoder sends, for each order code, with the reference's results."""
     table, random_ = Table(device), random.Random("c++")
     for view in views_of(device):
         for item in view.interface.codecs:

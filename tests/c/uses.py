@@ -49,7 +49,7 @@ _COMMENT_OR_STRING = re.compile(r'/\*.*?\*/|"(?:[^"\\\n]|\\.)*"', re.DOTALL)
 
 
 def without_texts(text: str) -> str:
-    """The code of a header: no comments, strings emptied but for names of files, and continued lines joined."""
+    """Return the code of a header: no comments, no texts in strings except file names, and continued lines joined."""
     code = _COMMENT_OR_STRING.sub(_emptied, text)
     return code.replace("\\\n", " ")
 
@@ -61,7 +61,7 @@ def _emptied(found: re.Match[str]) -> str:
 
 
 def without_nodiscard(code: str) -> str:
-    """The code without the word for results that have to be looked at, whose spelling depends on the compiler."""
+    """Return the code without the mark for results that must not be ignored. Its spelling depends on the compiler."""
     word = r"^#ifndef (\w+_NODISCARD)\n.*?^#endif\n#endif\n|^(\w+_NODISCARD|CW_CONSTEXPR)\n"
     return re.sub(word, "", code, flags=re.MULTILINE | re.DOTALL)
 

@@ -25,7 +25,7 @@ PLACES = {
 }
 #: Files whose messages are of commands. The others are counted like any prose.
 MESSAGES_IN = {"generator", "rules.md"}
-#: Fewer words say little about a density.
+#: With fewer words, a density means little.
 ENOUGH_WORDS = 5_000
 
 
@@ -34,7 +34,7 @@ def files(root: Path, place: str) -> list[Path]:
 
 
 def once(paths: list[Path]) -> Iterator[tuple[Path, Text]]:
-    """Yield the texts of the files, each only the first time that it comes."""
+    """Yield the texts of the files, without repetitions."""
     seen = set()
     for path in paths:
         for text in texts(path):
@@ -56,7 +56,7 @@ def statements(text: str) -> str:
 
 
 def densities(found: list[Text]) -> tuple[int, dict[str, float]]:
-    """Return the number of words and, for each pattern, how often it comes per 1,000 words."""
+    """Return the number of words and, for each pattern, its frequency per 1,000 words."""
     prose = [(statements(text.words).lower(), text.message) for text in found if not text.heading]
     words = sum(len(re.findall(r"[a-z][a-z'-]*", text)) for text, _ in prose)
     return words, {
