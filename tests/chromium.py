@@ -67,7 +67,7 @@ class Browser:
         self._input.close()
 
     def call(self, method: str, **parameters: Any) -> Any:
-        """The answer of the browser to a command of the protocol."""
+        """Return the browser's answer to a command of the protocol."""
         self._count += 1
         message: dict[str, Any] = {"id": self._count, "method": method, "params": parameters}
         if self._session:

@@ -79,7 +79,7 @@ def _quick_tests_are_quick(request: pytest.FixtureRequest, monkeypatch: pytest.M
 
 @pytest.fixture(scope="session", autouse=True)
 def _specs_read_once() -> Iterator[None]:
-    """Lets commands and tests of one process read the specs of this repository once; others are read each time."""
+    """Commands and tests of one process read the specs of this repository only once. Others are read each time."""
     families, masters = _once(loading.load_families), _once(sheet.load_masters)
     with pytest.MonkeyPatch.context() as patch:
         for module in (loading, outputs, check):

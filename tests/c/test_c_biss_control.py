@@ -441,7 +441,7 @@ def test_given_up_at_every_bit(build: Build) -> None:
 
 
 def test_what_a_slave_allows(ask: Ask, build: Build) -> None:
-    """Eleven registers to read; the last and one more to write; four in the middle neither. Every address is tried."""
+    """Eleven registers can be read, the last and one more written, and four in the middle neither. All are tried."""
     line = build(readable=(), writable=())
     assert ask("l", 0, 0x43, 11, 1, 0) == ask("l", 0, 0x4D, 2, 0, 1) == ask("l", 0, 0x45, 4, 0, 0) == [0]
     read, written = [], []

@@ -96,7 +96,7 @@ def test_a_mistake_does_not_compile(command: str, mistake: str, include: Path, t
 
 @pytest.mark.parametrize("command", COMPILERS)
 def test_a_verdict_that_is_not_looked_at_is_a_warning(command: str, include: Path, tmp_path: Path) -> None:
-    """The short way returns the verdict, and stores the position. The long way returns it by a function of its own."""
+    """The short way returns the verdict and stores the position. The long way has its own function for the verdict."""
     for statement in (
         "lika_amm5_biss_position(amm5, word, &position);",
         "(void)lika_amm5_biss_decode(amm5, word, &frame);",

@@ -213,7 +213,7 @@ def test_lost_after_a_silence(silence: int, motion: ctypes.CDLL) -> None:
 
 @pytest.mark.parametrize("most", [1, 2, 7])
 def test_lost_after_so_many_refused(most: int, motion: ctypes.CDLL) -> None:
-    """In a row: an accepted one between them counts anew. Zeros while the encoder starts up do not count."""
+    """Only refusals in a row count, and an accepted position resets the number. Zeros during start-up do not count."""
     tracker = started(motion, 1 << 23, 1000, 5_000, 0, (0, most))
     assert [add(motion, tracker, 0, now) for now in range(20)] == [RANGE] * 20
     assert add(motion, tracker, 100, 20) == OK

@@ -148,7 +148,7 @@ def test_no_reserved_word_is_a_name_with_an_underscore() -> None:
 
 
 def own_words(header: str) -> set[str]:
-    """The names of arguments, locals and members in the text of a header, which a name of a spec could meet."""
+    """Return the names of arguments, locals and members in a header, with which a name of a spec could clash."""
     code = re.sub(r'/\*.*?\*/|"(?:[^"\\]|\\.)*"', " ", header, flags=re.DOTALL)
     return {
         word

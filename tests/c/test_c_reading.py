@@ -185,7 +185,7 @@ def test_an_erratum_is_one_line(c_devices: tuple[Device, ...]) -> None:
 
 
 def test_an_erratum_says_what_is_used_where_data_is_at_stake(c_devices: tuple[Device, ...]) -> None:
-    """An AMM5 EEPROM write with the address where others have it reaches another one: the functions say so."""
+    """An AMM5 EEPROM write with the address at another encoder's position hits another one. The functions say so."""
     header = " ".join(generate(Library(c_devices))["c/include/lika/amm5_rs485.h"].replace("\n *", "\n").split())
     for name in ("EEPROM_WRITE_REQUEST", "EEPROM_READ_REQUEST"):
         before = header.partition(f"typedef struct lika_amm5_rs485_{name.lower()} ")[0].rpartition("/*")[2]

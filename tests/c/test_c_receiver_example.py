@@ -36,7 +36,7 @@ def word(position: int, error: bool = False, warning: bool = False) -> int:
 
 
 class Line:
-    """SLO in one buffer: rest, line delay, acknowledge, start, CDS, word, stop bit, and low until the time-out ends."""
+    """Return SLO in one buffer: rest, delay, acknowledge, start, CDS, word, stop bit, and low during the time-out."""
 
     BITS = 8 * SIZE
 

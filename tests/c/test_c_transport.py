@@ -821,7 +821,7 @@ def test_a_reply_longer_than_any_is_refused(ways: Callable[[str], Machine]) -> N
 @pytest.mark.parametrize(
     ("fails", "seen"),
     [
-        # The write that failed may have arrived: it is closed as well; what was not begun is left alone.
+        # The write that failed may have arrived, so its register is closed as well. Others stay untouched.
         (0, ["w 20 01", "w 20 00"]),
         (1, ["w 20 01", "w 21 05", "w 20 00", "w 21 00"]),
         (2, ["w 20 01", "w 21 05", "w 20 00", "w 21 00"]),

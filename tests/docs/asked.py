@@ -141,7 +141,7 @@ def is_of(only: str, order_code: str) -> bool:
 
 @dataclass(frozen=True)
 class Asked:
-    """Yield a question about any order code with this interface."""
+    """A question about any order code with this interface."""
 
     interface: str
     kind: str

@@ -181,7 +181,7 @@ def test_what_a_flag_makes_of_the_position(files: Files) -> None:
 
 
 def test_every_text_of_the_plain_data_is_on_the_page(library: Library, files: Files) -> None:
-    """Names in every language, meanings, notes, signals, cells of tables: nothing that show --json prints is lost."""
+    """Names in every language, meanings, notes, signals, table cells: everything that show --json prints is there."""
     for device in library.devices:
         page = " ".join(of_family(files, device.name).split())
         missing = {
@@ -364,7 +364,7 @@ def test_places_as_worked_out_by_hand(files: Files) -> None:
 
 
 def test_a_printed_time_out_stands_there_once(files: Files) -> None:
-    """ASC85 6.5 p.32: 0.35 µs at 10 MHz without a rule; AMM5 6.5 p.40: 1.5 clock periods, worked out for three."""
+    """ASC85 6.5 p.32: 0.35 µs at 10 MHz, without a rule. AMM5 6.5 p.40: 1.5 clock periods, computed for three."""
     assert "| Time-out | varies with the clock, 350 ns at 10 MHz |" in files["docs/asc85/biss.md"]
     assert "1.5 clock periods (30 µs at 50 kHz, 7.5 µs at 200 kHz, 150 ns at 10 MHz)" in files["docs/amm5/biss.md"]
 

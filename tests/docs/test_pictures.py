@@ -75,7 +75,7 @@ def test_the_bits_of_a_frame_as_counted_by_hand(pages: Files) -> None:
 
 
 def test_the_bytes_of_a_register_as_counted_by_hand(pages: Files) -> None:
-    """AMM5 6.4 p.35: the preset ends at bit 48 of 17h to 11h, low byte at 11h; with 21 bits 12h has its last four."""
+    """AMM5 6.4 p.35: the preset ends at bit 48 of 17h to 11h, low byte at 11h. With 21 bits, 12h has its last four."""
     rows = rows_of(pages, "amm5/AMM5A21-65KSC1-register-preset")
     assert rows == {
         "11h": ["0", "7:0"],

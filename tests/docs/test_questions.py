@@ -107,7 +107,7 @@ def test_what_was_asked_by_hand_is_answered() -> None:
 
 @pytest.mark.slow
 def test_a_page_that_errs_is_noticed() -> None:
-    """A wrong byte order, a lost pin, a moved bit, a time, a polynomial, a colour: each leaves a question open."""
+    """A wrong byte order, time, polynomial or colour, a missing pin, or a moved bit leaves a question unanswered."""
     made = (DOCS / "amm5" / "AMM5A21-65KSC1.md").read_text(encoding="utf-8")
     asked = questions(only="AMM5A21/65KSC1")
     assert all(answered(read(made), item) for item in asked)

@@ -125,7 +125,7 @@ def test_steps_are_counted_from_one(value: str, steps: tuple[str, ...]) -> None:
 
 
 def test_a_blinking_error_led_is_explained_both_ways(pages: Files) -> None:
-    """AMM5, section 9: it blinks when the installation succeeded. 4.3.2, steps 5 and 17: it blinks with an error."""
+    """AMM5, section 9: it blinks if the installation succeeded. 4.3.2, steps 5 and 17: it blinks with an error."""
     steps = "hardware.md#by-hand-battery_replacement_with_error)"
     for name, folder in (("docs/alarms-and-leds.md", "amm5/"), ("docs/amm5/AMM5A21-65KSC1.md", "")):
         blinking = [line for line in pages[name].splitlines() if line.startswith("|") and "blink" in line]

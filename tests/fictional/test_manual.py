@@ -1,4 +1,4 @@
-"""The fictional encoder's manual against its spec: numbers typed from it, or worked out without the project's code."""
+"""The fictional encoder's manual against its spec. Numbers are typed, or computed without the project's code."""
 
 from __future__ import annotations
 

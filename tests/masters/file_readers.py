@@ -51,7 +51,7 @@ _ECMC = re.compile(
 
 
 class Refused(ValueError):
-    """A tool would not know this."""
+    """The tool would not know the content."""
 
 
 def _known(found: Iterable[str], known: Iterable[str]) -> None:

@@ -71,7 +71,7 @@ AKD2G: list[Row] = [
     for number in (1, 2, 3, 4, 5)
 ]
 
-#: The manual of the AKD gives an object for FB1.ENCRES alone, without a width: 2 to the power of 32 - 16 is 65536.
+#: The manual of the AKD has an object only for FB1.ENCRES, and gives no width. 2 to the power of 32 - 16 is 65536.
 AKD: list[Row] = [
     ("FB1.SELECT", "Kollmorgen AKD", "", None, None, "", "", None, "none", None, 34),
     ("FB1.BISSBITS", "Kollmorgen AKD", "", None, None, "", "", None, "bits", None, 37),

@@ -51,7 +51,7 @@ BECKHOFF_SSI = {"Mode": 1, "Disable Status Bits": True, "CRC Polynomial": 0}
 )
 def test_beckhoff_biss(told: Told, code: str, multiturn: int, singleturn: int, offset: int) -> None:
     bits = {"Multiturn [Bit]": multiturn, "Singleturn [Bit]": singleturn, "Offset LSB Bit [Bit]": offset}
-    # AM36 needs 10 V at least; all others here take 5 V.
+    # AM36 needs at least 10 V. All others here take 5 V.
     supply = {} if code.startswith("AM36") else {"Supply Voltage": 50}
     assert told("beckhoff_el5042", code) == {**BECKHOFF_BISS, **BECKHOFF_CLOCKS, **bits, **supply}
 
@@ -212,7 +212,7 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
 @pytest.mark.parametrize(
     ("master", "code", "expected"),
     [
-        # 24 + 2 bits, less 1 as in the code example: 29 for 28 + 2. The length 6 selects the polynomial.
+        # 24 + 2 bits, less 1 as in the code example, and 29 for 28 + 2. The length 6 selects the polynomial.
         (
             "microchip_dspic33a",
             "SMA21-SC1-0002",
@@ -372,7 +372,7 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
             "AM3619/4096-BG",
             {"Single-turn Data Start Bit": 12, "Single-turn Data Length": 19, "Coding Method": "binary code"},
         ),
-        # The position lies above the error bit, bit 0: 1 to 22.
+        # The position is above the error bit, bit 0: 1 to 22.
         (
             "siemens_posinput",
             "SMA21-GG1-0010",
@@ -415,7 +415,7 @@ def test_example_of_siemens(told: Told) -> None:
             "ASC8525/SC1 as_printed",
             "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. For this encoder: padding right 1.",
         ),
-        # 16 + 23 bits; 16 + 17 are one too many.
+        # 16 + 23 bits. 16 + 17 are one too many.
         ("omron_nx", "AMM5A23/65KBG1", "A frame has at most 32 data bits in total. For this encoder: frame bits 39."),
         ("omron_nx", "AMM5A17/65KBG1", "A frame has at most 32 data bits in total. For this encoder: frame bits 33."),
         (

@@ -69,7 +69,7 @@ def test_of_all_settings(sheet_of: SheetOf) -> None:
 
 
 def test_an_order_names_only_settings_of_the_sheet(sheet_of: SheetOf) -> None:
-    """CRCPOLYx is no setting for a polynomial that CRCLENx selects."""
+    """CRCPOLYx is not a setting for a polynomial that CRCLENx selects."""
     rules = about(sheet_of("microchip_dspic33a", "AMM5A21/65KSC1"), "SCDENx")
     assert [item.after for item in rules] == [("SCDLENx", "CRCSELx", "CRCLENx")]
 
