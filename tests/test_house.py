@@ -1,4 +1,4 @@
-"""The figures of ``benchmarks/house.py``, each counted in a made-up tree where anybody can count along."""
+"""The figures of ``benchmarks/house.py``, each counted in a made-up tree in which anybody can check the number."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Made = Callable[[Mapping[str, str]], Checkout]
 
 @pytest.fixture
 def made(tmp_path: Path) -> Made:
-    """Writes files, and gives the checkout that they are."""
+    """Write files, and return them as a checkout."""
 
     def write(files: Mapping[str, str]) -> Checkout:
         for path, text in files.items():
@@ -219,7 +219,7 @@ def test_modules_of_a_target_that_lie_flat_are_read(made: Made) -> None:
 
 
 def file_of(marked: str) -> Printed:
-    """A file whose text between « and » is Python's, the rest a template's."""
+    """Return a file whose text between « and » is from Python, and the rest from a template."""
     text, origin, now = "", "", "t"
     for letter in dedent(marked):
         if letter in "«»":

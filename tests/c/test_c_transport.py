@@ -698,7 +698,7 @@ def test_there_is_a_function_for_every_access(family: str, machines: Callable[[s
 def test_a_register_in_a_bank_has_it_selected_first(
     name: str, banks: set[int], machines: Callable[[str], Machine]
 ) -> None:
-    """The bank is selected in 40h, which the guide's example lists before the banked registers, a data sheet after."""
+    """The bank is selected in 40h, before the banked registers in the guide, and after them in a data sheet."""
     made = machines(name)
     banked = [item for item in made.device.registers if item.bank is not None]
     assert {item.bank for item in banked} == banks

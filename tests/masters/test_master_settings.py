@@ -59,7 +59,7 @@ def test_beckhoff_biss(told: Told, code: str, multiturn: int, singleturn: int, o
 @pytest.mark.parametrize(
     ("code", "coding", "clock", "multiturn", "singleturn", "offset"),
     [
-        ("SMA21-GG1-0010", 1, 9, 0, 22, 1),  # 1 MHz at most; the error bit after the position is blended out
+        ("SMA21-GG1-0010", 1, 9, 0, 22, 1),  # 1 MHz at most. The error bit after the position is masked out.
         ("AMM5A21/65KBG1", 0, 4, 16, 21, 0),  # 4 MHz at most, of which the terminal has 2
         ("AM3619/4096-GG", 1, 4, 12, 19, 0),  # 3 MHz at most
     ],

@@ -31,7 +31,7 @@ class Wave:
     now: float = 0.0
 
     def samples(self, rate: float, shift: float = 0.0) -> list[tuple[int, int]]:
-        """The levels of both lines at the times of the samples. ``shift`` is the phase of the analyser, 0 to 1."""
+        """Return the levels of both lines at the sample times. ``shift`` is the phase of the analyser, 0 to 1."""
         count = ceil(self.now * rate)
         lines = (_levels([(at, None) for at in self.clock], count, rate, shift), _levels(self.data, count, rate, shift))
         return list(zip(*lines, strict=True))

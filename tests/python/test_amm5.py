@@ -210,7 +210,7 @@ def test_another_encoder_id_is_reported_and_the_frame_decoded(amm5: Any, lika: A
     assert encoder.decode(documented.encode()) == documented
     alone = encoder.decode(bytes.fromhex("92 00 17 85"))
     assert (alone.encoder_id, alone.is_as_documented) == (0x17, False)
-    # What a simulator sends unless told otherwise is what the manual prints.
+    # By default, a simulator sends the printed values.
     assert amm5.EncoderIdReply().encode() == bytes.fromhex("92 00 23 B1")
     assert amm5.CompleteReply.from_position(encoder, 5).encoder_id == 0x23
     # Sync code and data ID are still checked.

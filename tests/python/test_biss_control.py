@@ -486,7 +486,7 @@ def disturbed(biss: Any, write: bool, bit: int, of_cds: bool, value: int = 0x40)
 @pytest.mark.parametrize("bit", range(-14, 32))
 def test_a_flipped_bit_on_its_way_to_the_slave(biss: Any, bit: int) -> None:
     outcome, line = disturbed(biss, False, bit, False)
-    # Read. Twelve zeros and P say nothing; 11 in place of 10 is sent back as it came; without S the slave is gone.
+    # Read. Twelve zeros and P have no effect, 11 in place of 10 is sent back, and without S the slave is lost.
     expected = "DONE" if bit in BYTE or bit == 31 else {17: "REFUSED", 18: "BUSY"}.get(bit, "NO_ANSWER")
     assert outcome == expected
     assert line.master.data == (b"\x40" if expected == "DONE" else b"")

@@ -152,7 +152,7 @@ def test_measure_examples(lika: Any, devices: Mapping[str, Device]) -> None:
 
 @pytest.mark.slow
 def test_the_order_codes_of_all_families(lika: Any, devices: Mapping[str, Device]) -> None:
-    """Each is found in any case and with a tail, with the model's values, and refused with a part wrong or missing."""
+    """Each is found in any case and with a suffix, with the model's values. A wrong or missing part is refused."""
     assert {item.name for item in lika.FAMILIES} == set(devices)
     for device in devices.values():
         module = getattr(lika, device.name)

@@ -37,7 +37,7 @@ def words() -> list[str]:
 
 
 def hostile(words: list[str]) -> Item:
-    """A spec with each word as the name of a field in every role, of a joined number, a parameter and an argument."""
+    """Return a spec with each word as a field in every role, a joined number, a parameter and an argument."""
     layouts = [item for index, word in enumerate(words) for item in _layouts(index, word)]
     sets = {size: {"own_bits": size, **dict.fromkeys(words[::2], size)} for size in (3, 5)}
     sizes = {str(size): {"interface": "biss", "sets": given} for size, given in sets.items()}

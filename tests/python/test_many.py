@@ -24,7 +24,7 @@ FAULTS = {"length": 1, "crc": 2, "constant": 3, "range": 4}
 
 
 def numbers(case: Case, count: int, source: random.Random) -> list[int]:
-    """Frames as numbers: sound ones, ones with a bit or more turned, ones with a right CRC over anything, and noise."""
+    """Return frames as numbers: valid ones, ones with flipped bits, random ones with a correct CRC, and noise."""
     bits = case.placed.bits
     kinds = ("zero", "ones", *["random"] * min(count // 8, 30))
     made = [codec.encode(case.family.device, case.placed, values_of(case, kind, source)) for kind in kinds]

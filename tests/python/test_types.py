@@ -158,7 +158,7 @@ def pyright(folder: Path, *files: Path, setting: Mapping[str, object] = STRICT) 
 
 
 def examples() -> dict[str, str]:
-    """The Python of each README of this repository that uses the package; every block is a program of its own."""
+    """Return the Python of each README of this repository that uses the package. Every block is its own program."""
     found = {}
     for folder in (ROOT, ROOT / "generated" / "python", ROOT / "runtime" / "python"):
         path = folder / "README.md"

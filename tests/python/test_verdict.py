@@ -71,7 +71,7 @@ def carried(placed: PlacedLayout, number: int) -> Any:
     [
         # nE and nW of BiSS: 6.2.1 p.32-33.
         ("AMM5A21/65KSC1", {}, "usable", []),
-        # The warning bit also stands for an error in the magnetic multiturn system, which a singleturn model has not.
+        # The warning bit also reports an error in the magnetic multiturn system, which singleturn models lack.
         ("AMM5A21/65KSC1", {"warning": True}, "not_usable", ["warning"]),
         ("AMM5A21/1SC1", {"warning": True}, "usable_with_warning", ["warning_unexplained"]),
         ("AMM5A21/1SC1", {"error": True}, "not_usable", ["error"]),

@@ -49,7 +49,7 @@ def item_of(case: Case, count: int, random_: random.Random, encoder: Any, kinds:
 
 def same_in_python(case: Case, encoder: Any, text: str, decoded: codec.Decoded) -> None:
     if decoded.layout is not None and case.device.alternatives_of(decoded.layout.layout):
-        return  # Python wants an answer; those with one are held against the reference elsewhere.
+        return  # Python requires an answer. Frames with one are compared with the reference elsewhere.
     try:
         found = encoder.decode(given(case, text))
     except ValueError as error:
@@ -72,7 +72,7 @@ def same_in_python(case: Case, encoder: Any, text: str, decoded: codec.Decoded) 
 
 
 def given(case: Case, text: str) -> bytes | int | str:
-    """What Python takes for the text of a frame."""
+    """Return the result of Python for the text of a frame."""
     if case.layout.in_bytes:
         return bytes.fromhex(text)
     return text[2:] if text.startswith("0b") else int(text, 16)
