@@ -431,7 +431,7 @@ def test_sizes_are_counted_by_what_a_reader_has_to_know() -> None:
 
 @pytest.mark.slow
 def test_the_origin_of_letters_survives_a_formatter(made: Made) -> None:
-    """One that breaks lines, adds commas and wraps comments, as targets do to what templates have printed."""
+    """Filter that breaks lines, adds commas and wraps comments, as targets do with the output of templates."""
     template = "/* About {{ name }}. */\nint f(void) { return call({{ name }}, done, {{ terms | join('+') }}); }\n"
     layout = '.replace("call(", "call(\\n    ").replace(" done,", "\\n    done,\\n   ").replace("About", "About\\n * ")'
     checkout = made(

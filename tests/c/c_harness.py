@@ -2,8 +2,8 @@
 
 A family has one for each interface. A line goes to the one of its order code, and ``find`` to all of them.
 
-Each line begins with an order code, after which ``;REGISTER=HEX`` may tell what a register holds at run time, and
-``;ALTERNATIVE=HEX`` which answer is taken of what the manual leaves open, 00 the first.
+Each line begins with an order code. ``;REGISTER=HEX`` after it sets the content of a register at run time, and
+``;ALTERNATIVE=HEX`` selects the answer to an open question of the manual, with 00 for the first.
 It answers each line with one line, beginning with the number of the result:
 
     CODE decode LAYOUT HEX            the members, in the struct's order; texts as hex
@@ -11,16 +11,16 @@ It answers each line with one line, beginning with the number of the result:
     CODE crc NAME HEX                 the CRC
     CODE select SENDER HEX            the frame and its length
     CODE steps PROCEDURE [HEX...]      kind,address,mask,value,times,microseconds of each step
-    CODE expected LAYOUT HEX          whether it holds what the manual states
-    CODE tells LAYOUT HEX             the verdict and the mask of reports, - where the frame has none
+    CODE expected LAYOUT HEX          whether its content is as documented
+    CODE tells LAYOUT HEX             the verdict and the mask of reports, or - if the frame has none
     CODE text of HEX                  the members of the text of a report, each in quotes
-    CODE measure FUNCTION NUMBER...   what a function of positions gives
-    CODE candidates HEX...            the order codes that read so, by the members of the identity
-    CODE take                         nothing but the results of taking the registers over
+    CODE measure FUNCTION NUMBER...   the result of a function of positions
+    CODE candidates HEX...            the order codes with this identity, by its members
+    CODE take                         only the results of updating the variant from the registers
     LABEL find                        the text of the order code and the parts that are not listed
 
 Registers are layouts called ``reg_NAME``. The struct is filled with a pattern before each call,
-so that a fault that changes it shows.
+so that a change on an error is detected.
 """
 
 from __future__ import annotations

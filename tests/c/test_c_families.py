@@ -213,10 +213,10 @@ REPLIES = {"amm5": 6, "sma21": 7}
 
 
 def steps_text(device: Device, procedure: Procedure, variant: Variant, given: Mapping[str, int]) -> str:
-    """kind, address, mask, value, times, microseconds of each step; or the fault.
+    """Return kind, address, mask, value, times, microseconds of each step, or the error.
 
-    What can be read is read back before a register is written that cannot (a command, or what closes), and before the
-    same register is written as a whole again.
+    Readable registers are read back before a write to a write-only register (a command, or one that closes), and
+    before the same register is written again as a whole.
     """
     try:
         writes = list(register_writes(device, procedure, variant, given))

@@ -519,7 +519,7 @@ def test_a_flipped_bit_on_its_way_to_the_master(biss: Any, bit: int) -> None:
 
 
 def test_a_start_bit_of_the_slave_that_is_lost(biss: Any) -> None:
-    """S is in no CRC: master and slave go on one bit apart. No value survives, but half of those written seem to."""
+    """No CRC covers S: master and slave continue one bit apart. No value survives, but half of the writes seem to."""
     for value in range(256):
         sent = value << 4 | remainder(value, 8)
         # Read: the first 1 of the byte is taken as S, the bits after it as the byte, and zeros fill it up.

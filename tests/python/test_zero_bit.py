@@ -93,7 +93,7 @@ def test_a_wrong_order_code_of_the_same_length_shows_in_half_of_all_frames(asc85
 
 
 def test_both_decode_their_own(asc85: Any) -> None:
-    """Position 1, no error: 1, the 0 bit or none, 11, and the CRC; remainders of 1011b and 111b times x^6 by hand."""
+    """Position 1, no error: 1, the 0 bit or none, 11, and the CRC, from 1011b and 111b times x^6 by hand."""
     encoder = asc85.lookup("ASC8525/SC1")
     for answer, bits, length in ((asc85.ZeroBit.AS_PRINTED, 0b1011, 34), (asc85.ZeroBit.LEFT_OUT, 0b111, 33)):
         frame = bits << 6 | remainder(bits << 6) ^ 0x3F

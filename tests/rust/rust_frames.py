@@ -135,7 +135,7 @@ def cases(program: Program, index: int) -> list[Case]:
 
 
 def _answered(device: Device, variants: Iterable[Variant]) -> Iterator[Variant]:
-    """The variants with each answer to what the manual leaves open."""
+    """Return the variants with each answer to the open questions of the manual."""
     answers = [[(item.name, answer.name) for answer in item.answers] for item in device.alternatives]
     for variant, given in itertools.product(variants, itertools.product(*answers)):
         yield decided(device, variant, dict(given))

@@ -1,16 +1,16 @@
-"""A program in Rust that calls everything in the module of a family, told by lines on standard input.
+"""A program in Rust that calls everything in the module of a family, controlled by lines on standard input.
 
 It answers each line with one line. Values are in decimal, words and bytes in hexadecimal, bytes after a mark:
 
     v NUMBER...     sets the parameters of the variant; answers all parameters
     d TYPE WIRE     decodes; answers the members, the runs of digits, the joins, and what encoding them again gives
     e TYPE VALUE... encodes
-    s INDEX WIRE    tells a frame and decodes it; answers its type
-    h INDEX WIRE    takes a register over into the variant; answers all parameters
-    c INDEX WIRE... the CRC of bytes, or of a number of so many bits
+    s INDEX WIRE    identifies a frame and decodes it; answers its type
+    h INDEX WIRE    updates the variant from a register; answers all parameters
+    c INDEX WIRE... the CRC of bytes, or of a number with this many bits
     o, f TEXT, r    all order codes; the one with this text; the constants of the registers
 
-A fault is answered by its name, and that of the field.
+An error is answered by its name and that of the field.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def rust_tool(name: str) -> str:
 
 
 def compiled(*command: str | Path) -> None:
-    """Compile with any version. A newer one may warn of more, which is no error here: see tests/verify/test_rust.py."""
+    """Compile with any version. Further warnings of a newer one are not errors here, see tests/verify/test_rust.py."""
     done = subprocess.run([rust_tool("rustc"), *command], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[:4000]
 

@@ -139,7 +139,7 @@ def test_a_layout_that_is_too_wide_has_its_place(codewheel: Run, tmp_path: Path)
 
 
 def hostile(words: list[str]) -> Item:
-    """A spec with each word as a parameter, as a field in every role, as a choice's value, and as a register."""
+    """Return a spec with each word as a parameter, as a field in every role, as a choice's value, and as a register."""
     fields = [{"name": word, "bits": 8} for word in words]
     values = {word: {"value": index} for index, word in enumerate(words)}
     sets = {size: {"own_bits": size, **dict.fromkeys(words[::2], size)} for size in (3, 5)}

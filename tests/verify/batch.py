@@ -3,15 +3,14 @@
 It reads chunks until its input ends, and answers each record with one record of a fixed size:
 
     operation, codec, count, variant     one byte; two and two bytes; eight bytes for each member of the variant, and
-                                         for each answer to what the manual leaves open
+                                         for each answer to an open question of the manual
     count records                        of ``Batch.record`` bytes to be decoded, of ``Codec.size`` bytes to be encoded
 
-A record to be decoded is a length and so many bytes, or eight bytes with a word;
-the answer is the result, the members, and what encoding them again gives: a result and the bytes or the word;
-then what the frame tells: the verdict in one byte, 255 where there is none, and the mask of reports in eight.
-A record to be encoded is the members; the answer is a result and the bytes or the word.
-Numbers are low byte first, words and frames as they are sent. Where there is a fault, everything after the result is 0;
-the highest bit of the result tells of a struct that has changed nevertheless.
+A record to be decoded is a length and that many bytes, or eight bytes with a word. The answer is the result, the
+members, and the result of encoding them again with the bytes or the word. The verdict follows in one byte, 255 if there
+is none, and the mask of reports in eight. A record to be encoded consists of the members. The answer is a result and
+the bytes or the word. Numbers are low byte first, words and frames as they are sent. On an error, everything after the
+result is 0. The highest bit of the result is 1 if the struct has changed nevertheless.
 """
 
 from __future__ import annotations

@@ -48,7 +48,7 @@ class Frames:
         return self.batch.frame(self.placed, on_the_wire(self.codec.layout, number, self.placed.bits))
 
     def _changes(self) -> Iterator[bytes]:
-        """What is added to sound frames: nothing, one to three bits, these with a good CRC, another length, all."""
+        """Return the bits added to valid frames: none, one to three, these with a matching CRC, another length, all."""
         bits, random_ = self.placed.bits, self.random
         nothing = self._record(0)
         sound = next(self._sound_numbers())

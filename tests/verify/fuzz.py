@@ -212,7 +212,7 @@ def may_be_refused(batch: Batch, codec: Codec) -> bool:
 
 
 def seeds(batch: Batch) -> Iterable[bytes]:
-    """Inputs to begin with: sound frames and members of each layout for its interface's order codes, and these."""
+    """Return inputs to begin with: valid frames and members of each layout for its interface's order codes."""
     random_ = random.Random("seeds")
     for codec in batch.codecs:
         for index, variant in enumerate(batch.device.variants):

@@ -1,8 +1,8 @@
-"""What a proof by CBMC, the model checker, needs: the header as text, the parameters of all order codes, and the run.
+"""What a proof by CBMC needs: the header as text, the parameters of all order codes, and the run.
 
-A harness is a C file whose functions claim something with ``__CPROVER_assert`` about values that may be anything.
-The parameters of the variant are such values too, restricted to those of the order codes (and to what registers can
-hold at run time), so that one proof holds for all of them.
+CBMC is a model checker. A harness is a C file whose functions claim something about arbitrary values with
+``__CPROVER_assert``. The parameters of the variant are also arbitrary, but restricted to those of the order codes and
+to the possible contents of registers, so that one proof covers all of them.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Proofs of every other function: called with anything that its arguments may be,
-it does nothing that C leaves undefined, and it keeps what the headers promise of all functions:
-one that returns a fault has left its results as they were, and a fault of the transport is handed on.
+"""Proofs of every other function, called with arbitrary arguments.
 
-The harness of a function is built from its signature, so that a new function is proved as soon as it is in a header.
+It has no undefined behaviour, and it keeps what the headers promise about all functions. On an error, its results are
+unchanged, and an error of the transport is returned. The harness of a function is built from its signature, so a new
+function is proved as soon as it is in a header.
 """
 
 from __future__ import annotations
@@ -238,7 +238,7 @@ class CallProof:
             yield f'__CPROVER_assert(found != {TRANSPORT} || failed_with != 0, "and only then");'
 
     def proofs(self, together: int = 10) -> Iterable[Proof]:
-        """Several functions in one run; those that go through all order codes run alone, for they take longest."""
+        """Yield several functions in one run. Those that go through all order codes run alone, as they take longest."""
         text = self.harness
         anywhere = [item for item in self.functions if ("size_t *", "next") in item.arguments]
         codes = [

@@ -223,7 +223,7 @@ def _setters(codec: Codec) -> Iterator[str]:
 
 
 def _setter(codec: Codec, name: str, fits: str, parts: dict[str, str]) -> str:
-    """``parts`` names the members that belong to the number, and what each is where the checker can tell."""
+    """Return the claims. ``parts`` names the members of the number, with their values if the checker can tell."""
     whole = codec.member(name)
     touched = {whole.name, *(codec.member(part).name for part in parts)}
     equal = _all(
@@ -269,7 +269,7 @@ def _expected(codec: Codec) -> str:
 
 
 def _tells(codec: Codec) -> str:
-    """The verdict and the mask of reports, of a frame with any values; ``unused`` has no other bit."""
+    """Return claims about the verdict and the mask of reports of any frame. ``unused`` has no other bit."""
     known = sum(((1 << field.widest) - 1) << place for field, place in codec.layout.unused)
     assume = [f"__CPROVER_assume((in.unused & ~{known:#x}ULL) == 0);"] if codec.layout.unused else []
     claims = [_claim(f"{function}(&variant, &in) == ({value})", words) for function, value, words in told_of(codec)]

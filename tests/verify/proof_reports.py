@@ -10,7 +10,7 @@ from proof_layout import Codec
 
 
 def told_of(codec: Codec) -> Iterator[tuple[str, str, str]]:
-    """The functions of a frame that tell of the encoder, what each has to give for the struct ``in``, and in words."""
+    """Yield the functions of a frame about the encoder, the expected result for ``in``, and a description."""
     functions = codec.header.functions
     if f"{codec.name}_verdict" in functions:
         yield f"{codec.name}_verdict", _verdict(codec), "the worst that an active flag says of the position"

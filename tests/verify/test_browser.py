@@ -1,7 +1,7 @@
-"""The page in a real browser on a hundred thousand frames of each layout, sound and disturbed: fields, fault, verdict
-and reports are those of the reference codec, and of the generated Python package for each order code as delivered.
+"""The page in a real browser, with a hundred thousand frames of each layout, valid and disturbed.
 
-Registers are read from a tenth as many contents. ``CODEWHEEL_FRAMES`` lowers the number.
+Fields, error, verdict and reports are those of the reference codec, and of the generated Python package for each order
+code with its defaults. A tenth as many contents of registers are read. ``CODEWHEEL_FRAMES`` lowers the number.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Any:
 
 
 def item_of(case: Case, count: int, random_: random.Random, encoder: Any, kinds: Counter[str]) -> dict[str, Any]:
-    """Frames of a case with a CRC-32 of what the reference says of each; Python is held against it on the way."""
+    """Return frames of a case with a CRC-32 of the reference's result for each. Python is compared on the way."""
     texts, expected = [], []
     for number, other in drawn(case, count, random_):
         decoded = case.decoded(number, other)

@@ -1,9 +1,8 @@
-"""C and Python agree on a million random and corrupted frames of each layout: fault, members, encoding again, and what
-the frame tells, its verdict and reports.
+"""C and Python agree on a million random and corrupted frames of each layout.
 
-Both are the generated code as a user has it. C and the reference, which is the model alone, agree on what a million
-frames of each layout of an encoder tell: fault, verdict, reports and unused bits. ``CODEWHEEL_FRAMES`` sets another
-number.
+They agree on the error, the members, the encoded frame, the verdict and the reports. Both are the generated code as a
+user has it. C and the reference, which is only the model, agree on the error, verdict, reports and unused bits of a
+million frames of each layout that an encoder sends. ``CODEWHEEL_FRAMES`` sets another number.
 """
 
 from __future__ import annotations
@@ -47,7 +46,7 @@ FAULTS = {Fault.LENGTH: LENGTH, Fault.CRC: CRC, Fault.CONSTANT: CONSTANT, Fault.
 
 
 class Peer:
-    """The Python class of a layout: decodes, tells its members in the order of the struct, and encodes."""
+    """The Python class of a layout: it decodes, lists its members in the order of the struct, and encodes."""
 
     def __init__(self, batch: Batch, codec: Codec, module: ModuleType) -> None:
         names = Context(batch.device)
@@ -115,7 +114,7 @@ class Peer:
         answers: bytes,
         kinds: Counter[int],
     ) -> list[object]:
-        """What C answers otherwise. Every fourth sound frame is encoded again, in half the time of decoding it."""
+        """Return the differences in C's answers. Every fourth valid frame is encoded again, in half the time."""
         found: list[object] = []
         decode, members, error, faults, text = self.kind.decode, self.members, self.error, self.errors, self.text
         last = 1 + len(codec.members)
@@ -161,7 +160,7 @@ def told(variant: Variant) -> tuple[str, dict[str, str]]:
 
 
 def compare(family: str, name: str, program: Path, package: Path) -> tuple[int, Counter[int], list[object]]:
-    """All frames of a layout; the number of them, how often each result came, and where C and Python differ."""
+    """Compare all frames of a layout. Return their number, the counts of the results, and the differences."""
     if str(package) not in sys.path:
         sys.path.insert(0, str(package))
     device = interfaces()[family]
@@ -246,7 +245,7 @@ def of_encoders() -> list[tuple[str, str]]:
 
 
 class Oracle:
-    """What the frames of a layout tell by the model: fault, verdict, mask of reports, and unused bits."""
+    """Return the findings of the model about frames: error, verdict, mask of reports, and unused bits."""
 
     def __init__(self, device: Device, codec: Codec) -> None:
         self.device, self.layout = device, codec.layout

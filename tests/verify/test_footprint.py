@@ -110,7 +110,7 @@ def test_a_wrong_position_is_no_figure(around: Any, tmp_path: Path) -> None:
 
 
 def test_a_wrongly_decoded_frame_is_no_figure(footprint: Any, tmp_path: Path) -> None:
-    """The emulated call has to give the right members: a decoder that is not reached would be the quickest of all."""
+    """The emulated call must return the right members. A decoder that is not reached would be the fastest of all."""
     board = footprint.BOARDS[0]
     tool(board.compiler)
     frame = footprint.FRAMES[0]

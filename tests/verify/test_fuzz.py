@@ -1,6 +1,6 @@
-"""A fuzzer with sanitizers finds no fault in any function of any header, nor a frame that is not encoded as decoded.
+"""A fuzzer with sanitizers finds no error in any function of any header, and decoded frames are encoded identically.
 
-The targets are made from the headers, see ``fuzz.py``. ``CODEWHEEL_FUZZ_SECONDS`` says how long each is run.
+The targets are generated from the headers, see ``fuzz.py``. ``CODEWHEEL_FUZZ_SECONDS`` sets the duration of each.
 """
 
 from __future__ import annotations

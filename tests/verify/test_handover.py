@@ -1,8 +1,8 @@
-"""The C folder alone, handed over: from an empty folder each way of building prints what the manual prints.
+"""The C folder alone: in an empty folder, each way of building it prints the numbers of the manual.
 
-The expected lines are the worked examples of the AMM5 manual, 6.4:
-the preset 1,000,003 of a 21-bit model stands in 11h to 17h as 00 30 24 F4 00 00 00 and is written with 40h open,
-saved and activated with 77h; the serial number 0A E8 69 EE is year 18, week 30, number 3630.
+The expected lines are the worked examples of the AMM5 manual, 6.4. The preset 1,000,003 of a 21-bit model is 00 30 24
+F4 00 00 00 in 11h to 17h, and is written with 40h open, then saved and activated with 77h. The serial number 0A E8 69
+EE is year 18, week 30, number 3630.
 """
 
 from __future__ import annotations

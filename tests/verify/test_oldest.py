@@ -1,4 +1,4 @@
-"""The oldest that pyproject.toml allows: each Python from 3.10 on, with the lowest versions of what codewheel needs."""
+"""The oldest versions that pyproject.toml allows: each Python from 3.10 on, and the lowest ones of dependencies."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LOWEST = re.findall(r'"([\w-]+)>=([\d.]+)"', NEEDED)
 
 
 def found(version: str) -> str:
-    """The Python of a version, on the path or beside the one that runs, as version managers put them; empty if none."""
+    """Return the Python of a version, on the path or where version managers put it, next to this one. "" if none."""
     beside = Path(sys.base_prefix).parent
     there = [shutil.which(f"python{version}"), *map(str, sorted(beside.glob(f"{version}.*/bin/python")))]
     return next((path for path in there if path and _runs(path)), "")

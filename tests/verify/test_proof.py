@@ -1,13 +1,13 @@
 """Proof by a bounded model checker, for all inputs and for every order code.
 
-For every decoder and encoder: no undefined behaviour; the same result and the same members as a plain reference written
-from the layout; exactly the values in range are encoded; decode(encode(x)) = x and encode(decode(f)) = f.
-For every other function: no undefined behaviour, a fault leaves the results as they were,
-and a failure of the transport is reported. The faults at the end show that the proofs can fail.
+Every decoder and encoder has no undefined behaviour, and gives the same result and members as a plain reference written
+from the layout. Exactly the values in range are encoded, decode(encode(x)) = x and encode(decode(f)) = f. Every other
+function has no undefined behaviour, leaves its results unchanged on an error, and reports a failure of the transport.
+The errors at the end show that the proofs can fail.
 
-Parameters that registers set at run time may be anything, together with every order code. Where those are too many for
-the solver at once, which they are for the single cycle data of AM36, one width is fixed: to its least, its middle and
-its largest value, or to each in turn where ``CODEWHEEL_PROVE_ALL=1`` is set, which takes some minutes more.
+Parameters that registers set at run time are arbitrary, together with every order code. If these are too many for the
+solver at once, as for the single cycle data of AM36, one width is fixed to its minimum, middle and maximum, or to each
+value in turn with ``CODEWHEEL_PROVE_ALL=1``, which takes some minutes more.
 """
 
 from __future__ import annotations

@@ -48,7 +48,7 @@ LOSSES = ("cut", "never ready", "hurried")
 
 
 def read_back(line: MasterEnd, places: range) -> bytes:
-    """A fault at the end of an access may disturb the zeros before the next one, so that this is lost too, and told."""
+    """Read. An error at the end of the access before may disturb its zeros. This is reported, and a retry succeeds."""
     told, read = line.read(places[0], len(places), 2000)
     if told != "DONE":
         told, read = line.read(places[0], len(places), 2000)
@@ -88,7 +88,7 @@ def disturbed(line: MasterEnd, slave: SlaveEnd, bench: Bench, kind: str, places:
     assert outcome != "DONE" or len(read) == len(places)
     back = read_back(line, places)
     if writes and back != data:
-        # Where the S of the slave is lost, what was not stored can look as if it were: so one reads back.
+        # If the S of the slave is lost, an access can look successful without storing, so a program must read back.
         assert outcome != "DONE" or kind == "cds"
         assert line.write(places[0], data, 2000) == "DONE"
         back = read_back(line, places)

@@ -138,7 +138,7 @@ def test_every_header_can_be_used_alone(compiler: str, headers: tuple[Path, list
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang", "g++", "clang++"])
 def test_no_macro_leaks(compiler: str, headers: tuple[Path, list[str]], tmp_path: Path) -> None:
-    """With the headers come the macros of the three of the standard and their own, which have the family's prefix."""
+    """The headers define only the macros of three standard headers and their own, which have the family's prefix."""
     include, every = headers
     language = "c++" if compiler.endswith("++") else "c"
 
@@ -187,8 +187,10 @@ _PREDEFINED = (
 
 
 def test_only_plain_c_is_used(headers: tuple[Path, list[str]]) -> None:
-    """No extension, bit-field, packing, union, goto, allocation or variable argument; directives as for any compiler.
-    The word for results that have to be looked at is spelt as the compiler wants it, and is tested by itself."""
+    """No extension, bit-field, packing, union, goto, allocation or variable argument, and portable directives.
+
+    The mark for results that must not be ignored is spelt as the compiler requires, and is tested separately.
+    """
     include, every = headers
     for header in every:
         code = without_nodiscard(without_texts((include / header).read_text(encoding="ascii")))
