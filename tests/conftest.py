@@ -62,7 +62,7 @@ def pytest_collection_finish() -> None:
 
 
 def pytest_sessionfinish() -> None:
-    """What is left at the end disappears with the process. pytest would search it twice."""
+    """Remaining objects disappear with the process. pytest would search them twice."""
     gc.freeze()
 
 

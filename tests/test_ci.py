@@ -1,4 +1,4 @@
-"""CI reports what it did not run, and exits with an error if anything is omitted."""
+"""CI reports omitted parts, and exits with an error if anything is omitted."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def program(path: Path, text: str) -> Path:
 
 
 def parts(folder: Path, make: str, *arguments: str, commits: int = 0, **environment: str) -> tuple[int, str]:
-    """Run the parts of three files with another make; give the exit code and the output."""
+    """Run the parts of three files with another make. Return the exit code and the output."""
     for name in ("a", "python_columns", "z"):
         (folder / "tests" / "verify").mkdir(parents=True, exist_ok=True)
         (folder / "tests" / "verify" / f"test_{name}.py").touch()

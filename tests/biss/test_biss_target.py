@@ -1,4 +1,4 @@
-"""The idbiss file uses only what is publicly known about the format, and no text can end its comments."""
+"""The idbiss file uses only publicly known facts about the format, and no text can end its comments."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ from rust_frames import numbers
 pytestmark = pytest.mark.slow
 
 TESTS = Path(__file__).resolve().parents[1]
-#: Specs that use what no device has.
+#: Specs with features that no device has.
 MADE_UP = ("specs/words", "specs/bits22", "c/specs/shapes", "c/specs/words", "c/specs/reserved", "c/specs/crcs")
 MADE_UP += ("specs/ring", "specs/ring_turns", "specs/wide", "python/specs/odd_shapes", "browser/specs/names")
 MADE_UP += ("../examples/encoders/ams/as5047p", "../examples/encoders/cui/amt21", "../examples/encoders/sick/skm36")

@@ -49,7 +49,7 @@ COMMANDS = (" (codewheel show ", "; codewheel list shows")
 
 
 def read(library: Library, text: str) -> Any:
-    """Return what the command line reads a label as, or its help, without commands to run."""
+    """Return the order code or the help of the command line for a label, without commands to run."""
     try:
         device, match = find(library.devices, text)
     except Stop as stop:

@@ -43,7 +43,7 @@ from codewheel.targets.c.types import unsigned
 WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wcast-qual -Wshadow -Werror".split()
 SPECS = Path(__file__).resolve().parents[1] / "specs"
 _HERE = Path(__file__).resolve().parent
-#: Specs that use what no family of the library uses, by the name of their device.
+#: Specs with features that no family of the library has, by the name of their device.
 MADE_UP = {
     "banks": SPECS / "banks.yaml",
     "bits22": SPECS / "bits22.yaml",

@@ -268,7 +268,7 @@ def test_what_fills_up_the_last_byte_is_no_part_of_a_frame(run: Run) -> None:
 
 
 def test_words_of_16_and_32_bits_and_samples(run: Run) -> None:
-    """The result is the same bytes, however the peripheral stores what it received."""
+    """Every form in which a peripheral stores the received bits gives the same bytes."""
     chance = random.Random(2)
     data = bytes(chance.randrange(256) for _ in range(24))
     assert run([f"W {data.hex()}", f"X {data.hex()}"]) == [data.hex().upper()] * 2

@@ -85,7 +85,7 @@ class Encoder:
     #: The error in a reply: the number of the reply, the number of the byte, and the bits.
     spoilt: dict[tuple[int, int], int] = field(default_factory=dict)
     sent: int = 0
-    #: Whether every call fails from ``fail_at`` on, or only that one.
+    #: True if every call fails from ``fail_at`` on, and false if only that one fails.
     fail_on: bool = False
     #: Bits of a write that arrive wrong, by the index of the access.
     disturbed: dict[int, int] = field(default_factory=dict)
@@ -145,7 +145,7 @@ class Machine:
 
     device: Device
     libraries: Sequence[ctypes.CDLL]
-    #: Whether procedures use the runner, which leaves waiting to its caller, so that a wait cannot fail.
+    #: True if procedures use the runner, which leaves waiting to its caller, so that a wait cannot fail.
     stepped: bool = False
 
     def run(self, procedure: str, code: str, arguments: Sequence[int] = (), encoder: Encoder | None = None) -> Answer:

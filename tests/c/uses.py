@@ -1,7 +1,7 @@
 """A C and C++ text that uses each function, macro, enumerator and type of some headers, each in a function of its own.
 
-It is generated from the text of the headers, so that nothing is forgotten, and contains nothing else that a compiler
-could warn about.
+It is generated from the text of the headers, so that nothing is forgotten, and has no other code that a compiler could
+warn about.
 """
 
 from __future__ import annotations

@@ -110,7 +110,7 @@ _FOR_TOOLS = re.compile(r"\b(?:noqa|type: ignore|pragma)\b[^\n]*")
 
 
 def of_comments(source: str) -> Iterator[Text]:
-    """Yield the comments that begin with a hash; lines one below the other are one text."""
+    """Yield the comments that begin with a hash. Lines one below the other are one text."""
     for found in _HASHED.finditer(source):
         line = source.count("\n", 0, found.start()) + 1
         words = re.sub(r"^[ \t]*#:?", "", found[0], flags=re.MULTILINE)

@@ -450,7 +450,7 @@ def test_one_of_a_thing_is_no_plural(files: Files) -> None:
 
 
 def test_a_picture_says_which_level_is_active(files: Files) -> None:
-    """Error and warning of BiSS are 0 when active; those of the RS-485 reply are 1."""
+    """Error and warning of BiSS are 0 when active, and those of the RS-485 reply are 1."""
     assert "error (bit 7, 0 = active)" in files["docs/amm5/single_cycle_data.svg"]
     assert "0 = active" not in "".join(
         made for name, made in files.items() if name.startswith("docs/amm5/") and "reply" in name

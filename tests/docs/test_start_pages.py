@@ -56,7 +56,7 @@ def test_its_commands(page: Path, tmp_path: Path) -> None:
             cwd=work,
             env=environment(tools),
         )
-        # Three dots replace omitted lines, and nothing else is omitted.
+        # Three dots replace omitted lines. All other lines are shown.
         pieces = shown.split("...\n")
         assert re.fullmatch("(?:.*\n)*".join(map(re.escape, pieces)), done.stdout), f"{command}\n{done.stdout}"
 

@@ -1,4 +1,4 @@
-"""Structure of the pages: location of a page, warnings next to what they affect, and tasks done by hand."""
+"""Structure of the pages: place of a page, warnings next to the affected facts, and tasks done by hand."""
 
 from __future__ import annotations
 

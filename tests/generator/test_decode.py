@@ -68,7 +68,7 @@ def names(data: dict[str, Any]) -> list[str]:
     return [item["field"] for item in data["reports"]]
 
 
-# --------------------------------------------------------------------------------------------- what the encoder reports
+# --------------------------------------------------------------------------------------------- reports of the encoder
 
 
 @pytest.mark.parametrize(
@@ -146,7 +146,7 @@ def test_the_remedy_of_an_alarm_is_told(capsys: Capture) -> None:
 @pytest.mark.parametrize(
     ("code", "frame", "verdict"),
     [
-        # A singleturn model has no battery (4.3), and no manual says what its battery bits mean.
+        # A singleturn model has no battery (4.3), and no manual gives the meaning of its battery bits.
         ("AMM5A17/1JP1", reply(0x1A, 0x20, 1, 0, 0, 0x23, 0, 0, 0, 0x80), "usable_with_warning"),
         ("AMM5A17/1JP1", reply(0x1A, 0x20, 1, 0, 0, 0x23, 0, 0, 0, 0x40), "usable_with_warning"),
         # EE_1 alone may be BUSY, with a position of 0 (7.4.1).
@@ -249,7 +249,7 @@ def test_the_only_reply_to_data_id_5_that_the_manual_prints(capsys: Capture) -> 
 def test_status_bits_that_the_manual_does_not_use(
     capsys: Capture, status: str, reported: list[str], verdict: str, unused: int
 ) -> None:
-    """AM36 manual, 6.3.1 p.21: nE and nW are always 1; at 0 they are what the BiSS protocol says."""
+    """AM36 manual, 6.3.1 p.21: nE and nW are always 1. A 0 has its meaning in the BiSS protocol."""
     code, data = decode(capsys, "AM3616/4096-I7", "0b" + "0" * 36 + status + CRCS[status])
     assert (code, names(data), data["verdict"]) == (3 if verdict == "not_usable" else 0, reported, verdict)
     assert [item["makes_position"] for item in data["reports"]] == [
@@ -288,7 +288,7 @@ def test_the_number_of_unused_bits_is_no_line_of_the_text(capsys: Capture) -> No
     assert "unused " not in text(capsys, "AMM5A23/65KJP1", reply(0x02, 0, 0, 0, 0))[1]
 
 
-# ------------------------------------------------------------------------------------------ what the manual leaves open
+# --------------------------------------------------------------------------------------- open questions of the manual
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Readers of the files for masters, which stand in for the tools. They refuse whatever the tools do not know.
+"""Readers of the files for masters, which replace the tools. They refuse everything that the tools do not know.
 
 ======================  ============================================================================================
 ethercat_driver_ros2    ec_sdo_manager.hpp: a list under the key sdo of index, sub_index, type and value, an int

@@ -18,7 +18,7 @@ def told(capsys: pytest.CaptureFixture[str], code: str, master: str, *more: str)
 
 @pytest.mark.parametrize(
     ("code", "metres", "below"),
-    # 5.3: below 50 m less than 400 kHz, 100 m 300 kHz, 200 m 200 kHz; a cable of exactly 50 m is not below 50 m.
+    # 5.3: below 50 m less than 400 kHz, 100 m 300 kHz, 200 m 200 kHz. A cable of exactly 50 m is not below 50 m.
     [
         ("AMM5A21/65KBG1", "1", 400),
         ("AMM5A21/65KBG1", "49", 400),

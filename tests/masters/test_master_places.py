@@ -1,4 +1,4 @@
-"""Where and how a program writes the settings of masters, with numbers typed from the masters' documents.
+"""Addresses and formats of the settings of masters, with numbers typed from the masters' documents.
 
 =======================  ==============================================================================================
 EL5042                   infosys el5042/4216721675: 80p8 with p = 0 and 1, types and defaults of 02 to 15

@@ -1,4 +1,4 @@
-"""What masters are told, worked out on paper: frames from the encoders' manuals, rules from the masters' documents.
+"""Settings of masters, computed on paper: frames from the encoders' manuals, rules from the masters' documents.
 
 The frames, first bit sent first:
 
@@ -10,7 +10,7 @@ SMA21-GG1-0010         SSI: position 22 in Gray code, error bit 1               
 AMM5A17/1SC1           position 17, nE, nW, CRC 6                                          6.2, bits n + 7 to 8
 AMM5A23/65KSC1         turns 16, position 23, nE, nW, CRC 6                                6.2, bits n + 7 to 8, n = 39
 AMM5A21/65KBG1         SSI: turns 16, position 21, binary                                  5.2
-AM3616/4096-I7         turns 16, position 20 as delivered (57h = 10h, 56h = 14h), 1, 1, CRC 6    6.2, bits 43 to 8
+AM3616/4096-I7         turns 16, position 20 by default (57h = 10h, 56h = 14h), 1, 1, CRC 6      6.2, bits 43 to 8
 AM3619/4096-GG         SSI: turns 12, position 19, in Gray code as one word                5.2
 ASC8525/SC1            position 25, one zero bit, nE, nW, CRC 6                            6.2, bits n + 8 to 9, n = 25
 =====================  ==================================================================  ======================
@@ -228,7 +228,7 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
                 "aux[12].bissc.crc_bits": 6,
             },
         ),
-        # Payload 4 + 20; the position begins after 4 bits. 67 is 0x43.
+        # Payload 4 + 20. The position begins after 4 bits. 67 is 0x43.
         (
             "synapticon",
             "SMA21-SC1-0050",
@@ -250,7 +250,7 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
             "AMM5A23/65KSC1",
             {"Frame size": 39, "Multiturn first bit position": 0, "Singleturn first bit position": 16},
         ),
-        # 1.5 periods of 50 kHz are 30 µs; ASC85 prints a time-out for 10 MHz alone.
+        # 1.5 periods of 50 kHz are 30 µs. ASC85 prints a time-out for 10 MHz alone.
         ("synapticon", "AMM5A23/65KSC1", {"Timeout, in µs": 30}),
         (
             "synapticon",

@@ -1,6 +1,6 @@
 """Type plates for OPC UA, read by asyncua.
 
-``powertrain.xml`` stands in for the nodesets of the OPC Foundation, which are not part of this repository. To read the
+``powertrain.xml`` replaces the nodesets of the OPC Foundation, which are not part of this repository. To read the
 plates on the real ones, check out the repository OPCFoundation/UA-Nodeset and set ``UA_NODESETS`` to its folder.
 """
 
@@ -86,7 +86,7 @@ def test_a_server_reads_the_plates(library: Library, tmp_path: Path) -> None:
 
 
 async def _read(plates: list[Path]) -> dict[str, Any]:
-    """Return what a server knows of each plate after loading it, by its product code."""
+    """Return the content of each plate after a server has loaded it, by its product code."""
     from asyncua import Server
 
     server = Server()

@@ -54,7 +54,7 @@ FAMILIES = sorted(
     for path in SPECS.glob("*/*.yaml")
     if path.stem != "manufacturer" and path.parent.name != "masters" and not is_second(path)
 )
-#: Specs that use what no device has.
+#: Specs with features that no device has.
 MADE_UP = {"words": TESTS / "specs", "odd_shapes": TESTS / "python" / "specs", "shapes": TESTS / "c" / "specs"}
 MADE_UP |= dict.fromkeys(("banks", "ring", "ring_turns", "wide"), TESTS / "specs")
 MADE_UP |= {"as5047p": TESTS.parent / "examples" / "encoders" / "ams"}

@@ -450,7 +450,7 @@ def test_a_line_that_never_changes(biss: Any, stuck: int) -> None:
 
 
 def test_commands_pass(biss: Any) -> None:
-    """CTS = 0: the slave takes its ID and does nothing else, whatever follows."""
+    """CTS = 0: the slave takes its ID and ignores everything that follows."""
     slave = PythonSlave(biss)
     header = 0b0_00000001_01
     stream = (

@@ -409,7 +409,7 @@ def test_powers_of_two(lika: Any) -> None:
             lika.am36.InformationPerRevolution(wrong).encode()
 
 
-# ----------------------------------------------------------------------------------------------------- what counts mean
+# ----------------------------------------------------------------------------------------------- meanings of counts
 
 
 def test_every_position_has_a_meaning(lika: Any, devices: Mapping[str, Device]) -> None:

@@ -291,7 +291,7 @@ def test_velocity_is_the_way_by_the_time(families: dict[str, Family], label: str
 
 
 def test_counts_go_on_from_table_to_table(families: dict[str, Family]) -> None:
-    """In pieces, the results are the same as in one, even if a piece begins with errors or has nothing else."""
+    """In pieces, the results are the same as in one, even if a piece begins with errors or has only errors."""
     encoder, source = lookup_of(families, "AMM5A17/1SC1"), random.Random(7)
     counts = numpy.cumsum([source.randint(-30_000, 60_000) for _ in range(300)])
     words = encoder.encode_many({"position": counts % encoder.modulus})

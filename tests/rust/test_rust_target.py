@@ -76,7 +76,7 @@ def test_it_compiles_in_the_older_edition(specs: str, tmp_path: Path) -> None:
 
 
 def test_the_readme(codewheel: Run, tmp_path: Path) -> None:
-    """Its commands write the crate. Its program compiles and prints what the page shows."""
+    """Its commands write the crate. Its program compiles, and its output is that of the page."""
     assert codewheel(*re.findall(r"^codewheel (.*)$", README, re.MULTILINE)[0].split(), "-o", tmp_path)[0] == 0
     crate = tmp_path / "rust" / "lika-encoders" / "src" / "lib.rs"
     compiled("--edition", "2021", "--crate-type", "rlib", "--crate-name", "lika_encoders", "--out-dir", tmp_path, crate)

@@ -195,7 +195,7 @@ def _replaced(text: str, values: Mapping[str, str]) -> str:
 
 
 def is_exact(batch: Batch, codec: Codec) -> bool:
-    """Return True if every bit belongs to a field for every order code, so that encoding restores what was decoded."""
+    """Return True if every bit belongs to a field for every order code, so that encoding restores a decoded frame."""
     placed = [
         codec.layout.place(item.parameters) for item in batch.device.variants if item.interface == codec.interface
     ]

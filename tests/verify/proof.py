@@ -1,4 +1,4 @@
-"""What a proof by CBMC needs: the header as text, the parameters of all order codes, and the run.
+"""Requirements of a proof by CBMC: the header as text, the parameters of all order codes, and the run.
 
 CBMC is a model checker. A harness is a C file whose functions claim something about arbitrary values with
 ``__CPROVER_assert``. The parameters of the variant are also arbitrary, but restricted to those of the order codes and

@@ -1,6 +1,6 @@
 """Proofs of every other function, called with arbitrary arguments.
 
-It has no undefined behaviour, and it keeps what the headers promise about all functions. On an error, its results are
+It has no undefined behaviour, and it keeps the promises of the headers about all functions. On an error, its results are
 unchanged, and an error of the transport is returned. The harness of a function is built from its signature, so a new
 function is proved as soon as it is in a header.
 """
@@ -29,7 +29,7 @@ POSITION = "(1LL << 55)"
 CODES_ROUNDS, STEPS_ROUNDS, ROUNDS, ANY_ROUNDS = 70, 4, 32, 3
 
 #: A transport in which every function may be missing or fail at any call, with any number except 0.
-#: After a failure, registers are read and written only to close what was opened, with a result of its own.
+#: After a failure, registers are read and written only to close open ones, with a result of its own.
 _TRANSPORT = """\
 static int32_t failed_with;
 static int32_t fails(void)

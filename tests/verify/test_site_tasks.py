@@ -236,7 +236,7 @@ def test_a_label_that_is_not_listed_is_answered_by_the_search(
     assert words in browser.run('document.getElementById("search-results").innerText')
 
 
-#: An order code, cable lengths in metres, and what the slider says about each.
+#: An order code, cable lengths in metres, and the text of the slider for each.
 SLIDER = [
     ("amm5/AMM5A21-65KSC1", {"10": "10 m: up to 10 MHz, frame 4.7 µs", "30": "30 m: up to 2 MHz, frame 23.5 µs",
                              "60": "60 m: up to 2 MHz, frame 23.5 µs", "80": "80 m: up to 1 MHz, frame 47 µs"}),
