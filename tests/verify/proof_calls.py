@@ -1,6 +1,6 @@
 """Proofs of every other function, called with arbitrary arguments.
 
-It has no undefined behaviour, and it keeps the promises of the headers about all functions. On an error, its results are
+It has no undefined behaviour, and it keeps what the headers guarantee for all functions. On an error, its results are
 unchanged, and an error of the transport is returned. The harness of a function is built from its signature, so a new
 function is proved as soon as it is in a header.
 """
