@@ -290,7 +290,7 @@ CABLES = {
 #: Results of functions of the families and of the control frames,
 #: from the manuals, from BiSS C's protocol description, or by arithmetic.
 FUNCTIONS: Mapping[str, int] = {
-    # AMM5 6.5: 30 us at 50 kHz, 7.5 us at 200 kHz; 1.5 clocks, rounded up to a whole nanosecond.
+    # AMM5 6.5: 30 us at 50 kHz, 7.5 us at 200 kHz. 1.5 clocks, rounded up to a whole nanosecond.
     "lika_amm5_biss_timeout_ns(50000U)": 30_000,
     "lika_amm5_biss_timeout_ns(200000U)": 7_500,
     "lika_amm5_biss_timeout_ns(0U)": 0,

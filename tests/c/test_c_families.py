@@ -148,7 +148,7 @@ def test_an_offset_takes_the_whole_position_field(family: Family) -> None:
 
 
 def test_an_encoder_id_is_held_against_the_one_that_the_manual_states(family: Family) -> None:
-    """AMM5 7.4 p.43 prints ENID 23h; the second reply has 17h, as T-format encoders of 23 bits usually do.
+    """AMM5 7.4 p.43 prints ENID 23h. The second reply has 17h, as T-format encoders of 23 bits usually do.
     The last two have 23h, and one has an information bit that 7.3.2 p.42 calls not used."""
     device, run = family
     if device.name != "amm5":

@@ -444,7 +444,7 @@ int main(void)
 
 @pytest.mark.slow
 def test_another_encoder_id_is_decoded_and_not_as_expected(include: Path, tmp_path: Path) -> None:
-    """AMM5 7.4 p.43 prints ENID 23h; T-format encoders of 23 bits usually have 17h."""
+    """AMM5 7.4 p.43 prints ENID 23h. T-format encoders of 23 bits usually have 17h."""
     code = """#include "lika/amm5_rs485.h"
 #include <stdio.h>
 int main(void)

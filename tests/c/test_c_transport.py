@@ -95,7 +95,7 @@ def ten_times(request: str, first: int = 0) -> str:
 
 
 CASES = [
-    # AMM5 6.4: the example of the manual, 1,000,003 with 21 bits; 30 ms after each command.
+    # AMM5 6.4: the example of the manual, 1,000,003 with 21 bits. 30 ms after each command.
     Case(
         "amm5",
         "AMM5A21/65KSC1",
@@ -212,7 +212,7 @@ CASES = [
     Case("am36", "AM3616/4096-I7", "save_parameters", "0: w 48 01\n1: wait 30000"),
     Case("am36", "AM3616/4096-I7", "activate_preset", "0: w 48 02\n1: wait 30000"),
     Case("am36", "AM3616/4096-I7", "restore_defaults", "0: w 48 04\n1: wait 30000"),
-    # 4,096 = 001000h in 4Bh to 4Dh; 65,536 revolutions are written as 00 00; 1,000 = 3E8h.
+    # 4,096 = 001000h in 4Bh to 4Dh. 65,536 revolutions are written as 00 00. 1,000 = 3E8h.
     Case(
         "am36",
         "AM3616/4096-I7",

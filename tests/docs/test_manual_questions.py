@@ -16,7 +16,7 @@ from codewheel.model import Device
         # Neither 7.2 has a time between request and reply.
         ("amm5", "rs485_reply_time", True, "not the time between", "interfaces.rs485.data_ids"),
         ("sma21", "rs485_reply_time", True, "not the time between", "interfaces.rs485.data_ids"),
-        # 5.3: at least 20 µs and Tp > 20 µs; 16 µs in SMA21.
+        # 5.3: at least 20 µs and Tp > 20 µs, or 16 µs in SMA21.
         ("amm5", "ssi_pause", True, "Tp > 20 µs", "interfaces.ssi.pause"),
         ("sma21", "ssi_pause", True, "Tp > 16 µs", "interfaces.ssi.pause"),
         # The English and the Italian AMM5 1.9.

@@ -262,7 +262,7 @@ def test_status_bits_that_the_manual_does_not_use(
 @pytest.mark.parametrize(
     ("frame", "reported", "verdict", "unused"),
     [
-        # SF: EI_3 to EI_0 and bits 7:6. ALMC: bits 4:3 and 0; a byte of the number for each byte of the frame.
+        # SF: EI_3 to EI_0 and bits 7:6. ALMC: bits 4:3 and 0. Each byte of the frame has a byte of the number.
         (reply(0x02, 0xC5, 0, 0, 0), ["status_info", "status_zero"], "usable_with_warning", 0xC5),
         (reply(0x02, 0xCF | 0x20, 0, 0, 0), ["status_info", "status_other_error", "status_zero"], "not_usable", 0xCF),
         (

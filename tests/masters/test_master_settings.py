@@ -257,7 +257,7 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
             "ASC8525/SC1 as_printed",
             {"Timeout, in µs": None, "Frame size": 26, "Singleturn bits": 25},
         ),
-        # SSI: the whole frame, 22 + 1; a pause of 16 µs.
+        # SSI: the whole frame, 22 + 1, and a pause of 16 µs.
         (
             "synapticon",
             "SMA21-GG1-0010",
@@ -295,7 +295,7 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
             "AM3616/4096-I7",
             {"Singleturn resolution": 20, "Multiturn resolution": 16, "SSI data format": None, "SSI clock freq.": None},
         ),
-        # 2^20 steps, 65536 turns, no fill bits; a linear encoder has 4 on the left, ASC85 1 on the right.
+        # 2^20 steps, 65536 turns, no fill bits. A linear encoder has 4 on the left, ASC85 1 on the right.
         (
             "beckhoff_ax8000",
             "AM3616/4096-I7",
@@ -391,7 +391,7 @@ def test_other_masters(told: Told, master: str, code: str, expected: dict[str, A
 
 
 def test_example_of_siemens(told: Told) -> None:
-    """13 + 12 bits in a frame of 25 have MSB 24 and LSB 0; 16 + 21 bits in one of 37 have 36 and 0."""
+    """13 + 12 bits in a frame of 25 have MSB 24 and LSB 0. 16 + 21 bits in one of 37 have 36 and 0."""
     found = told("siemens_posinput", "AMM5A21/65KBG1")
     assert (
         found["Frame length"],
@@ -433,7 +433,7 @@ def test_refusals(sheet_of: Callable[[str, str], Sheet], master: str, code: str,
 
 
 def test_the_example_of_omron(told: Told) -> None:
-    """p. 249, 12 bits of turns, 13 of one: valid 25, single-turn 12 and 13, multi-turn 0 and 12; ours 12 and 16."""
+    """p. 249, 12 bits of turns, 13 of one: valid 25, single-turn 12 and 13, multi-turn 0 and 12. Ours has 12 and 16."""
     found = told("omron_nx", "AM3616/4096-BG")
     names = (
         "Valid Data Length",

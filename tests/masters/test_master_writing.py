@@ -44,7 +44,7 @@ def test_mode_of_el5042_comes_first(sheet_of: SheetOf) -> None:
 @pytest.mark.parametrize(
     ("master", "code", "name", "effect"),
     [
-        # W524, A-28: Y is effective after restart; A-49: 5005 hex has Y.
+        # W524, A-28: Y is effective after restart. A-49: 5005 hex has Y.
         ("omron_nx", "AM3619/4096-GG", "Valid Data Length", Effect(restart_of="the NX Unit")),
         ("ti_c2000", "AMM5A21/65KSC1", "positionSTBits", Effect(by_call="PM_bissc_initParams")),
         ("ti_motor_control_sdk", "AMM5A21/65KSC1", "Clock, in MHz", Effect(by_call="bissc_clock_config")),

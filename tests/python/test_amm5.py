@@ -152,7 +152,7 @@ def test_published_reply(amm5: Any, vectors: list[dict[str, Any]]) -> None:
 
 
 def test_the_eeprom_address_has_two_forms(amm5: Any, lika: Any, vectors: list[dict[str, Any]]) -> None:
-    """HPMicro's three frames have the plain address; the manual prints EA 0A E0 for address 5 (7.5 p.46)."""
+    """HPMicro's three frames have the plain address. The manual prints EA 0A E0 for address 5 (7.5 p.46)."""
     printed, plain = amm5.EepromAddress
     assert (printed.name, plain.name) == ("AS_PRINTED", "AS_T_FORMAT")
     encoder = amm5.lookup("AMM5A23/65KJP1")

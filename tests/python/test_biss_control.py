@@ -386,7 +386,7 @@ def test_14_zeros_before_every_access_and_no_more(biss: Any) -> None:
     assert line.cdm.index(1) == 14
     line.master.read(0x44, 1, 0, 0)
     assert line.run() == "DONE"
-    # The last 1 of the first access is its second S, in frame 32; 12 zeros, P and one more follow.
+    # The last 1 of the first access is its second S, in frame 32. 12 zeros, P and one more follow.
     assert line.cdm[33:48] == [0] * 14 + [1]
 
 

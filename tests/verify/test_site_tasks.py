@@ -312,7 +312,7 @@ def test_a_preset_that_does_not_fit_is_refused(site: Path, browser: Browser, typ
 
 
 #: A page with its frame, the field that is pointed at, and what is shown about it. The frame of AMM5 is the manual's
-#: preset example, 1,000,003 counts, with both flags inactive; its CRC is computed in ``test_browser_codec.py``.
+#: preset example, 1,000,003 counts, with both flags inactive. Its CRC is computed in ``test_browser_codec.py``.
 DRAWN = [
     ("#code=AMM5A21/65KSC1&frame=0x0F4243D3", "error", "error: bit 7, no (1). No active error. Manual 6.2.1 p.32"),
     ("#code=AMM5A21/65KSC1&frame=0x0F4243D3", "singleturn",
