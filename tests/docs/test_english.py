@@ -110,7 +110,7 @@ def test_what_a_manual_prints_is_a_quotation(tmp_path: Path) -> None:
 
 
 def test_only_a_message_may_join_cause_and_remedy(tmp_path: Path) -> None:
-    """Docstrings and helps are prose."""
+    """Docstrings and help texts are prose."""
     (tmp_path / "check.py").write_text(
         'def f():\n    """Return it; it is here."""\n    add(x, help="list all of it; none")\n'
         '    report("it is even; write 0x43")\n'

@@ -193,7 +193,7 @@ def test_alarms_of_sma21(capsys: Capture, status: int, alarms: int, reported: li
         (("AMM5A23/65KJP1", *AS_PRINTED, reply(0xEA, 0x03, 0x00)), ["mem_busy"], None),
         (("AMM5A23/65KJP1", *AS_T_FORMAT, reply(0xEA, 0x81, 0x00)), ["mem_busy"], None),
         (("AMM5A23/65KJP1", reply(0x8A, 0x00, 5, 0, 0)), [], "usable"),  # multiturn data are part of the position
-        (("AMM5A23/1JP1", reply(0x8A, 0x00, 0, 0, 0)), [], "usable"),  # though a singleturn encoder has but 0 there
+        (("AMM5A23/1JP1", reply(0x8A, 0x00, 0, 0, 0)), [], "usable"),  # though a singleturn encoder has only 0 there
         (("AMM5A23/65KJP1", "--from", "master", "02"), [], None),
         (("ASC8525/SC1", "--as", "status", "01"), [], None),  # position data valid: no alarm
         (("ASC8525/SC1", "--as", "error_register", "01"), ["control_error"], None),
