@@ -1,4 +1,4 @@
-"""A BiSS line bit by bit: a master and a chain of slaves, in any language, exchange one bit each way in every frame."""
+"""A BiSS line bit by bit: a master and slaves in a chain, in any language, exchange one bit each way in every frame."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SPECS = Path(__file__).resolve().parent / "specs"
 
 
 class MasterEnd(Protocol):
-    """A master: outcomes by name."""
+    """A master with its outcomes by name."""
 
     @property
     def outcome(self) -> str: ...
@@ -32,7 +32,7 @@ class MasterEnd(Protocol):
 
 
 class SlaveEnd(Protocol):
-    """A slave: what it wants by name, ``slave_id`` None without one."""
+    """A slave with its requests by name. Without an ID, ``slave_id`` is None."""
 
     @property
     def wants(self) -> str: ...
@@ -49,7 +49,7 @@ class SlaveEnd(Protocol):
 
 @dataclass
 class Memory:
-    """The registers behind a slave, which makes the master wait ``delay`` frames for each of them."""
+    """Registers behind a slave. The master waits ``delay`` frames for each of them."""
 
     registers: dict[int, int]
     delay: int = 0
@@ -58,7 +58,7 @@ class Memory:
     _waited: int = 0
 
     def serve(self, slave: SlaveEnd) -> None:
-        """What whoever owns a slave does after each of its frames."""
+        """Serve the requests of a slave after each frame."""
         if slave.wants == "NOTHING":
             self._waited = 0
         elif self._waited < self.delay:
@@ -76,13 +76,15 @@ class Memory:
 
 @dataclass
 class Line:
-    """Slaves stand in order, the first next to the master, the last with 0 at its SLI.
-    ``cdm`` and ``cds`` keep what went over the line."""
+    """A line with slaves in order: the first is next to the master, and the last has 0 at its SLI.
+
+    ``cdm`` and ``cds`` record the bits on the line.
+    """
 
     master: MasterEnd
     slaves: Sequence[SlaveEnd]
     memories: Sequence[Memory]
-    #: What a disturbance makes of a bit, by the number of its frame.
+    #: Returns a bit, possibly disturbed, from the number of its frame.
     disturb_cdm: Callable[[int, int], int] = lambda frame, bit: bit
     disturb_cds: Callable[[int, int], int] = lambda frame, bit: bit
     cdm: list[int] = field(default_factory=list)
@@ -100,7 +102,7 @@ class Line:
         self.cdm.append(self.master.next(self.cds[-1]))
 
     def run(self, frames: int = 2000) -> str:
-        """Frames until the access is over, and as many as it takes until the line is at rest again."""
+        """Run frames until the access is over, and then until the line is at rest."""
         for _ in range(frames):
             self.frame()
             if self.master.outcome != "RUNNING":
@@ -112,7 +114,7 @@ class Line:
 
 
 class PythonMaster:
-    """The master of the generated Python package, with outcomes by name."""
+    """The master of the generated Python package, with its outcomes by name."""
 
     def __init__(self, biss: Any) -> None:
         self.machine = biss.Master()
@@ -132,7 +134,7 @@ class PythonMaster:
 
 
 class PythonSlave:
-    """The slave of the generated Python package, with what it wants by name."""
+    """The slave of the generated Python package, with its requests by name."""
 
     def __init__(self, biss: Any, readable: Sequence[int] = range(128), writable: Sequence[int] = range(128)) -> None:
         self.machine = biss.Slave(readable, writable)
@@ -146,7 +148,7 @@ class PythonSlave:
 
 
 def ssi_only(folder: Path) -> Device:
-    """A device that speaks no BiSS: the made-up encoder of 22 bits over SSI."""
+    """A device without BiSS: the made-up encoder of 22 bits over SSI."""
     text = (
         (SPECS / "bits22.yaml")
         .read_text(encoding="utf-8")

@@ -16,7 +16,7 @@ Part = Generator[int, int, int]
 
 
 def crc_4(bits: Iterable[int]) -> list[int]:
-    """x^4 + x + 1, start value 0, sent inverted, the highest first."""
+    """Return the CRC x^4 + x + 1 with start value 0, inverted, highest bit first."""
     rest = [0, 0, 0, 0]
     for bit in bits:
         out = rest[0] ^ bit
@@ -36,12 +36,12 @@ def number(bits: Iterable[int]) -> int:
 
 
 class _Abort(Exception):
-    """Fourteen zeros: the control frame is over, whatever it was at."""
+    """Fourteen zeros end the control frame in any state."""
 
 
 @dataclass
 class ModelSlave:
-    """The only slave of a line, whose ID is 0. It takes a number of frames to fetch a register, and to store one."""
+    """The only slave of a line, whose ID is 0. It takes a number of frames to fetch or store a register."""
 
     registers: dict[int, int]
     readable: frozenset[int]
@@ -49,7 +49,7 @@ class ModelSlave:
     fetch: tuple[int, int] = (0, 0)
     store: tuple[int, int] = (0, 0)
     chance: random.Random = field(default_factory=lambda: random.Random(0))
-    #: What came that the protocol description does not have: by name.
+    #: Names of received bits that the protocol description does not have.
     wrong: list[str] = field(default_factory=list)
     stored: list[tuple[int, int]] = field(default_factory=list)
     _zeros: int = 0
@@ -74,7 +74,7 @@ class ModelSlave:
             cdm = 0
 
     def _exchange(self, cds: int) -> Part:
-        """One frame: its CDS goes out first, its CDM comes in at its end."""
+        """Exchange one frame: CDS is sent at its beginning, and CDM is received at its end."""
         cdm = yield cds
         self._now += 1
         self._zeros = 0 if cdm else self._zeros + 1
@@ -83,14 +83,14 @@ class ModelSlave:
         return cdm
 
     def _exchanges(self, bits: Iterable[int]) -> Generator[int, int, list[int]]:
-        """As many frames, one after the other."""
+        """Exchange this many frames."""
         heard = []
         for bit in bits:
             heard += [(yield from self._exchange(bit))]
         return heard
 
     def _control_frame(self) -> Generator[int, int, None]:
-        """From the bit after S on; leaves where the frame does not concern this slave."""
+        """Continue from the bit after S. Return if the frame is for another slave."""
         # IDL0: the ID is taken.
         header = yield from self._exchanges([1, *[0] * 14])
         if header[0] != 1 or crc_4(header[:11]) != header[11:] or number(header[1:4]) != 0:
@@ -145,16 +145,22 @@ class ModelSlave:
 
 @dataclass
 class ModelMaster:
-    """One access at a time, told by ``outcome``: "done", "refused" or "disturbed". ``latency`` is how many bits it has
-    said after a bit by the time it sees the answer to that: 1 where its bit goes out a frame later."""
+    """A master that makes one access at a time, whose ``outcome`` is "done", "refused" or "disturbed".
+
+    ``latency`` is the number of bits that it has sent after a bit before it sees the answer to that bit. It is 1 if its
+    bit is sent one frame later.
+    """
 
     latency: int
     outcome: str = ""
     data: list[int] = field(default_factory=list)
 
     def access(self, address: int, values: Sequence[int] | int) -> Bits:
-        """Writes these values, or reads so many registers. Each register has a control frame of its own, sent whole
-        before its answers are looked at; one that is busy is asked again."""
+        """Write these values, or read this many registers.
+
+        Each register has a control frame of its own, which is sent completely before its answers are examined. A busy
+        register is requested again.
+        """
         self.outcome, self.data = "", []
         writes = not isinstance(values, int)
         for index in range(len(values) if not isinstance(values, int) else values):

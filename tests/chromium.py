@@ -1,4 +1,4 @@
-"""Chromium without a window, spoken to over a pipe in its DevTools protocol."""
+"""Chromium without a window, controlled over a pipe with its DevTools protocol."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from types import TracebackType
 from typing import Any
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-#: What a page may ask for.
+#: Addresses that a page may request.
 _OWN = ("file://", "data:", "about:")
 _FLAGS = (
     "--headless=new",
@@ -26,10 +26,10 @@ _FLAGS = (
 
 
 def _started(command: Sequence[str]) -> tuple[subprocess.Popen[bytes], int, int]:
-    """The browser, where to write to it, and where to read from it."""
+    """The browser, with the pipes to write to and to read from."""
     to_browser, write = os.pipe()
     read, from_browser = os.pipe()
-    # It reads from 3 and writes to 4, whatever these are here.
+    # Chromium reads from 3 and writes to 4, whatever these are in this process.
     source, target = (fcntl.fcntl(end, fcntl.F_DUPFD, 10) for end in (to_browser, from_browser))
     placed = ["bash", "-c", f'exec 3<&{source} 4>&{target} {source}<&- {target}>&-; exec "$@"', "bash", *command]
     nothing = subprocess.DEVNULL
@@ -40,7 +40,7 @@ def _started(command: Sequence[str]) -> tuple[subprocess.Popen[bytes], int, int]
 
 
 class Browser:
-    """One page of one browser; ``complaints`` has what its console and its requests said since the last ``open``."""
+    """One page of one browser. ``complaints`` lists the errors of its console and requests since the last ``open``."""
 
     def __init__(self, profile: Path) -> None:
         assert CHROMIUM is not None
@@ -67,7 +67,7 @@ class Browser:
         self._input.close()
 
     def call(self, method: str, **parameters: Any) -> Any:
-        """The answer of the browser to a command of the protocol."""
+        """Return the browser's answer to a command of the protocol."""
         self._count += 1
         message: dict[str, Any] = {"id": self._count, "method": method, "params": parameters}
         if self._session:
@@ -81,7 +81,7 @@ class Browser:
             self._hear(answer)
 
     def look(self, width: int, dark: bool = False, height: int = 900) -> None:
-        """Sets the width of the window, and what the reader prefers."""
+        """Set the width of the window, and the reader's preferences."""
         self.call(
             "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 600
         )
@@ -89,19 +89,19 @@ class Browser:
         self.call("Emulation.setEmulatedMedia", features=[preferred])
 
     def open(self, url: str) -> None:
-        """Opens a page and waits until it is loaded."""
+        """Open a page and wait until it is loaded."""
         self.complaints.clear()
         self.call("Page.navigate", url=url)
         self.wait()
 
     def wait(self) -> None:
-        """Waits until the page that is on its way is loaded."""
+        """Wait until the page is loaded."""
         while not self._loaded:
             self._hear(self._next())
         self._loaded = False
 
     def run(self, script: str) -> Any:
-        """The value of an expression of JavaScript in the page; a promise is waited for."""
+        """Return the value of a JavaScript expression in the page. Wait if it is a promise."""
         done = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
         assert "exceptionDetails" not in done, done["exceptionDetails"]
         return done["result"].get("value")

@@ -1,4 +1,4 @@
-"""What the tests share: the library of our specs, and the generated Python package."""
+"""Fixtures that the tests share: the library of our specs, and the generated Python package."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from codewheel.targets.docs.files import generate as generate_docs
 from hostile_texts import spoilt
 from hypothesis import HealthCheck, settings
 
-# A busy machine is no fault of the code: no property test fails for its time.
+# A slow machine is not an error, so no property test fails because of its time.
 settings.register_profile("codewheel", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("codewheel")
 
@@ -37,21 +37,21 @@ _OURS = {ROOT / "specs", ROOT / "docs" / "example", ROOT / "tests" / "specs", RO
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """A file whose tests are all slow need not be imported where none of them is wanted."""
+    """A file with only slow tests is not imported if none of them is selected."""
     if config.option.markexpr != "not slow" or collection_path.suffix != ".py":
         return None
     return "\npytestmark = pytest.mark.slow\n" in collection_path.read_text(encoding="utf-8") or None
 
 
 def pytest_collection_modifyitems(items: Sequence[pytest.Item]) -> None:
-    """A test that needs what is made once is slow, for one of them has to make it; so is the longer evidence."""
+    """A test that needs a shared artefact is slow, because one of them must build it. So is the longer evidence."""
     for item in items:
         if "made_once" in getattr(item, "fixturenames", ()) or ROOT / "tests" / "verify" in item.path.parents:
             item.add_marker(pytest.mark.slow)
 
 
 def pytest_configure() -> None:
-    """What collection makes stays to the end; to look it through for garbage takes a tenth of all the time."""
+    """Objects from the collection live until the end. Searching them for garbage takes a tenth of the whole time."""
     gc.disable()
 
 
@@ -62,13 +62,13 @@ def pytest_collection_finish() -> None:
 
 
 def pytest_sessionfinish() -> None:
-    """What is left at the end goes with the process; pytest would look it through twice."""
+    """Remaining objects disappear with the process. pytest would search them twice."""
     gc.freeze()
 
 
 @pytest.fixture(autouse=True)
 def _quick_tests_are_quick(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Processes, whatever they run, are for tests that are marked as slow."""
+    """Only tests that are marked as slow may start processes."""
 
     def started(self: Any, command: Any, *more: Any, **named: Any) -> None:
         raise AssertionError(f"this test runs {command}: mark it with pytest.mark.slow")
@@ -79,7 +79,7 @@ def _quick_tests_are_quick(request: pytest.FixtureRequest, monkeypatch: pytest.M
 
 @pytest.fixture(scope="session", autouse=True)
 def _specs_read_once() -> Iterator[None]:
-    """Lets commands and tests of one process read the specs of this repository once; others are read each time."""
+    """Commands and tests of one process read the specs of this repository only once. Others are read each time."""
     families, masters = _once(loading.load_families), _once(sheet.load_masters)
     with pytest.MonkeyPatch.context() as patch:
         for module in (loading, outputs, check):
@@ -92,7 +92,7 @@ def _specs_read_once() -> Iterator[None]:
 def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Processes keep results in a folder of their own, and tests, which patch the code, keep none.
 
-    pip keeps its downloads where they are.
+    pip keeps its downloads in their usual place.
     """
     with pytest.MonkeyPatch.context() as patch:
         if "PIP_CACHE_DIR" not in os.environ:
@@ -119,7 +119,7 @@ def _once(read: Callable[..., Any]) -> Callable[..., Any]:
 
 @pytest.fixture(scope="session")
 def library() -> Library:
-    """Everything that ``specs/`` describes."""
+    """All encoders and masters in ``specs/``."""
     devices, report = loading.load_library([ROOT / "specs"])
     assert not report, "\n".join(problem.format() for problem in report.problems)
     return Library(devices)
@@ -143,14 +143,14 @@ def pages(library: Library) -> dict[str, str]:
 
 @pytest.fixture(scope="session")
 def hostile(library: Library) -> Library:
-    """Every running text of every device replaced by one that holds the marks of all output languages."""
+    """Replace every running text of every device by one with the special characters of all output languages."""
     text = "a -- b --> c ]]> d | e <script>alert(1)</script> &amp; \"f\" 'g' `h` [i](j) ${k} *l* é − <!-- m -"
     return Library(tuple(spoilt(device, text) for device in library.devices))
 
 
 @pytest.fixture(scope="session")
 def made_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> MadeOnce:
-    """Fills a folder once for all workers of a run: the first that asks does the work, the others wait for it."""
+    """Fill a folder once for all workers of a run. The first one does the work, and the others wait for it."""
     own = tmp_path_factory.getbasetemp()
     shared = own.parent if hasattr(pytestconfig, "workerinput") else own
 
@@ -176,7 +176,7 @@ def vectors() -> list[dict[str, Any]]:
 
 @pytest.fixture(scope="session")
 def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Library, str], tuple[Path, ModuleType]]:
-    """Writes the Python package of a library to a folder of its own and imports it; gives folder and package."""
+    """Write the Python package of a library to a folder of its own, import it, and return folder and package."""
     from codewheel.targets.python.files import generate
 
     folders: dict[str, list[Path]] = {}
@@ -195,7 +195,7 @@ def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Libr
             imported = importlib.import_module(package)
         finally:
             sys.path.remove(str(folder / "python"))
-        # Some modules are loaded when they are asked for: those of an older package of this name have to be found.
+        # Some modules are loaded on first use, so those of an older package of this name must be found.
         inner = {name: importlib.import_module(f"{package}.{name}") for name in ("facts", "_shapes")}
         for older in folders.setdefault(package, []):
             imported.__path__.append(str(older))

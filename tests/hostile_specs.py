@@ -1,4 +1,4 @@
-"""Parts of specs that are made in a test, so that every word of a list becomes a name of something."""
+"""Parts of specs for tests in which every word of a list becomes a name."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def layout_of(name: str, *fields: Item, **more: Any) -> Item:
 
 
 def digits(name: str, high: str, low: str) -> Item:
-    """A number of four decimal digits in 14 bits, and the names of its two halves."""
+    """Return a number of four decimal digits in 14 bits, with the names of its two halves."""
     return {"name": name, "bits": 14, "digits": [{"name": high, "digits": 2}, {"name": low, "digits": 2}]}
 
 

@@ -1,4 +1,4 @@
-"""A model in which every running text tries to break out of the output that it is put into."""
+"""A model in which every running text tries to break out of its output."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from codewheel.model.by_hand import has_steps
 
-#: Members that are running text in the spec language; the others are words that schema and rules restrict.
+#: Members that are running text in the spec language. The others are words that schema and rules restrict.
 TEXTS = frozenset(
     """
     title meaning note printed_name when_active when_inactive printed used why content changes signal contact only
@@ -19,7 +19,7 @@ TEXTS = frozenset(
 
 
 def spoilt(item: Any, text: str, names: frozenset[str] = TEXTS) -> Any:
-    """The same with ``text`` in place of everything that members of these names say."""
+    """Return the same value, with ``text`` in place of all texts of these members."""
     if dataclasses.is_dataclass(item) and not isinstance(item, type):
         changes = {}
         for member in dataclasses.fields(item):
@@ -36,7 +36,7 @@ def spoilt(item: Any, text: str, names: frozenset[str] = TEXTS) -> Any:
 
 def _spoilt_text(value: Any, text: str, names: frozenset[str]) -> Any:
     if isinstance(value, str):
-        # What counts steps still does: links lead to them.
+        # Numbers of steps stay, because links refer to them.
         return f"1. {text} 2. {text} 3. {text}" if has_steps(value) else text if value else value
     if isinstance(value, tuple) and all(isinstance(entry, str) for entry in value):
         return tuple(text for _ in value)

@@ -1,4 +1,4 @@
-"""Where processes that tests start find the generated packages."""
+"""The generated packages on the path of processes that tests start."""
 
 from __future__ import annotations
 

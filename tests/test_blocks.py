@@ -1,4 +1,4 @@
-"""Every command and block of code that our pages show is run: here, by a test that is named, or not, for a reason."""
+"""Every command and block of code on our pages is run here or by a named test, or has a reason why not."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PAGES = [
     *sorted((ROOT / "examples").glob("*/README.md")),
 ]
 _FENCED = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-#: By page, then by the language and the beginning of blocks: the test that runs them and compares what they show.
+#: By page, then by the language and the beginning of blocks: the test that runs them and compares the output.
 ELSEWHERE = {
     "README.md": {
         ": .venv/bin/codewheel master": "tests/test_readme.py::test_commands_run",
@@ -132,7 +132,7 @@ ELSEWHERE = {
         ": 5 revolutions": "tests/rust/test_rust_target.py::test_the_readme",
     },
 }
-#: What no test runs, and why.
+#: Blocks that no test runs, with the reason.
 EXCEPTIONS = {
     ("README.md", ": $ python3 -m venv"): "fetches packages. test_readme.py runs and compares the lines after it",
     ("generated/browser/README.md", ": decode.html"): "the address of a page; test_browser_page.py opens such ones",
@@ -151,7 +151,7 @@ EXCEPTIONS = {
         "toml: ",
     ): "two lines of a Cargo.toml; test_the_readme compiles against the crate",
 }
-#: Commands that show nothing of what they print are run here, in order.
+#: Commands without a shown output are run here, in order.
 _OURS = re.compile(r"(?:\$ )?(?:\.venv/bin/)?(codewheel|lika-encoders) ")
 
 
@@ -207,7 +207,7 @@ def test_the_tests_that_are_named_are_there() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("block", HERE, ids=lambda item: f"{item.page}: {item.lines[0][:50]}")
 def test_its_commands_run(block: Block, tmp_path: Path, generated_python: tuple[Path, ModuleType]) -> None:
-    """In a folder with what they read: an own spec under version control, a document type, captured frames."""
+    """Run in a folder with their input: a spec under version control, a document type, captured frames."""
     _prepare(tmp_path)
     environment = {"PATH": "/usr/bin:/bin", "PYTHONPATH": python_path(generated_python[0]), "PYTHONIOENCODING": "utf-8"}
     for line in block.lines:
@@ -238,7 +238,7 @@ def _prepare(folder: Path) -> None:
 
 
 def _versioned(folder: Path) -> None:
-    """The spec as it was in version 1.0."""
+    """Return the spec as it was in version 1.0."""
     who = ["-c", "user.name=a", "-c", "user.email=a@example.org"]
     for words in (["init", "-q"], ["add", "."], [*who, "commit", "-q", "-m", "first"], ["tag", "v1.0"]):
         subprocess.run(["git", *words], check=True, capture_output=True, cwd=folder)

@@ -1,4 +1,4 @@
-"""CI says what it did not run, and ends with an error where anything is left out."""
+"""CI reports omitted parts, and exits with an error if anything is omitted."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def program(path: Path, text: str) -> Path:
 
 
 def parts(folder: Path, make: str, *arguments: str, commits: int = 0, **environment: str) -> tuple[int, str]:
-    """Run the parts of three files with another make; give the exit code and the output."""
+    """Run the parts of three files with another make. Return the exit code and the output."""
     for name in ("a", "python_columns", "z"):
         (folder / "tests" / "verify").mkdir(parents=True, exist_ok=True)
         (folder / "tests" / "verify" / f"test_{name}.py").touch()
@@ -106,9 +106,9 @@ def test_a_part_ends_at_the_deadline(module: ModuleType, tmp_path: Path, monkeyp
     assert module.run("test", 0.2, []) is None
 
 
-#: What .ci/run needs of a machine, apart from what it installs.
+#: Tools that .ci/run needs on a machine, apart from those that it installs.
 TOOLS = ("date", "dirname", "mktemp", "rm", "tail", "touch", "mkdir", "cp", "cat", "sh")
-#: A Python whose pip fails if the folder has a file of this name, and that shows what it is called with.
+#: A Python whose pip fails if the folder has a file of this name, and which prints its arguments.
 PYTHON = """
 case "$*" in
     "-m venv .venv") mkdir -p .venv/bin && cp "$0" .venv/bin/python ;;
@@ -119,7 +119,7 @@ esac
 
 
 def prepared(folder: Path, apt: str) -> tuple[int, str]:
-    """Run a copy of .ci/run on a machine that has nothing but an apt-get."""
+    """Run a copy of .ci/run on a machine that has only apt-get."""
     (folder / ".ci").mkdir()
     shutil.copy(CI / "run", folder / ".ci" / "run")
     program(folder / "bin" / "python3", PYTHON)

@@ -1,4 +1,4 @@
-"""The figures of ``benchmarks/house.py``, each counted in a made-up tree where anybody can count along."""
+"""The figures of ``benchmarks/house.py``, each counted in a made-up tree in which anybody can check the number."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Made = Callable[[Mapping[str, str]], Checkout]
 
 @pytest.fixture
 def made(tmp_path: Path) -> Made:
-    """Writes files, and gives the checkout that they are."""
+    """Write files, and return them as a checkout."""
 
     def write(files: Mapping[str, str]) -> Checkout:
         for path, text in files.items():
@@ -219,7 +219,7 @@ def test_modules_of_a_target_that_lie_flat_are_read(made: Made) -> None:
 
 
 def file_of(marked: str) -> Printed:
-    """A file whose text between « and » is Python's, the rest a template's."""
+    """Return a file whose text between « and » is from Python, and the rest from a template."""
     text, origin, now = "", "", "t"
     for letter in dedent(marked):
         if letter in "«»":
@@ -431,7 +431,7 @@ def test_sizes_are_counted_by_what_a_reader_has_to_know() -> None:
 
 @pytest.mark.slow
 def test_the_origin_of_letters_survives_a_formatter(made: Made) -> None:
-    """One that breaks lines, adds commas and wraps comments, as targets do to what templates have printed."""
+    """Filter that breaks lines, adds commas and wraps comments, as targets do with the output of templates."""
     template = "/* About {{ name }}. */\nint f(void) { return call({{ name }}, done, {{ terms | join('+') }}); }\n"
     layout = '.replace("call(", "call(\\n    ").replace(" done,", "\\n    done,\\n   ").replace("About", "About\\n * ")'
     checkout = made(

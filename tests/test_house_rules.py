@@ -50,7 +50,7 @@ def test_files_that_the_recipes_name_exist() -> None:
     tops = {path.name for folder in (ROOT, ROOT / "generator") for path in folder.iterdir() if path.is_dir()}
     named = {path for path in re.findall(r"`([\w.-]+/[\w./-]*)`", text) if path.partition("/")[0] in tops}
     missing = {path for path in named if not any((folder / path).exists() for folder in (ROOT, ROOT / "generator"))}
-    # The first is made up by the recipe for an interface, the others stand for any target.
+    # The first one is from the recipe for an interface, and the others are examples of any target.
     assert missing == {"generator/model/interfaces/endat.py", "generator/targets/NAME/files.py", "templates/NAME/"}
 
 

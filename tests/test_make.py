@@ -1,4 +1,4 @@
-"""What make is asked for exists, and what runs on every change asks for it."""
+"""The targets of make that are used exist, and the targets for every change use them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 def commands(*targets: str) -> str:
-    """The commands that make would run, were the virtual environment there."""
+    """Return the commands that make would run if the virtual environment existed."""
     if shutil.which("make") is None:
         pytest.skip("make is not installed")
     command = ["make", "--dry-run", "--assume-old=.venv/.installed", *targets]

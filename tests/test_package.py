@@ -1,4 +1,4 @@
-"""The tool as it is installed: every file in the wheel, and the command working from anywhere."""
+"""The installed tool: every file is in the wheel, and the command works from any folder."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def wheel(made_once: Callable[[str, Callable[[Path], object]], Path]) -> Path:
 
 
 def built(folder: Path) -> None:
-    """A wheel from a copy, so that the checkout stays as it is."""
+    """A wheel from a copy, so that the checkout is unchanged."""
     source = folder / "source"
     tracked = run("git", "ls-files", "--cached", "--others", "--exclude-standard", "-z", cwd=ROOT).split("\0")
     for name in filter(None, tracked):
@@ -73,7 +73,7 @@ def test_the_wheel_holds_every_file_of_the_package(wheel: Path) -> None:
 
 
 def test_the_installed_tool_works_in_an_empty_folder(wheel: Path, tmp_path: Path) -> None:
-    """With nothing but the wheel and its dependencies, and in a folder whose name has a space."""
+    """With only the wheel and its dependencies, and in a folder whose name has a space."""
     place = tmp_path / "an empty folder"
     place.mkdir()
     venv.create(place / "venv")
@@ -105,7 +105,7 @@ def test_generated_is_what_the_specs_yield() -> None:
 
 @pytest.mark.slow
 def test_a_clone_that_converts_line_ends_leaves_them(tmp_path: Path) -> None:
-    """As git for Windows does by default; generate --check compares bytes."""
+    """As git for Windows does by default. generate --check compares bytes."""
     run("git", "clone", "--quiet", "--shared", "--config", "core.autocrlf=true", ROOT, tmp_path / "clone", cwd=tmp_path)
     kept = [
         path

@@ -43,7 +43,7 @@ _THINGS = (
     ("value", "a named value", "BBBD", "+++D", "BBBD", "the same number"),
     ("joined", "a number made of several fields", "BBBD", "BB+D", "BBBD", "the same fields"),
     ("register", "a register", "BBBD", "+++D", "BBBD", "the same address and bits"),
-    ("meaning", "a meaning of a register under a setting", "BBBD", "+++D", "BBBD", "the same setting"),
+    ("meaning", "one of several meanings of a register", "BBBD", "+++D", "BBBD", "the same setting"),
     ("crc", "a CRC", "BBBD", "+++D", "BBBD", "the same computation"),
     ("data-id", "a data ID", "BBBD", "+++D", "BBBD", "the same number"),
     ("timing", "a timing", "BBBD", "+++D", "BBBD", "the same times"),

@@ -118,7 +118,7 @@ def legend(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool
     inferred = " * = derived, not stated there." if "inferred" in used else ""
     tried = "Not yet tested on hardware."
     if "tried" in used:
-        tried = "+ = tested on hardware, unlike all others."
+        tried = "+ = tested on hardware. All others are not yet tested."
     return f"Settings from the documentation of each master.{inferred} {tried}"
 
 

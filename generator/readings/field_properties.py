@@ -73,7 +73,7 @@ class Properties:
         if field.equals is not None:
             number = field.documented(parameters)
             value = in_hex(number) if isinstance(number, int) else str(number)
-            yield subject.fact(Sort.VALUE, "equals", value, "value that is always there")
+            yield subject.fact(Sort.VALUE, "equals", value, "fixed value")
         default, is_implied = self._default(item)
         if default is not None:
             yield replace(subject.fact(Sort.DEFAULT, "default", in_hex(default), "default"), implied=is_implied)

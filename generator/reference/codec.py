@@ -213,7 +213,7 @@ def _decode_join(placed: PlacedLayout, join: Join, number: int, plain: int) -> D
 
 
 def unused_bits(placed: PlacedLayout, number: int) -> int:
-    """Return the unused bits of a frame as one number. A bit is 0 if it is as in the manual."""
+    """Return the unused bits of a frame as one number. A bit is 1 if it differs from the manual."""
     found = 0
     for item, place in placed.unused:
         found |= (number >> item.low & item.mask ^ _documented(item)) << place

@@ -12,7 +12,7 @@ from codewheel.targets import Library
 from codewheel.targets.biss.dtd import DtdError, faults
 from codewheel.targets.biss.files import generate
 
-# Document types are no matter of a wording or of a rule.
+# Document types do not depend on wording or rules.
 pytestmark = pytest.mark.slow
 
 NAME = "biss/idbiss4C69.xml"

@@ -1,4 +1,4 @@
-"""The idbiss file: only what is publicly known of the format, and comments that cannot be left."""
+"""The idbiss file uses only publicly known facts about the format, and no text can end its comments."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def dtd() -> etree.DTD:
 
 
 def check_format(text: str) -> Any:
-    """The root of a file that has nothing but proven elements, attributes and orders."""
+    """Return the root of a file, after checking that it has only proven elements, attributes and orders."""
     text.encode("ascii")
     assert text.startswith(
         '<?xml version="1.0" encoding="ISO-8859-1"?>\n<!DOCTYPE BiSS-Identifier SYSTEM "idbiss.dtd">\n'
@@ -83,8 +83,10 @@ def test_amm5_is_known_by_its_ids(files: dict[str, str]) -> None:
 
 
 def test_each_id_names_the_identity_that_it_counts(files: dict[str, str]) -> None:
-    """The comment behind every Id: what is read where, and the value in hex.
-    That is 64 bits of device and manufacturer ID, or 16 bits of profile ID."""
+    """Check the comment behind every Id: where each value is read, and the value in hex.
+
+    That is 64 bits of device and manufacturer ID, or 16 bits of profile ID.
+    """
     root = check_format(files[NAME])
     for item in root.iter("Id"):
         high, _ = map(int, item.get("Range", "").split(":"))
@@ -101,8 +103,10 @@ def test_each_id_names_the_identity_that_it_counts(files: dict[str, str]) -> Non
 
 
 def test_each_inferred_place_says_so(files: dict[str, str], amm5: Device) -> None:
-    """Section 1.3 and 1.4 of what is publicly known:
-    the wrapper, what Range counts, that inner devices refine, labels, and what Length counts."""
+    """Sections 1.3 and 1.4 of the public facts.
+
+    They cover the wrapper, the unit of Range, refinement by inner devices, labels, and the unit of Length.
+    """
     root = check_format(files[NAME])
     maker = root.find("Profile/Device")
     assert maker is not None
@@ -128,7 +132,7 @@ def test_each_inferred_place_says_so(files: dict[str, str], amm5: Device) -> Non
 
 
 def known(root: Any, name: str) -> Any:
-    """The Device element whose label has ``name`` in it."""
+    """Return the Device element whose label contains ``name``."""
     return next(item for item in root.iter("Device") if name in (item.findtext("Label") or ""))
 
 
@@ -146,7 +150,7 @@ def test_a_length_for_each_profile_id_stands_in_the_comment(files: dict[str, str
 
 
 def test_no_two_ids_on_the_way_down_contradict_each_other(files: dict[str, str], amm5: Device) -> None:
-    """All Id from the outermost Device to an inner one can hold of one encoder: of the same bits they say the same."""
+    """The Ids from the outermost Device to an inner one can all match one encoder: they agree on common bits."""
     only = tuple(item for item in amm5.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
     for made in (files, generate(Library((dataclasses.replace(amm5, variants=only),)))):
         for inner in check_format(made[NAME]).iter("Device"):
@@ -158,7 +162,7 @@ def test_no_two_ids_on_the_way_down_contradict_each_other(files: dict[str, str],
 
 
 def test_the_label_of_data_has_no_comma(amm5: Device) -> None:
-    """In profilebiss.xml a Device's label below another begins with a comma (", Sensor"), an SCDS's not ("Data")."""
+    """In profilebiss.xml, the label of an inner Device begins with a comma (", Sensor"), unlike an SCDS ("Data")."""
     only = tuple(item for item in amm5.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
     root = check_format(generate(Library((dataclasses.replace(amm5, variants=only),)))[NAME])
     assert [(item.get("Pos"), item.text) for item in root.iterfind(".//SCDS/Label")] == [("1", "position")]
@@ -166,7 +170,7 @@ def test_the_label_of_data_has_no_comma(amm5: Device) -> None:
 
 
 def test_no_length_where_the_identity_does_not_tell_it(files: dict[str, str]) -> None:
-    """AM36's length follows registers 56h and 57h; ASC85 prints one profile ID, which fits 25 bits only."""
+    """The length of AM36 depends on registers 56h and 57h. ASC85 prints one profile ID, which fits 25 bits only."""
     text = files[NAME]
     root = check_format(text)
     for name in ("AM36", "ASC85", "AMM5A"):
@@ -178,7 +182,7 @@ def test_no_length_where_the_identity_does_not_tell_it(files: dict[str, str]) ->
         "(multiturn_bits_used.bits)"
     ) in plain
     assert "multiturn 16 + singleturn 20 = 36 bits, with status bits 38, with CRC 44" in plain
-    # ASC85 with its 0 bit, as 6.2.1 prints it, and without it, as OnStepX reads it.
+    # ASC85 with its 0 bit, as printed in 6.2.1, and without it, as read by OnStepX.
     codes = "ASC8525/SC1, ASC8525/SC2"
     assert f"{codes} with as_printed: position 25 + zero 1 = 26 bits, with status bits 28, with CRC 34" in plain
     assert f"{codes} with left_out: position 25 = 25 bits, with status bits 27, with CRC 33" in plain
@@ -217,7 +221,7 @@ LENGTHS = {
 
 def test_each_order_code_has_a_file_with_its_length(files: dict[str, str], library: Library) -> None:
     roots = {name: check_format(text) for name, text in files.items() if "/idbiss-" in name}
-    # Two files for each of the twelve order codes of ASC85, whose manual leaves its zero bit open.
+    # There are two files for each of the twelve order codes of ASC85, because its manual leaves the zero bit open.
     listed = [item for device in library.devices for item in device.variants if item.interface == "biss"]
     assert len(roots) == len(listed) + sum(item.code.startswith("ASC85") for item in listed) == 50
     for name, root in roots.items():
@@ -255,7 +259,7 @@ def test_a_manufacturer_without_an_id_has_no_file(amm5: Device) -> None:
 
 
 def test_another_maker(tmp_path: Path) -> None:
-    """A small spec of another maker goes the same way; nothing is made for one device."""
+    """A small spec of another manufacturer works as well, since no code is specific to one device."""
     shutil.copy(Path(__file__).parents[1] / "check" / "ok" / "minimal.yaml", tmp_path)
     (tmp_path / "manufacturer.yaml").write_text(
         'codewheel: 1\nmanufacturer: acme\ntitle: Acme\nbiss_id: 0x4163\nsource: "1"\n', encoding="utf-8"
@@ -296,8 +300,10 @@ def test_hostile_text_stays_text(hostile: Library) -> None:
     ],
 )
 def test_no_character_leaves_a_comment_or_an_element(text: str) -> None:
-    """Control characters, characters that become hyphens in ASCII, and long runs of hyphens,
-    in both shapes of a comment and in an element."""
+    """Control characters, characters that become hyphens in ASCII, and long runs of hyphens.
+
+    They are placed in both forms of a comment and in an element.
+    """
     for made in (str(comment(text, "  ")), str(comment(f"{text}\n{text} {'word ' * 60}{text}", "  "))):
         root = read_xml(f"<a>{made}<b>{ascii_text(text)}</b></a>".encode("ascii"))
         assert [item.tag for item in root] == [etree.Comment, "b"]

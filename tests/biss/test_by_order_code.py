@@ -1,4 +1,4 @@
-"""A description of each order code: numbers in place of sums, under the same schema."""
+"""A description of each order code has numbers instead of sums, under the same schema."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from codewheel.targets.biss.files import generate
 from codewheel.targets.file_names import names_of_codes
 from lxml import etree
 
-# Makes the XML of every order code.
+# Generates the XML of every order code.
 pytestmark = pytest.mark.slow
 
 SPACE = {"d": "urn:codewheel:device-description:1"}
@@ -46,7 +46,7 @@ def test_each_is_what_show_prints(library: Library, files: Mapping[str, str]) ->
 
 
 def test_places_are_numbers(files: Mapping[str, str]) -> None:
-    """AMM5 6.2 p.32, 21 and 16 bits: nE in bit 7, so that the position begins at bit 8."""
+    """AMM5 6.2 p.32, 21 and 16 bits: nE is bit 7, so the position begins at bit 8."""
     root = read_xml(files["biss/lika-amm5/AMM5A21-65KSC1.xml"].encode())
     fields = root.iterfind(".//d:layout[@name='single_cycle_data']/d:fields/d:field", SPACE)
     assert [(item.get("name"), item.get("high"), item.get("low")) for item in fields] == [

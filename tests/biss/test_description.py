@@ -1,4 +1,4 @@
-"""The full description: lossless, under its own schema, and enough to decode a frame with nothing but an XML parser."""
+"""The full description is lossless, follows its own schema, and suffices to decode a frame with only an XML parser."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_every_device_validates_and_comes_back(devices: Mapping[str, Device]) ->
 
 
 def test_addresses_and_ids_are_hexadecimal(devices: Mapping[str, Device]) -> None:
-    """As manuals write: AMM5's preset at 11h to 17h, Lika's ID 4C69h, SMA21's profile 2814h; counts stay decimal."""
+    """Numbers are as in manuals: AMM5's preset at 11h to 17h, Lika's ID 4C69h, SMA21's 2814h. Counts are decimal."""
     made = {name: read_xml(to_xml(device_dump(device)).encode()) for name, device in devices.items()}
     space = {"d": "urn:codewheel:device-description:1"}
     preset = made["amm5"].find("d:registers/d:register[@name='preset']", space)

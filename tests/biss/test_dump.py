@@ -1,4 +1,4 @@
-"""What ``show --json`` prints: its shape, and that it holds every fact of the spec."""
+"""Output of ``show --json``: its structure, and that it contains every fact of the spec."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from codewheel.order_codes.labels import find
 from codewheel.reference.codec import decode_bytes
 from codewheel.reference.findings import findings
 
-# Holds all families against the schemas of data, which no wording and no rule of check touches.
+# Checks all families against the schemas of data, which do not depend on wording or rules of check.
 pytestmark = pytest.mark.slow
 
 SPECS = Path(__file__).parents[2] / "specs"
@@ -45,7 +45,7 @@ def test_families_have_the_shape(devices: Mapping[str, Device]) -> None:
 
 
 def test_order_codes_have_the_shape_and_no_expressions(devices: Mapping[str, Device]) -> None:
-    """The schema takes long: it is asked for the last order code of each interface."""
+    """Validation is slow, so only the last order code of each interface is validated."""
     checker = validator("show.schema.json")
     for device in devices.values():
         last = {item.interface: item for item in device.variants}
@@ -93,7 +93,7 @@ def items(value: Any) -> Iterator[dict[str, Any]]:
         for key, inner in value.items():
             if not (
                 key == "values" and isinstance(inner, dict)
-            ):  # the values of an example, whose keys are names of fields
+            ):  # The values of an example have the names of fields as keys.
                 yield from items(inner)
     elif isinstance(value, list):
         for inner in value:
@@ -120,13 +120,13 @@ def leaves(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
         yield key, value
 
 
-#: Keys whose value says how the spec is written; what they say is in positions, kinds and widths.
+#: Keys that describe how the spec is written. The same facts are in positions, kinds and widths.
 WRITTEN = {"codewheel", "use", "at", "top_bit", "values_of", "text", "active"}
-#: Where an edition changes something; what it does is told in words.
+#: Places where an edition changes something. The change itself is described in words.
 WRITTEN |= {"set", "add", "remove", "unknown"}
 
 
-#: What an erratum says of the second reading, and what the manual prints once more: check alone reads them.
+#: Statements of errata about the second reading and about repeated facts. Only check reads them.
 TOLD_TO_CHECK = frozenset(("readings", "addresses", "printed_writes", "printed_defaults", "contents"))
 
 

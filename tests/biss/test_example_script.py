@@ -1,4 +1,4 @@
-"""docs/example/decode_from_xml.py: fifty lines, an XML parser and a device's description decode its frames."""
+"""docs/example/decode_from_xml.py decodes frames with fifty lines, an XML parser and the description of a device."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def test_it_is_short_and_needs_nothing_but_lxml() -> None:
             f"0b0000{524_289:020b}01{63:06b}",
             {"padding": 0, "position": 524_289, "error": 0, "warning": 1, "crc": 63},
         ),
-        # 20 and 16 bits as delivered, both status bits always 1.
+        # 20 and 16 bits by default, both status bits always 1.
         (
             "am36",
             "AM3616/4096-I7",
@@ -99,7 +99,7 @@ def test_frames_of_every_family(device: str, code: str, layout: str, frame: str,
 @pytest.mark.parametrize(
     ("device", "code", "layout", "frame", "lines"),
     [
-        # nE and nW are 0 when active (6.2); 1 is no error.
+        # nE and nW are 0 when active (6.2). A 1 means no error.
         (
             "amm5",
             "AMM5A21/65KSC1",
@@ -107,7 +107,7 @@ def test_frames_of_every_family(device: str, code: str, layout: str, frame: str,
             f"0b{0:037b}10{0:06b}",
             ["error 1 not active", "warning 0 active"],
         ),
-        # A flag that is 1 when active, and two bits that never say anything.
+        # A flag that is 1 when active, and two bits without meaning.
         (
             "amm5",
             "AMM5A23/65KJP1",
@@ -130,7 +130,7 @@ def test_flags_say_whether_they_are_active(device: str, code: str, layout: str, 
 
 
 def test_it_looks_at_what_the_position_is_worth(devices: Mapping[str, Device]) -> None:
-    """The verdict is that of the reference codec, whatever flags are active and whatever unused bits differ."""
+    """The verdict is that of the reference codec for any combination of active flags and unused bits."""
     source = Random(11)
     seen = Counter[str]()
     for device in devices.values():
@@ -151,7 +151,7 @@ def test_it_looks_at_what_the_position_is_worth(devices: Mapping[str, Device]) -
 
 
 def sent(placed: PlacedLayout, source: Random, likely: float) -> dict[str, int | str | bool]:
-    """Values of a frame in which each flag is active, and each unused bit another, as likely as said."""
+    """Return values of a frame in which flags are active, and unused bits differ, with the probability ``likely``."""
     values: dict[str, int | str | bool] = {}
     for item in placed.fields:
         match item.field.kind:
@@ -186,7 +186,7 @@ def test_it_does_not_decide_for_its_user(answer: str) -> None:
 
 @pytest.mark.parametrize(("answer", "zero"), [("as_printed", "0"), ("left_out", "")])
 def test_it_takes_a_decision(answer: str, zero: str) -> None:
-    """25 bits, and the 0 bit of the manual or none."""
+    """25 bits, with the 0 bit of the manual or without it."""
     frame = f"0b{33_554_429:025b}{zero}11{2:06b}"
     found = run("asc85", "ASC8525/SC2", "single_cycle_data", frame, f"zero_bit={answer}")
     assert (found["position"], found["error"], found["warning"], found["crc"]) == (33_554_429, 1, 1, 2)
@@ -194,7 +194,7 @@ def test_it_takes_a_decision(answer: str, zero: str) -> None:
 
 @pytest.mark.parametrize(("code", "is_gray"), [("AM3619/4096-GG", True), ("AM3619/4096-BG", False)])
 def test_gray_code_is_said(code: str, is_gray: bool) -> None:
-    """All ones are no position of 2^31 - 1 where the code is Gray."""
+    """Return the result of the reference for the values of a register: its bytes, or "refused"."""
     notes = [line for line in output("am36", code, "ssi_word", "0x7FFFFFFF") if line.startswith("note:")]
     assert notes == (["note: position is in Gray code. Its bits are shown as they are sent"] if is_gray else [])
 

@@ -1,4 +1,4 @@
-"""The full description is lossless: the model that is built anew from the XML alone is the one it was made from."""
+"""The full description is lossless: a model that is rebuilt from the XML alone equals the original."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from codewheel.model.expressions import Expression
 from codewheel.order_codes.labels import find
 from codewheel.order_codes.run_time import with_registers
 
-# Builds every model anew from its XML, which no wording and no rule of check touches.
+# Rebuilds every model from its XML, which does not depend on wording or rules of check.
 pytestmark = pytest.mark.slow
 
 ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
-#: What says how code computes something and follows from the rest, what was counted of the second reading, and which
-#: versions there were: the XML does not carry it.
+#: Members that the XML does not carry: those that follow from the others and only guide code, the counts of the
+#: second reading, and earlier versions.
 COMPUTED = {
     "Field": {"pieces", "widest"},
     "Layout": {"fold", "widest"},
@@ -45,7 +45,7 @@ COMPUTED_AS = {
     "releases": (),
     "samples": (),
 }
-#: The kinds of fields by their words.
+#: Kinds of fields by their words.
 KINDS = {
     "number": model.Number,
     "flag": model.Flag,
@@ -83,7 +83,7 @@ Item = dict[str, Any]
 
 
 def build(hint: Any, value: Any) -> Any:
-    """``value`` as the type ``hint`` says."""
+    """Return ``value`` with the type ``hint``."""
     origin, inside = typing.get_origin(hint), typing.get_args(hint)
     if hint == model.Kind:
         return build_class(KINDS[value["kind"]], value)
@@ -108,17 +108,17 @@ def build(hint: Any, value: Any) -> Any:
 
 
 def kind_of(options: list[Any], item: Item) -> Any:
-    """The member of a union that an object is of."""
+    """Return the member of a union to which an object belongs."""
     if options == list(model.INTERFACES.values()):
         return model.INTERFACES[item["kind"]]
     word = "do" if "do" in item else "kind"
     options = [kind for kind in options if getattr(kind, word) == item[word]]
-    # To write a field is a step of its own.
+    # Writing a field is a step of its own.
     return options[-1 if item.get("field") else 0]
 
 
 def build_class(kind: Any, item: Item) -> Any:
-    """An object of the model from its part of the description."""
+    """Return an object of the model, built from its part of the description."""
     name = kind.__name__
     item = ADAPT.get(name, lambda given: given)(item)
     names = vars(model) | vars(model.facts) | vars(model.kinds) | vars(model.layout) | vars(model.examples)
@@ -131,14 +131,14 @@ def build_class(kind: Any, item: Item) -> Any:
         elif field.name.endswith("source"):
             made[field.name] = ()
         else:
-            # A member that is called like its type hides it.
+            # A member with the name of its type hides the type.
             made[field.name] = build(bytes if field.type == "bytes" else hints[field.name], item[outside])
     return kind(**made)
 
 
 def _field(item: Item) -> Item:
     equals = item["equals_text"] or item["equals"]
-    # A text of the spec that is no expression is a text; the model keeps it as it is.
+    # A text of the spec that is not an expression remains a text, as in the model.
     text = types.SimpleNamespace(value=item["equals_text"]) if item["equals_text"] else None
     verdict = model.Verdict(item["makes_position"]) if item["makes_position"] else None
     of_kind = {"active_low": item["active"] == "low", "odd": item["parity"] == "odd", "makes_position": verdict}
@@ -183,7 +183,7 @@ def _register(item: Item) -> Item:
 
 
 def _device(item: Item) -> Item:
-    """Layouts and times stand in lists of their own; each names its interface."""
+    """Layouts and times are in separate lists, and each names its interface."""
     interfaces = [
         {
             **part,
@@ -214,8 +214,10 @@ ADAPT: dict[str, Any] = {
 
 
 def comparable(value: Any) -> Any:
-    """A part of the model without its sources and without what follows from the rest;
-    what is read from a text and what was is one."""
+    """Return a part of the model without its sources and without what follows from the rest.
+
+    It makes no difference whether a text was read or built.
+    """
     if isinstance(value, types.SimpleNamespace):
         return value.value
     if isinstance(value, Expression):
@@ -271,7 +273,7 @@ def test_the_model_comes_back(rebuilt: dict[str, tuple[Device, Device]]) -> None
 
 
 def test_positions_come_back_for_every_order_code(rebuilt: dict[str, tuple[Device, Device]]) -> None:
-    """The rebuilt model works: it finds order codes and places fields like the first, whatever the registers hold."""
+    """The rebuilt model finds order codes and places fields like the original, whatever the registers contain."""
     for device, again in rebuilt.values():
         for variant in device.variants:
             match = find(again, variant.code)
@@ -288,7 +290,7 @@ def test_positions_come_back_for_every_order_code(rebuilt: dict[str, tuple[Devic
                     ]
 
 
-#: A path into a description, where what stands in a list goes by its number or its name.
+#: Path into a description. Items of a list are identified by number or name.
 ALTERED: list[tuple[str, tuple[int | str, ...]]] = [
     ("am36", ("registers", 0, "address")),
     ("am36", ("crcs", 0, "init")),
@@ -310,7 +312,7 @@ ALTERED: list[tuple[str, tuple[int | str, ...]]] = [
 
 @pytest.mark.parametrize(("name", "path"), ALTERED, ids=lambda item: ".".join(map(str, item)))
 def test_a_lost_fact_would_be_seen(devices: Mapping[str, Device], name: str, path: tuple[int | str, ...]) -> None:
-    """The comparison is no formality: whatever single text or number of the description changes, the model differs."""
+    """The comparison is effective: a change of any single text or number of the description changes the model."""
     data: Any = from_xml(to_xml(device_dump(devices[name])).encode())
     holder = data
     for key in path[:-1]:

@@ -1,4 +1,4 @@
-"""Wherever the project reads XML, entities, document types and the network are off."""
+"""Everywhere in the project, XML is read without entities, document types and network access."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-# Reads the sources of everything, which no wording and no rule of check touches.
+# Reads all sources, which do not depend on wording or rules of check.
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
-#: What reads XML, in lxml and in the standard library, and what could be made of a parser by leaving an argument out.
+#: Functions that read XML, in lxml and the standard library, and those whose defaults create a parser.
 READS = {
     "fromstring",
     "parse",
@@ -32,13 +32,13 @@ READS = {
 }
 MODULES = ("lxml", "xml", "defusedxml", "html5lib", "bs4", "xmltodict")
 
-#: Every place, by file: the function that reads, and what its parser is told. One more place is one more line here.
+#: Every call, by file: the function and the arguments of its parser. A new call is one more line here.
 EXPECTED = {
     "generator/dump/xml.py": [
         ("fromstring", {"resolve_entities": False, "no_network": True, "load_dtd": False, "dtd_validation": False})
     ],
-    # Its document is our own, and what its document type asks for is answered by the class above it,
-    # which knows one file only.
+    # The document is our own, and requests of its document type are answered by the class above,
+    # which knows only one file.
     "generator/targets/biss/dtd.py": [
         (
             "fromstring",
@@ -56,7 +56,7 @@ EXPECTED = {
 
 
 def sources() -> list[Path]:
-    """All Python that is not a test: the tool, what it generates, examples and benchmarks."""
+    """Return all Python that is not a test: the tool, its output, examples and benchmarks."""
     return [
         path
         for folder in ("generator", "generated", "docs", "benchmarks", "templates")
@@ -77,7 +77,7 @@ def imports_xml(tree: ast.AST) -> bool:
 
 
 def parser_of(call: ast.Call, tree: ast.AST) -> dict[str, bool]:
-    """What the parser is told that a call is given, itself or by a name that is assigned once."""
+    """Return the arguments of the parser of a call, which is written inline or in a name that is assigned once."""
     made = {
         target.id: node.value
         for node in ast.walk(tree)

@@ -1,4 +1,4 @@
-"""Frames and registers for the script of the page: what the reference codec says of each, and who is asked."""
+"""Frames and registers for the script of the page, with the results of the reference codec, and programs to run it."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from rust_frames import numbers
 from test_c_codec import run_time_variants
 
 HERE = Path(__file__).resolve().parent
-#: The least number of frames of a layout for one order code.
+#: Minimum number of frames of a layout for one order code.
 _LEAST = 20
 _BROWSER = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--allow-file-access-from-files")
 
 
 @dataclass(frozen=True)
 class Case:
-    """A frame or register for one order code, its registers holding what they hold."""
+    """A frame or register for one order code, with the present values of its registers."""
 
     device: Device
     variant: Variant
@@ -52,13 +52,13 @@ class Case:
             "interface": self.variant.interface,
             "given": {name: str(self.variant.parameters[name]) for name in given},
             "sender": self.layout.sender,
-            # Frames of bytes tell themselves which they are.
+            # Frames of bytes identify their layout themselves.
             "layout": "" if self.layout.in_bytes else self.layout.name,
             "register": self.register.name if self.register is not None else "",
         }
 
     def text(self, number: int, other_bits: int = 0) -> str:
-        """A frame as people type it, with so many bits more or fewer; a word with all of its bits or without."""
+        """Return a frame as people type it, with bits added or removed. A word may lack its leading zeros."""
         bits = self.placed.bits + other_bits
         if not self.layout.in_bytes and self._is_too_high(number, other_bits):
             return f"0x{number | 1 << bits - 1:X}"
@@ -69,7 +69,7 @@ class Case:
         return data.hex(" ") if number % 2 else data.hex().upper()
 
     def decoded(self, number: int, other_bits: int = 0) -> codec.Decoded:
-        """What the reference makes of that text."""
+        """Return the result of the reference for that text."""
         if not self.layout.in_bytes:
             bits = self.placed.bits + other_bits
             if self._is_too_high(number, other_bits):
@@ -85,11 +85,11 @@ class Case:
 
     @staticmethod
     def _is_too_high(number: int, other_bits: int) -> bool:
-        """Whether a word that is too long is written without the zeros in front of it."""
+        """Return True if a word that is too long is written without its leading zeros."""
         return other_bits > 0 and number % 3 == 0
 
     def said(self, decoded: codec.Decoded) -> str:
-        """All that is told of it, as one text."""
+        """Return the whole result as one text."""
         found = findings(self.device, self.variant, decoded)
         strange = strange_values(self.device, decoded) if not decoded.problems else ()
         rows: list[Sequence[object]] = [(decoded.layout.name if decoded.layout is not None else "",)]
@@ -111,7 +111,7 @@ def _shown(value: int | str | bool) -> str:
 
 
 def cases(device: Device) -> Iterator[list[Case]]:
-    """Each frame and register, with all order codes that differ in something and some states of the registers."""
+    """Return each frame and register, for all order codes that differ, and for some states of the registers."""
     layouts = [(interface.name, layout, None) for interface, layout in device.layouts()]
     layouts += [(item.interface, item.layout, item) for item in device.registers]
     for interface, layout, register in layouts:
@@ -124,7 +124,7 @@ def cases(device: Device) -> Iterator[list[Case]]:
 
 
 def drawn(case: Case, count: int, random_: random.Random) -> Iterator[tuple[int, int]]:
-    """So many numbers, sound and disturbed; a part of the frames gets some bits more or fewer."""
+    """Return this many numbers, valid and disturbed. Some of the frames get more or fewer bits."""
     size = 8 if case.layout.in_bytes else 1
     others = [0] * 8 + ([-size, size] if case.placed.bits > size else [size])
     for number in numbers(case, max(count, _LEAST), random_):
@@ -132,7 +132,7 @@ def drawn(case: Case, count: int, random_: random.Random) -> Iterator[tuple[int,
 
 
 def compared(case: Case, count: int, random_: random.Random) -> dict[str, Any]:
-    """So many frames, and of each a CRC-32 of what the reference says."""
+    """Return this many frames, each with a CRC-32 of the reference's result."""
     wanted = [*drawn(case, count, random_)]
     said = (case.said(case.decoded(*item)) for item in wanted)
     expected = [f"{zlib.crc32(text.encode()):08x}" for text in said]
@@ -140,7 +140,7 @@ def compared(case: Case, count: int, random_: random.Random) -> dict[str, Any]:
 
 
 def program(name: str) -> str:
-    """The path of a program; without it the test is skipped, and the end of the run says so."""
+    """Return the path of a program. If it is missing, skip the test. The end of the run reports this."""
     found = shutil.which(name)
     if found is None:
         words = f"no {name} here, so what the page does in it is not shown; apt-get install {name}"
@@ -150,7 +150,7 @@ def program(name: str) -> str:
 
 
 class Asker:
-    """Asks the script, in Node or in a browser that is started once."""
+    """Run the script in Node or in a browser that is started once."""
 
     def __init__(self, folder: Path, script: str, program: str) -> None:
         self._folder, self._program = folder, program
@@ -159,7 +159,7 @@ class Asker:
         (folder / "harness.js").write_text((HERE / "harness.js").read_text(encoding="utf-8"), encoding="utf-8")
 
     def __call__(self, function: str, items: Iterable[dict[str, Any]], timeout: int = 580) -> list[Any]:
-        """What a function of the harness answers for each item."""
+        """Return the results of a function of the harness for these items."""
         names = ["decode.js", "harness.js"]
         items = list(items)
         for place, item in enumerate(items):
@@ -196,5 +196,5 @@ class Asker:
 
 
 def browser(program: str, folder: Path) -> list[str]:
-    """The command that starts a browser with a profile of its own."""
+    """Return the command that starts a browser with its own profile."""
     return [program, *_BROWSER, f"--user-data-dir={folder / 'profile'}"]

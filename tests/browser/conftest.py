@@ -1,4 +1,4 @@
-"""Who runs the script of the page: Node and Chromium, where they are there."""
+"""Programs that run the script of the page: Node and Chromium, if they are installed."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Ask = Callable[[Library, str], Asker]
 
 @pytest.fixture(scope="session")
 def ask(tmp_path_factory: pytest.TempPathFactory) -> Ask:
-    """Makes the script of a library, and gives who is asked about it: ``node`` or ``chromium``."""
+    """Return a function that writes the script of a library and returns its runner: ``node`` or ``chromium``."""
 
     def made(library: Library, name: str) -> Asker:
         found = program(name)

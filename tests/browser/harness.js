@@ -1,4 +1,4 @@
-// Runs cases through decode.js, in a browser or in Node, and compares what each frame says by a CRC-32 of its text.
+// Runs cases through decode.js, in a browser or in Node, and compares the results by a CRC-32 of their text.
 (() => {
   "use strict";
 
@@ -15,7 +15,7 @@
     return (~found >>> 0).toString(16).padStart(8, "0");
   }
 
-  /** The order code of a case, with its own numbers for all that an order code or a register sets. */
+  /** Return the order code of a case, with its own values of everything that an order code or a register sets. */
   function foundFor(item) {
     const family = wheel.table.families.find((one) => one.name === item.family);
     const given = Object.fromEntries(Object.entries(item.given).map(([name, value]) => [name, BigInt(value)]));
@@ -53,7 +53,7 @@
     }
   }
 
-  /** What differs: the text of the frame, and what it says here. */
+  /** Return the differences: the text of the frame, and its result here. */
   function compared(item) {
     const wrong = [];
     item.frames.forEach((text, place) => {
@@ -63,7 +63,7 @@
     return wrong;
   }
 
-  /** What a text of an order code says: faults, the values of the fields, and the CRC as it should be. */
+  /** Return the result of a text for an order code: errors, the values of the fields, and the expected CRC. */
   function values(item) {
     const label = wheel.findCode(item.code);
     const register = (label.interface.registers ?? []).find((one) => one.name === item.register);
@@ -78,7 +78,7 @@
     };
   }
 
-  /** How a text is read as bytes or as a number; or that it is refused. */
+  /** Return a text as bytes or as a number, or that it is refused. */
   function readings(item) {
     const read = (function_) => {
       try {
@@ -90,7 +90,7 @@
     return [read(wheel.bytesIn), read(wheel.numberIn)];
   }
 
-  /** What a label is read as, or the help for one that is wrong. */
+  /** Return the order code that a label is read as, or the help for a wrong one. */
   function label(text) {
     try {
       const found = wheel.readLabel(text);
@@ -101,7 +101,8 @@
     }
   }
 
-  /** What each line of a text says for an order code: the time, and the decoded frame or the reason against it. */
+  /** Return the result of each line of a text for an order code: the time, and the decoded frame or the reason for
+   * refusal. */
   function lines(item) {
     const found = wheel.readLabel(item.code);
     const register = (found.interface.registers ?? []).find((one) => one.name === item.register);
@@ -118,7 +119,7 @@
 
   const labels = (item) => item.texts.map(label);
 
-  /** What encoding a register answers: its bytes, or that it refuses. */
+  /** Return the encoded register: its bytes, or that it is refused. */
   function encoded(item) {
     const found = foundFor(item);
     const register = found.interface.registers.find((one) => one.name === item.register);
@@ -135,7 +136,7 @@
     });
   }
 
-  /** The mistakes that are told for a frame. */
+  /** Return the mistakes that are listed for a frame. */
   function reasons(item) {
     return item.frames.map((text) => {
       const found = decoded(foundFor(item), item, text);
@@ -143,10 +144,10 @@
     });
   }
 
-  /** The order codes for which a text is a sound frame. */
+  /** Return the order codes for which a text is a valid frame. */
   const inferred = (item) => wheel.inferred(item.text).map((group) => [group.decoded.at.name, group.codes]);
 
-  /** Frames compared, or the values of a text: for one start of a browser. */
+  /** Compared frames, or the values of a text, for one start of a browser. */
   const answered = (item) => (item.frames ? compared(item) : values(item));
 
   globalThis.codewheelTests = { answered, compared, values, readings, encoded, reasons, inferred, labels, lines };

@@ -22,7 +22,7 @@ from rust_frames import numbers
 pytestmark = pytest.mark.slow
 
 TESTS = Path(__file__).resolve().parents[1]
-#: These are made up of what no device has.
+#: Specs with features that no device has.
 MADE_UP = ("specs/words", "specs/bits22", "c/specs/shapes", "c/specs/words", "c/specs/reserved", "c/specs/crcs")
 MADE_UP += ("specs/ring", "specs/ring_turns", "specs/wide", "python/specs/odd_shapes", "browser/specs/names")
 MADE_UP += ("../examples/encoders/ams/as5047p", "../examples/encoders/cui/amt21", "../examples/encoders/sick/skm36")
@@ -38,7 +38,7 @@ def made_up(name: str) -> Library:
 
 
 def frames(library: Library, count: int) -> list[dict[str, Any]]:
-    """So many frames of each layout and register, over the order codes that differ in something."""
+    """Return this many frames of each layout and register, over the order codes that differ."""
     random_ = random.Random("page")
     layouts = [found for device in library.devices for found in cases(device)]
     return [compared(case, count // len(found), random_) for found in layouts for case in found]
@@ -57,7 +57,7 @@ def test_what_no_device_has(name: str, ask: Ask) -> None:
 
 
 def test_in_a_browser(ask: Ask, library: Library, vectors: list[dict[str, Any]]) -> None:
-    """Frames, the examples of the manuals and public vectors, for one start."""
+    """Return frames, the examples of the manuals and public vectors for one start of the script."""
     devices = (*library.devices, *made_up("specs/bits22").devices)
     asked = ask(Library(devices), "chromium")
     wanted = [*examples(devices), *published(vectors)]
@@ -69,11 +69,11 @@ def test_in_a_browser(ask: Ask, library: Library, vectors: list[dict[str, Any]])
         holds(item, expected, found)
 
 
-# ------------------------------------------------------------ what manuals and others print
+# ------------------------------------------------------------ manuals and public vectors
 
 
 def examples(devices: tuple[Device, ...]) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
-    """The frames and registers that the manuals work out."""
+    """Return the frames and registers of the worked examples."""
     for device in devices:
         for item in device.examples:
             if isinstance(item, FrameExample):
@@ -87,7 +87,7 @@ def examples(devices: tuple[Device, ...]) -> Iterator[tuple[dict[str, Any], dict
 
 
 def published(vectors: list[dict[str, Any]]) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
-    """The public frames that are frames of some encoder here, or of one of 22 bits."""
+    """Return the public frames that belong to an encoder here, or to one of 22 bits."""
     as_t_format = {"eeprom_address": "as_t_format"}
     for row in vectors:
         given, text = row["fields"], row["frame_hex_or_bits"]
@@ -130,7 +130,7 @@ def test_examples_and_vectors_in_node(ask: Ask, library: Library, vectors: list[
         holds(item, expected, found)
 
 
-# ------------------------------------------------------------ the text that people type
+# ------------------------------------------------------------ typed text
 
 
 TEXTS = (
@@ -142,7 +142,7 @@ TEXTS = (
 
 
 def test_texts_are_read_as_the_command_reads_them(node: Asker, library: Library) -> None:
-    """Whether a text is one, and what it is; the words with which it is refused are others."""
+    """Return whether a text is valid, and its content. The wording of a refusal differs."""
     device = next(item for item in library.devices if item.name == "am36")
     placed = device.layout("single_cycle_data").place(device.variants[-1].parameters)
 
@@ -160,7 +160,7 @@ def test_texts_are_read_as_the_command_reads_them(node: Asker, library: Library)
 
 
 def test_an_order_code_is_inferred(node: Asker) -> None:
-    """The public reply of an AMM5, and the same with another CRC."""
+    """The public reply of an AMM5, and the same one with another CRC."""
     texts = ["02 20 C7 D1 6A 5E", "02 20 C7 D1 6A 5F", "hello"]
     reply, wrong, nothing = node("inferred", [{"text": text} for text in texts])
     assert [name for name, _ in reply] == ["singleturn_reply"]
@@ -172,7 +172,7 @@ def test_an_order_code_is_inferred(node: Asker) -> None:
 
 
 def rows(case: Case, random_: random.Random) -> Iterator[dict[str, Any]]:
-    """Values of a register: sound ones, and one of them at an end of what fits or beyond it."""
+    """Return values of a register: valid ones, or with one of them at or beyond the end of its range."""
     data = [item for item in case.placed.fields if item.field.carries_data]
     for number in numbers(case, 12, random_):
         found = codec.decode(case.device, case.placed, number)
@@ -194,7 +194,7 @@ def rows(case: Case, random_: random.Random) -> Iterator[dict[str, Any]]:
 
 
 def answer(case: Case, values: dict[str, Any]) -> str:
-    """What the reference makes of the values of a register: its bytes, or that it refuses them."""
+    """Return the result of the reference for the values of a register: its bytes, or "refused"."""
     register = case.register
     assert register is not None
     try:
@@ -213,7 +213,7 @@ def answer(case: Case, values: dict[str, Any]) -> str:
 
 
 def in_json(value: object) -> object:
-    """A number as text: JavaScript would round it."""
+    """Return a number as text, because JavaScript would round it."""
     return f"{value}n" if isinstance(value, int) and not isinstance(value, bool) else value
 
 
@@ -236,9 +236,9 @@ def test_registers_are_made_of_values(name: str, ask: Ask, node: Asker, library:
     assert kinds == {True, False}
 
 
-# ------------------------------------------------------------ why a CRC does not fit
+# ------------------------------------------------------------ why a CRC is wrong
 
-#: What the page tells; the others are left to the command.
+#: Mistakes that the page explains. Only the command explains the others.
 TOLD = {"crc_not_inverted", "start_value", "polynomial_reversed", "bits_in_front", "bits_behind", "first_bit_missing"}
 TOLD |= {"last_bits_missing"}
 
@@ -261,7 +261,7 @@ def test_reasons_are_those_of_the_command(node: Asker, library: Library) -> None
 
 
 def disturbed(case: Case, random_: random.Random) -> Iterator[str]:
-    """Frames with the mistakes that the page knows, and with others."""
+    """Return frames with the mistakes that the page knows, and with others."""
     for number in numbers(case, 12, random_):
         bits = case.placed.bits
         if case.layout.in_bytes:
@@ -279,7 +279,7 @@ def disturbed(case: Case, random_: random.Random) -> Iterator[str]:
 
 
 def wanted(case: Case, text: str) -> list[str]:
-    """What the command tells of these mistakes, each with its chance."""
+    """Return the explanations of the command for these mistakes, each with its chance."""
     if case.layout.in_bytes:
         data = frame_bytes(text)
         found = codec.decode_bytes(case.device, case.variant, case.layout.sender, data)

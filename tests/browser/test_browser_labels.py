@@ -1,4 +1,4 @@
-"""Labels as people write them: the script reads each one as the command line does, and gives the same help."""
+"""Labels as people write them: the script reads each one like the command line, and gives the same help."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ LABELS = (
     "FOO",
     "AMM5A21/65KSC1" + "-" + "X" * 100,
 )
-#: End of a message that only the command line can give.
+#: End of a message that only the command line gives.
 COMMANDS = (" (codewheel show ", "; codewheel list shows")
 
 
 def read(library: Library, text: str) -> Any:
-    """Return what the command line reads a label as, or its help, without commands to run."""
+    """Return the order code or the help of the command line for a label, without commands to run."""
     try:
         device, match = find(library.devices, text)
     except Stop as stop:
@@ -69,7 +69,7 @@ def test_labels_of_people(node: Asker, library: Library) -> None:
 
 @pytest.mark.slow
 def test_labels_with_mistakes(node: Asker, library: Library) -> None:
-    """One character of a listed code is left out, changed, or written twice."""
+    """One character of a listed code is omitted, changed, or written twice."""
     random_ = random.Random(5)
     codes = [item.code for device in library.devices for item in device.variants]
     texts = []

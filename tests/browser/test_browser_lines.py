@@ -1,4 +1,4 @@
-"""Frames as people paste them: the page and the command line read the same lines, and say the same about each."""
+"""Frames as people paste them: the page and the command line read the same lines, and give the same results."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ TEXTS = (
 
 
 def said(library: Library, code: str, register: str, text: str) -> list[Any]:
-    """Return what the command line makes of the lines of a text."""
+    """Return the results of the command line for the lines of a text."""
     device, match = find(library.devices, code)
     case = Case(device, match.variant, None)  # type: ignore[arg-type]
 

@@ -1,4 +1,4 @@
-"""The page as its user meets it, in a real browser, and what it is made of."""
+"""The page in a real browser, and its source."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ def text_in(path: str, library: Library) -> str:
     return generate(library)[f"browser/{path}"]
 
 
-# ------------------------------------------------------------ what it is made of
+# ------------------------------------------------------------ source
 
 
 def test_the_script_is_a_classic_one_that_asks_for_nothing(library: Library) -> None:
-    """It works from a file, below a strict policy of its page, and text of specs never becomes markup."""
+    """It works from a file, under a strict policy of its own, and text of specs never becomes markup."""
     script = text_in("decode.js", library)
     words = r"\b(?:import|export|fetch|eval|innerHTML|outerHTML|insertAdjacentHTML|XMLHttpRequest|localStorage)\b"
     table = re.search(r"^  const TABLE = (.*);$", script, re.MULTILINE)
@@ -62,7 +62,7 @@ def test_the_same_every_time_and_not_large(library: Library) -> None:
 
 
 def test_no_text_of_a_spec_ends_the_script(hostile: Library) -> None:
-    """Nor the page: texts that hold the marks of all languages come back out of the table as they are."""
+    """The same holds for the page: texts with the special characters of all languages are unchanged in the table."""
     for device in hostile.devices:
         script = text_in("decode.js", Library((device,)))
         table = re.search(r"^  const TABLE = (.*);$", script, re.MULTILINE)
@@ -74,7 +74,7 @@ def test_no_text_of_a_spec_ends_the_script(hostile: Library) -> None:
     assert not any("<script>alert" in text for text in made.values())
 
 
-# ------------------------------------------------------------ what its user sees
+# ------------------------------------------------------------ use
 
 
 @pytest.fixture(scope="session")
@@ -83,7 +83,7 @@ def chromium() -> str:
 
 
 def shown(chromium: str, folder: Path, script: str, boxes: str = '<div class="codewheel-decode"></div>') -> Any:
-    """What a script answers in a page with these boxes, after they are there; errors of the page fail."""
+    """Return the result of a script in a page with these boxes, once they exist. Errors of the page fail the test."""
     page = f"""<!DOCTYPE html><meta charset="utf-8"><body>{boxes}<script>
 const errors = []; addEventListener("error", (event) => errors.push(event.message));</script>
 <script src="decode.js"></script><script>
@@ -139,7 +139,7 @@ STEPS = """
 
 @pytest.fixture(scope="session")
 def seen(chromium: str, page: Path) -> dict[str, str]:
-    """What a user sees at each step, for one start of the browser."""
+    """Return everything that a user sees at each step, for one start of the browser."""
     boxes = '<div class="codewheel-decode"></div><div class="codewheel-decode" data-code="SMA21-SC4-0050"></div>'
     found: dict[str, str] = shown(chromium, page, STEPS, boxes)
     return found
@@ -182,7 +182,7 @@ def test_an_order_code_that_is_left_out(seen: dict[str, str]) -> None:
 
 @pytest.mark.slow
 def test_registers_both_ways(seen: dict[str, str]) -> None:
-    """1,000,003 in the preset: the low byte first, and the singleturn position ends at bit 32."""
+    """1,000,003 in the preset: low byte first, and the singleturn position ends at bit 32."""
     assert "1000003" in seen["preset"]
     assert seen["position"] == "1000003"
     assert seen["bytes"] == "00 40 24 F4 00 00 00"
@@ -201,7 +201,7 @@ def test_what_the_manual_leaves_open_is_asked_for(seen: dict[str, str]) -> None:
 
 @pytest.mark.slow
 def test_registers_that_change_a_frame(seen: dict[str, str]) -> None:
-    """20 bits of singleturn and 16 of multiturn as delivered, then 12 of singleturn."""
+    """By default, singleturn has 20 bits and multiturn 16. Then singleturn has 12."""
     assert "44 bits" in seen["delivered"]
     assert "36 bits" in seen["held"]
 
@@ -243,7 +243,7 @@ def test_the_colour_of_the_box_is_that_of_the_verdict(chromium: str, page: Path,
     for said, line in shown(chromium, page, COLOURS.replace("FRAMES", frames)):
         verdict = said.partition(":")[0]
         seen.add(verdict)
-        # A question to the reader has the colour of a warning: nothing is decoded until it is answered.
+        # A question to the reader has the colour of a warning, since nothing is decoded until it is answered.
         asked = said.startswith("The manual is ambiguous here")
         assert colour(*line) == ("amber" if asked else colours.get(verdict, "grey")), said
     assert seen > set(colours)

@@ -1,5 +1,7 @@
-"""The BiSS machines in C as a library that Python calls, and accesses to registers by the thousand over whatever line
-they are put on: models that Python steps, or Verilog."""
+"""The BiSS machines in C as a library for Python, and thousands of register accesses over any kind of line.
+
+A line consists of models that Python steps, or of Verilog.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,7 @@ from biss_models import Bits, ModelMaster
 from c_harness import GCC, compile_c
 
 OUTCOMES = ("IDLE", "RUNNING", "DONE", "REFUSED", "NO_ANSWER", "BUSY", "BAD_CRC", "BAD_ECHO", "ABORTED")
-#: In place of a CDS bit: the frame was lost.
+#: Replaces a CDS bit if the frame was lost.
 LOST = -1
 
 LIBRARY = r"""
@@ -108,7 +110,7 @@ int slave_register(int address) { return registers[address]; }
 
 
 def built(folder: Path, include: Path, more: str = "") -> Path:
-    """The library, with functions of the caller's beside these; undefined behaviour ends the process."""
+    """The library, compiled with additional functions of the caller. Undefined behaviour ends the process."""
     command = [*GCC, "-O1", "-shared", "-fPIC", "-fsanitize=undefined", "-fsanitize-undefined-trap-on-error"]
     return compile_c(command, LIBRARY + more, folder, include)
 
@@ -126,13 +128,13 @@ class SlaveEnd(Protocol):
 
 
 class SteppedSlave(SlaveEnd, Protocol):
-    """One that is sent the CDM bit of each frame and yields the CDS bit of the next one."""
+    """A slave that is sent the CDM bit of each frame and yields the CDS bit of the next one."""
 
     def run(self) -> Bits: ...
 
 
 class MasterEnd(Protocol):
-    """Outcome of an access by its name in C, and the bytes read."""
+    """Return the outcome of an access by its name in C, and the bytes read."""
 
     def read(self, address: int, count: int, limit: int) -> tuple[str, bytes]: ...
     def write(self, address: int, data: bytes, limit: int) -> str: ...
@@ -150,7 +152,7 @@ class Master:
         library.master_init()
 
     def run(self, frames: int = 6000) -> str:
-        """Frames until the access is over. A CDM bit that comes late goes out in the next frame."""
+        """Run frames until the access is over. A late CDM bit is sent in the next frame."""
         outcome = self.library.master_outcome
         for _ in range(frames):
             self.frames += 1
@@ -179,7 +181,7 @@ class Master:
 
 
 class SlaveInC:
-    """The slave in C; slave_busy of the library says for how many frames its registers are."""
+    """The slave in C. slave_busy of the library sets for how many frames its registers are busy."""
 
     readable, writable = range(0x70), range(0x60)
 
@@ -200,7 +202,7 @@ class SlaveInC:
 
 
 class ModelLine:
-    """The master of the model on a line with the slave in C; with latency, its bit goes out in the next frame."""
+    """The master of the model on a line with the slave in C. With latency, its bit is sent in the next frame."""
 
     def __init__(self, slave: SlaveInC, latency: int) -> None:
         self.slave, self.master = slave, ModelMaster(latency)
@@ -225,7 +227,7 @@ class ModelLine:
 
 
 def accesses(line: MasterEnd, slave: SlaveEnd, chance: random.Random, count: int) -> None:
-    """Reads and writes of up to three registers anywhere; each has to come out as the registers of the slave say."""
+    """Read and write up to three registers anywhere. Each result must match the registers of the slave."""
     for index in range(count):
         address = chance.randrange(128)
         size = min(chance.choice((1, 1, 1, 2, 3)), 64 - address % 64)
@@ -238,7 +240,7 @@ def accesses(line: MasterEnd, slave: SlaveEnd, chance: random.Random, count: int
             data = bytes(chance.randrange(256) for _ in places)
             slave.stored.clear()
             assert line.write(address, data, 2000) == outcome, (index, address, size)
-            # A byte is stored once, and no other one is.
+            # A byte is stored once, and no other one is stored.
             assert slave.stored == list(zip(places[:sound], data, strict=False)), (index, address, size)
         else:
             expected = bytes(slave.held(place) for place in places[:sound])

@@ -2,8 +2,8 @@
 
 A family has one for each interface. A line goes to the one of its order code, and ``find`` to all of them.
 
-Each line begins with an order code, after which ``;REGISTER=HEX`` may tell what a register holds at run time, and
-``;ALTERNATIVE=HEX`` which answer is taken of what the manual leaves open, 00 the first.
+Each line begins with an order code. ``;REGISTER=HEX`` after it sets the content of a register at run time, and
+``;ALTERNATIVE=HEX`` selects the answer to an open question of the manual, with 00 for the first.
 It answers each line with one line, beginning with the number of the result:
 
     CODE decode LAYOUT HEX            the members, in the struct's order; texts as hex
@@ -11,16 +11,16 @@ It answers each line with one line, beginning with the number of the result:
     CODE crc NAME HEX                 the CRC
     CODE select SENDER HEX            the frame and its length
     CODE steps PROCEDURE [HEX...]      kind,address,mask,value,times,microseconds of each step
-    CODE expected LAYOUT HEX          whether it holds what the manual states
-    CODE tells LAYOUT HEX             the verdict and the mask of reports, - where the frame has none
+    CODE expected LAYOUT HEX          whether its content is as documented
+    CODE tells LAYOUT HEX             the verdict and the mask of reports, or - if the frame has none
     CODE text of HEX                  the members of the text of a report, each in quotes
-    CODE measure FUNCTION NUMBER...   what a function of positions gives
-    CODE candidates HEX...            the order codes that read so, by the members of the identity
-    CODE take                         nothing but the results of taking the registers over
+    CODE measure FUNCTION NUMBER...   the result of a function of positions
+    CODE candidates HEX...            the order codes with this identity, by its members
+    CODE take                         only the results of updating the variant from the registers
     LABEL find                        the text of the order code and the parts that are not listed
 
 Registers are layouts called ``reg_NAME``. The struct is filled with a pattern before each call,
-so that a fault that changes it shows.
+so that a change on an error is detected.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from codewheel.targets.c.types import unsigned
 WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wcast-qual -Wshadow -Werror".split()
 SPECS = Path(__file__).resolve().parents[1] / "specs"
 _HERE = Path(__file__).resolve().parent
-#: Specs that use what no family of the library does, by the name of their device.
+#: Specs with features that no family of the library has, by the name of their device.
 MADE_UP = {
     "banks": SPECS / "banks.yaml",
     "bits22": SPECS / "bits22.yaml",
@@ -55,48 +55,48 @@ MADE_UP = {
     "words": _HERE / "specs" / "words.yaml",
 }
 
-#: The include folder of the runtime, where it lies.
+#: Include folder of the runtime.
 RUNTIME = _HERE.parents[1] / "runtime" / "c"
-#: The headers of the runtime that the headers of a family include.
+#: Headers of the runtime that the headers of a family include.
 SHARED = ("result", "bits", "receive", "encoder", "transport")
 
 GCC = ["gcc", "-std=c99"]
-#: What a program may not do is watched while it runs.
+#: Undefined behaviour is detected while a program runs.
 SANITIZED = ["-fsanitize=undefined,address", "-fno-sanitize-recover=all"]
 
-#: Runs lines through the program and gives one answer for each.
+#: Sends lines to the program and returns one answer for each.
 Run = Callable[[Iterable[str]], list[str]]
-#: The fixture that fills a folder once for all workers.
+#: Fixture that fills a folder once for all workers.
 MadeOnce = Callable[[str, Callable[[Path], object]], Path]
 
-#: The interfaces of the families, by the stems of their headers.
+#: Interfaces of the families, by the stems of their headers.
 INTERFACES = (
     *("am36_ssi", "am36_biss", "amm5_ssi", "amm5_biss", "amm5_rs485", "asc85_ssi", "asc85_biss"),
     *("sma21_ssi", "sma21_biss", "sma21_rs485"),
 )
-#: The families of the library, by which tests are named.
+#: Families of the library, as names of tests.
 FAMILIES = ("am36", "amm5", "asc85", "sma21")
 
 
 def headers_of(name: str, include: Path) -> list[Path]:
-    """The headers of a family, those of each interface together, in the order in which they include each other."""
+    """Return the headers of a family, those of each interface together, in the order of their includes."""
     places = [path for path in include.glob(f"*/{name}_*.h") if path.stem.split("_")[0] == name]
     order = ["", "labels", "reports", "registers", "procedures", "simulate"]
     return sorted(places, key=lambda path: (path.stem.split("_")[1], order.index("".join(path.stem.split("_")[2:]))))
 
 
 def text_of(name: str, include: Path) -> str:
-    """The text of all headers of a family."""
+    """Return the text of all headers of a family."""
     return "".join(path.read_text(encoding="ascii") for path in headers_of(name, include))
 
 
 def interfaces_of(devices: Iterable[Device]) -> dict[str, Device]:
-    """Each device with one of its interfaces alone, by the stem of its headers."""
+    """Return each device with only one of its interfaces, by the stem of its headers."""
     return {view.stem: view.device for device in devices for view in views_of(device)}
 
 
 def included(device: Device) -> str:
-    """Lines that include all headers of a device with one interface."""
+    """Return the lines that include all headers of a device with one interface."""
     return "".join(f'#include "{header}"\n' for header in DeviceView(device).headers)
 
 
@@ -107,7 +107,7 @@ def devices_of(*paths: Path) -> tuple[Device, ...]:
 
 
 def write(folder: Path, devices: tuple[Device, ...]) -> Path:
-    """Writes the C tree of these devices; gives the folder to include from."""
+    """Write the C tree of these devices, and return its include folder."""
     for name, text in generate(Library(devices)).items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -118,7 +118,7 @@ def write(folder: Path, devices: tuple[Device, ...]) -> Path:
 def compile_c(
     command: list[str], code: str, folder: Path, include: Path, stem: str = "program", link: bool = True
 ) -> Path:
-    """Compiles a text with all warnings as errors, and links it."""
+    """Compile and link a text, with all warnings as errors."""
     text, program = folder / f"{stem}.c", folder / stem
     text.write_text(code, encoding="utf-8")
     options = ["-o", str(program)] if link else ["-c", "-o", f"{program}.o"]
@@ -128,7 +128,7 @@ def compile_c(
 
 
 def program_over(device: Device, made_once: MadeOnce, name: str, *options: str) -> Run:
-    """The program over the header of a device, undefined behaviour watched; ``name`` is that of its folder."""
+    """Return the program for the header of a device, in a folder called ``name``. It detects undefined behaviour."""
 
     def compiled(folder: Path) -> None:
         compile_programs([*GCC, "-O1", *SANITIZED, *options], device, folder, write(folder, (device,)))
@@ -137,18 +137,18 @@ def program_over(device: Device, made_once: MadeOnce, name: str, *options: str) 
 
 
 def compile_programs(command: list[str], device: Device, folder: Path, include: Path, link: bool = True) -> None:
-    """Compiles the program over each interface of a family, by the name of the interface."""
+    """Compile the program for each interface of a family, and return them by the name of the interface."""
     for view in views_of(device):
         compile_c(command, source(view), folder, include, view.context.interface.name, link)
 
 
 def runner_over(device: Device, folder: Path) -> Run:
-    """The programs compiled into this folder, as one."""
+    """Return the programs compiled into this folder as one."""
     return as_one(device, {item.name: runner(folder / item.name) for item in device.interfaces})
 
 
 def as_one(device: Device, programs: Mapping[str, Run]) -> Run:
-    """Hands each line to the program of its order code, by the interface, and to all of them to find a label."""
+    """Send each line to the program for the interface of its order code. A label to be found goes to all programs."""
     kinds = {item.code: item.interface for item in device.variants}
 
     def run(lines: Iterable[str]) -> list[str]:
@@ -198,12 +198,12 @@ def members(codec: StructCodec) -> list[Member]:
 
 
 def answers(codec: StructCodec) -> str:
-    """The answers that the functions of a frame take, handed over after the variant."""
+    """Return the answers that the functions of a frame take, passed after the variant."""
     return "".join(f"{item.type}_taken, " for item in codec.asked)
 
 
 def short(view: DeviceView, codec: StructCodec) -> str:
-    """The name of a layout, or ``reg_`` and that of a register."""
+    """Return the name of a layout, or ``reg_`` and the name of a register."""
     return codec.struct.layout.name if codec.struct.register is None else codec.name.removeprefix(view.prefix + "_")
 
 
@@ -296,14 +296,14 @@ def source(view: DeviceView) -> str:
 
 @dataclass(frozen=True)
 class Numeric:
-    """A function of a variant and of numbers, whose types these are."""
+    """A function of a variant and of numbers with these types."""
 
     name: str
     type: str
     arguments: tuple[str, ...] = ()
 
 
-#: The functions of positions, by the end of their names: type, and type of each argument.
+#: Functions of positions, by the end of their names: type, and type of each argument.
 _OF_POSITIONS = {
     "counts_per_turn": ("uint64_t",),
     "modulus": ("uint64_t",),
@@ -316,7 +316,7 @@ _OF_POSITIONS = {
 
 
 def functions(view: DeviceView) -> list[Numeric]:
-    """The small functions of a variant: parameters that follow, what positions mean, limits."""
+    """Return the small functions of a variant: dependent parameters, conversions of positions, limits."""
     limits = [limits for register in view.registers for limits in register.limits]
     plain = [*view.variants.derived, *(item for limit in limits for item in limit.functions)]
     of_positions = [
@@ -327,7 +327,7 @@ def functions(view: DeviceView) -> list[Numeric]:
 
 
 def crcs(view: DeviceView) -> dict[str, str]:
-    """A function for each CRC that the frames use. That of a whole word takes the data with zeros for the CRC."""
+    """Return a function for each CRC of a frame. The one for a whole word takes the data with zeros for the CRC."""
     found = {}
     for codec in view.interface.codecs:
         if codec.word_crc is not None:
@@ -377,7 +377,7 @@ def _call(view: DeviceView, function: Numeric, name: str) -> str:
 
 
 def _decoded(view: DeviceView, codec: StructCodec, verb: str, name: str, then: str) -> str:
-    """A function that decodes, says the result, and where that is no fault what ``then`` prints of ``out``."""
+    """Return a function that decodes, prints the result and, if there is no error, prints ``then`` of ``out``."""
     given = answers(codec) + ("number(text)" if not codec.plan.in_bytes else "b, bytes_of(text, b)")
     return f"""static void {verb}_{name}(const {view.prefix} *variant, char *text)
 {{
@@ -407,7 +407,7 @@ def _tells(view: DeviceView, codec: StructCodec, name: str) -> str:
 
 
 def _position(view: DeviceView, codec: StructCodec) -> str:
-    """The short way gives the same verdict and position as the long one, and stores nothing that is not usable."""
+    """The short way gives the same verdict and position as the long one, and stores only usable positions."""
     if codec.name != view.prefix or not view.measured:
         return ""
     given = answers(codec) + ("number(text)" if not codec.plan.in_bytes else "b, bytes_of(text, b)")
@@ -492,7 +492,7 @@ def _decode(view: DeviceView, codec: StructCodec, name: str) -> str:
 
 
 def _print(member: Member) -> str:
-    """C that prints a member of ``out``, a text as its bytes."""
+    """Return C that prints a member of ``out``, with a text as its bytes."""
     if member.characters:
         return "".join(
             f'    printf("{" " if index == 0 else ""}%02X", (unsigned)(unsigned char)out.{member.name}[{index}]);\n'
@@ -503,7 +503,7 @@ def _print(member: Member) -> str:
 
 
 def _read(member: Member) -> str:
-    """C that reads a member of ``in`` from ``item``."""
+    """Return C that reads a member of ``in`` from ``item``."""
     if member.characters:
         return f"    bytes_of(item, c);\n    memcpy(in.{member.name}, c, sizeof in.{member.name});\n"
     if member.type == "bool":

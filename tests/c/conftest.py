@@ -1,4 +1,4 @@
-"""Fixtures of the tests of the C target: headers written once, and a program for each that answers line by line."""
+"""Fixtures of the tests of the C target: headers written once, and a program for each, which answers line by line."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def every_device(c_devices: tuple[Device, ...]) -> Mapping[str, Device]:
 
 
 class Programs(dict[str, Run]):
-    """The program over the header of each device, compiled when it is asked for, with undefined behaviour watched."""
+    """The program for the header of each device, compiled when first used, with checks for undefined behaviour."""
 
     def __init__(self, devices: Mapping[str, Device], made_once: MadeOnce) -> None:
         super().__init__()
@@ -70,13 +70,13 @@ def _machines(every_device: Mapping[str, Device], made_once: MadeOnce, stepped: 
 
 @pytest.fixture(scope="session")
 def machines(every_device: Mapping[str, Device], made_once: MadeOnce) -> Callable[[str], Machine]:
-    """The functions of a family that take a transport, by its name; ``words`` is that of ``tests/specs``."""
+    """The functions of a family that take a transport, by its name. ``words`` is the spec in ``tests/specs``."""
     return _machines(every_device, made_once, stepped=False)
 
 
 @pytest.fixture(scope="session")
 def stepped_machines(every_device: Mapping[str, Device], made_once: MadeOnce) -> Callable[[str], Machine]:
-    """The same, with procedures carried out by the runner in a main loop."""
+    """The same functions, with procedures carried out by the runner in a main loop."""
     return _machines(every_device, made_once, stepped=True)
 
 

@@ -1,4 +1,4 @@
-"""The functions of ``tracker.h`` and ``angle.h`` as a library that Python calls, undefined behaviour watched."""
+"""The functions of ``tracker.h`` and ``angle.h`` as a library for Python, with checks for undefined behaviour."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ OK, RANGE, LOST = 0, 4, 13
 
 
 class Config(ctypes.Structure):
-    """The limits of an axis as the header has them, in its order."""
+    """The limits of an axis, in the order of the header."""
 
     _fields_ = [
         ("modulus", ctypes.c_uint64),
@@ -25,7 +25,7 @@ class Config(ctypes.Structure):
 
 
 class Tracker(ctypes.Structure):
-    """The struct as the header has it, in its order."""
+    """The tracker's struct, in the order of the header."""
 
     _fields_ = [
         ("known", ctypes.c_uint32),
@@ -44,7 +44,7 @@ class Tracker(ctypes.Structure):
     ]
 
 
-#: Each function: what it gives, and what it is given.
+#: Functions with the types of their results and arguments.
 FUNCTIONS = {
     "angle": ("uint32_t", ("uint64_t", "uint64_t")),
     "angle_electrical": ("uint32_t", ("uint32_t", "uint32_t", "uint32_t")),
@@ -60,7 +60,7 @@ FUNCTIONS = {
     "tracker_add": ("int", ("cw_tracker *", "uint64_t", "uint32_t")),
     "tracker_speed": ("int64_t", ("const cw_tracker *",)),
 }
-#: Those that divide, with the compiler's library where the processor cannot.
+#: Functions that divide, with the compiler's library if the processor cannot.
 DIVIDING = {"counts_per_second_divided": ("int64_t", ("int64_t", "uint32_t"))}
 _TYPES = {
     "void": None,
@@ -78,7 +78,7 @@ _TYPES = {
 
 
 def source(functions: Mapping[str, tuple[str, tuple[str, ...]]] = FUNCTIONS) -> str:
-    """A function of the name without ``cw_`` for each; the struct is what Python takes it for."""
+    """Return a function for each, without ``cw_`` in its name. It does not compile if the size of a struct differs."""
     text = '#include "codewheel/tracker.h"\n#include "codewheel/angle.h"\n'
     for kind in (Tracker, Config):
         name = "cw_tracker" if kind is Tracker else "cw_tracker_config"
@@ -92,7 +92,7 @@ def source(functions: Mapping[str, tuple[str, tuple[str, ...]]] = FUNCTIONS) -> 
 
 
 def compile_motion(include: Path, folder: Path) -> None:
-    """Compiles the library into the folder; :func:`motion_of` loads it."""
+    """Compile the library into the folder. :func:`motion_of` loads it."""
     text = folder / "motion.c"
     text.write_text(source(FUNCTIONS | DIVIDING), encoding="utf-8")
     command = ["gcc", "-std=c99", "-O1", "-shared", "-fPIC", "-fsanitize=undefined", "-fno-sanitize-recover=all"]
@@ -105,7 +105,7 @@ def compile_motion(include: Path, folder: Path) -> None:
 
 
 def motion_of(folder: Path) -> ctypes.CDLL:
-    """The library, its functions with their types."""
+    """Return the library, with the types of its functions."""
     library = ctypes.CDLL(str(folder / "motion.so"))
     for name, (kind, given) in (FUNCTIONS | DIVIDING).items():
         function = getattr(library, name)

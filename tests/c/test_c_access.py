@@ -1,5 +1,7 @@
-"""Every register of every family by its name, byte by byte, with every call failing;
-and what no frame or label of a family brings about."""
+"""Every register of every family is accessed by its name, byte by byte, with every call failing.
+
+Also covered are cases that no frame or label of a family contains.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,7 @@ def variant_of(device: Device, register: Register) -> Variant:
 
 
 def contents(register: Register) -> Iterable[bytes]:
-    """Return values for a register: every byte if it is one, else few bits, all bits and its default."""
+    """Return values for a register: every value if it is one byte, otherwise few bits, all bits and its default."""
     if register.length == 1:
         yield from (bytes([value]) for value in range(256))
         return
@@ -83,7 +85,7 @@ def test_every_register_is_written_within_its_limits(family: str, machines: Call
 
 
 def test_data_ids_of_other_replies_are_refused(family: tuple[Device, Run]) -> None:
-    """A sound frame of each layout with each of the 16 data IDs, parity and CRC made good: only its own are taken."""
+    """Return a valid frame of each layout with each of the 16 data IDs and the right CRC. Only its own are accepted."""
     device, run = family
     table = Table(device)
     pairs = []
@@ -155,7 +157,7 @@ def test_each_byte_of_the_identity_counts(family: tuple[Device, Run]) -> None:
     assert [line for (line, code), answer in zip(pairs, answers, strict=True) if code in answer.split()[1:]] == []
 
 
-# -- what is refused before anything is sent
+# -- refusals before anything is sent
 
 
 @pytest.mark.parametrize(
@@ -179,7 +181,7 @@ def test_a_position_that_does_not_fit_is_not_set(
 
 
 def test_a_state_that_no_encoder_has_is_not_taken_over(machines: Callable[[str], Machine]) -> None:
-    """AM36 6.5: a revolution has 20 bits at most, and there are 16 of revolutions."""
+    """AM36 6.5: a revolution has at most 20 bits, and the revolutions have 16."""
     made = machines("am36")
     for address, value, reads in ((0x56, 21, ["r 56 1"]), (0x57, 17, ["r 56 1", "r 57 1"])):
         encoder = Encoder()
@@ -191,7 +193,7 @@ def test_a_state_that_no_encoder_has_is_not_taken_over(machines: Callable[[str],
 
 
 def test_the_code_of_a_measuring_system_is_taken_over(machines: Callable[[str], Machine]) -> None:
-    """SMA21 6.4: bit 5 of 49h is the code, bit 1 selects an offset, and the bits beside them are others'."""
+    """SMA21 6.4: bit 5 of 49h is the code, bit 1 selects an offset, and the bits next to them belong to others."""
     made = machines("sma21")
     codes = []
     for held in (0x20, 0xDD, 0xFF):
@@ -228,7 +230,7 @@ def test_the_identity_of_a_thru_bore_encoder_is_read(machines: Callable[[str], M
 
 # -- single functions
 
-#: What the shared helpers give, by arithmetic on paper.
+#: Results of the shared helpers, by arithmetic on paper.
 HELPERS: Mapping[str, int] = {
     "cw_difference(3U, 9U, 0U)": 0,
     "cw_difference(1U, 9U, 10U)": 2,
@@ -273,8 +275,8 @@ HELPERS: Mapping[str, int] = {
 }
 
 
-#: The cable lengths of the manuals (5.3 each), in metres, and the clock in hertz that must not be
-#: reached; none from 400 m on.
+#: Cable lengths of the manuals (5.3 each) in metres, and the clock in hertz that must not be
+#: reached. There is none from 400 m on.
 CABLES = {
     0: 400_000,
     49: 400_000,
@@ -287,10 +289,10 @@ CABLES = {
     400: 0,
 }
 
-#: What functions of the families and of the control frames give:
-#: by the manuals, by BiSS C's protocol description, or by arithmetic.
+#: Results of functions of the families and of the control frames,
+#: from the manuals, from BiSS C's protocol description, or by arithmetic.
 FUNCTIONS: Mapping[str, int] = {
-    # AMM5 6.5: 30 us at 50 kHz, 7.5 us at 200 kHz; 1.5 clocks, rounded up to a whole nanosecond.
+    # AMM5 6.5: 30 us at 50 kHz, 7.5 us at 200 kHz. 1.5 clocks, rounded up to a whole nanosecond.
     "lika_amm5_biss_timeout_ns(50000U)": 30_000,
     "lika_amm5_biss_timeout_ns(200000U)": 7_500,
     "lika_amm5_biss_timeout_ns(0U)": 0,
@@ -300,11 +302,11 @@ FUNCTIONS: Mapping[str, int] = {
     "lika_amm5_biss_reg_preset_singleturn_shift(amm5)": 12,
     "lika_amm5_biss_reg_preset_multiturn_mask(amm5) == UINT64_C(0x1FFFE00000000)": 1,
     "lika_amm5_biss_reg_preset_singleturn_mask(amm5) == UINT64_C(0x1FFFFF000)": 1,
-    # What is no frame has no length.
+    # Something that is not a frame has no length.
     "lika_amm5_rs485_frame_length((lika_amm5_rs485_frame)99)": 0,
     "lika_sma21_rs485_frame_length((lika_sma21_rs485_frame)99)": 0,
-    # AM36 6.5: 4Bh to 4Dh have 24 bits; at least one revolution.
-    # Without functions in the transport whoever came to them would say UNSUPPORTED.
+    # AM36 6.5: 4Bh to 4Dh have 24 bits. There is at least one revolution.
+    # The transport has no functions, so an attempt to call one would return UNSUPPORTED.
     "lika_am36_biss_reg_information_per_revolution_encode(am36, &steps, bytes, 3U)": RANGE,
     "lika_am36_biss_write_number_of_revolutions(&none, am36, &turns, NULL)": RANGE,
     "lika_am36_biss_write_preset(&none, am36, &beyond, NULL)": RANGE,
@@ -319,19 +321,19 @@ FUNCTIONS: Mapping[str, int] = {
         "lika_sma21_biss_write_configuration(&none, sma21, &measured, NULL))"
     ): RANGE,
     "cw_run_step(&none, &reading, 1U, NULL)": RANGE,
-    # x^4 = x + 1, x^35 = x^5 = x^2 + x, all inverted; of more than 32 bits the last 32 count.
+    # x^4 = x + 1, x^35 = x^5 = x^2 + x, all inverted. Of more than 32 bits, only the last 32 count.
     "cw_biss_crc(0U, 32U)": 15,
     "cw_biss_crc(1U, 32U)": 12,
     "cw_biss_crc(0x80000000U, 32U)": 9,
     "cw_biss_crc(0x80000000U, 99U)": 9,
-    # A request to read register 0 of slave 0, and each of the 14 bits after S that have to be 0.
+    # A request to read register 0 of slave 0, and each of the 14 bits after S, which must be 0.
     "cw_biss_request_decode(0x800D4000U, &request)": OK,
     "cw_biss_request_decode(0x800D4001U, &request)": 3,
     "cw_biss_request_decode(0x800D6000U, &request)": 3,
-    # CDS that never changes; S that is not answered yet.
+    # CDS that never changes, and S that is not answered yet.
     "cw_biss_answer_decode(&request, 0xFFFFFFFFU, bytes, bytes)": 4,
     "cw_biss_answer_decode(&request, 0x80008000U, bytes, bytes)": 5,
-    # Nobody wants a byte or has stored one; phases that there are not.
+    # No byte is requested or stored, and the phases do not exist.
     "(cw_biss_slave_give(&slave, 0x55U), cw_biss_slave_stored(&slave), slave.given || slave.sending != 0U)": 0,
     "(slave.phase = (cw_biss_phase)9, cw_biss_slave_next(&slave, false, true))": 1,
     "(slave.phase = (cw_biss_phase)9, cw_biss_slave_next(&slave, false, false))": 0,

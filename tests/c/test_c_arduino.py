@@ -13,7 +13,7 @@ from test_c_package import crc_of, written
 
 pytestmark = pytest.mark.slow
 
-#: What a sketch uses of the core and of the library SPI.
+#: The parts of the core and of the library SPI that a sketch uses.
 ARDUINO = """#pragma once
 #include <stdint.h>
 #include <stddef.h>
@@ -31,7 +31,7 @@ struct Spi {
 };
 extern Spi SPI;
 """
-#: The stubs on a computer: SPI gives one frame.
+#: The stubs on a computer, where SPI returns one frame.
 HOST = """#include "Arduino.h"
 #include <stdio.h>
 #include <string.h>
@@ -60,7 +60,7 @@ FAMILIES = ("am36", "amm5", "asc85", "sma21")
 
 @pytest.fixture
 def library(c_devices: tuple[Device, ...], tmp_path: Path) -> Path:
-    """The folder as a library of Arduino, with ``include`` renamed as its README says."""
+    """Return the folder as an Arduino library, with ``include`` renamed as its README says."""
     root = written(tmp_path, c_devices)
     (root / "include").rename(root / "src")
     for name in ("Arduino.h", "SPI.h"):
@@ -88,7 +88,7 @@ def test_a_sketch_compiles_for_avr(family: str, library: Path) -> None:
 
 @pytest.mark.parametrize(("error", "printed"), [(0, "549755813\n"), (2, "the position is not usable\n")])
 def test_a_sketch_prints_a_position(error: int, printed: str, library: Path) -> None:
-    """A frame of AMM5A23/65KSC1 after 5 bits of acknowledge: 39 bits, two flags, active at 0, and the CRC."""
+    """A frame of AMM5A23/65KSC1 after 5 bits of acknowledge: 39 bits, two flags, active low, and the CRC."""
     data = 549755813 << 2 | (3 ^ error)
     bits = f"110000010{data:041b}{crc_of(data, 41):06b}0".ljust(96, "1")
     frame = ", ".join(str(int(bits[at : at + 8], 2)) for at in range(0, 96, 8))

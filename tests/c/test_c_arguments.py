@@ -1,4 +1,4 @@
-"""Arguments of procedures in every way that a step can write them, and what else only a made-up encoder has."""
+"""Arguments of procedures in every way that a step can write them, and other cases of the made-up encoder."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from test_c_families import steps_text
 
 SPEC = Path(__file__).parent / "specs" / "arguments.yaml"
 
-#: Values around what each argument can be, and one at a time the others at the first.
+#: Values around the limits of each argument. One argument changes at a time, and the others have the first value.
 VALUES: Mapping[str, tuple[int, ...]] = {
     "control": (0, 60000, 60001, 0x1234),
     "kind": (1, 2, 0, 3, 255),
@@ -42,7 +42,7 @@ def run_arguments(arguments: Device, made_once: MadeOnce) -> Run:
 @pytest.mark.slow
 @pytest.mark.parametrize("command", [["clang", "-std=c99"], ["g++", "-x", "c++", "-std=c++11"]], ids=" ".join)
 def test_no_warning(command: list[str], arguments: Device, tmp_path: Path) -> None:
-    """Not for an encoder that is known by a byte called ``variant_id``."""
+    """There is none even if an encoder is identified by a byte called ``variant_id``."""
     if shutil.which(command[0]) is None:
         pytest.skip(f"{command[0]} is not installed")
     compile_programs(command, arguments, tmp_path, write(tmp_path, (arguments,)), link=False)

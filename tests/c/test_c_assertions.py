@@ -1,4 +1,4 @@
-"""Pointers are checked where CW_ASSERT says so, and nowhere else."""
+"""Pointers are checked only where CW_ASSERT does so."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from c_harness import GCC, RUNTIME, compile_c
 
-#: Each function that checks its pointers, called with a null pointer in one place.
+#: Each function that checks its pointers, called with one null pointer.
 CALLS = (
     "cw_received_words16(NULL, 0U, rx)",
     "cw_received_words32(words, 0U, NULL)",
@@ -59,7 +59,7 @@ def test_a_null_pointer_ends_in_the_assertion(tmp_path: Path) -> None:
 
 
 def test_every_assertion_is_called_above() -> None:
-    """The functions that forward to one of them check nothing themselves."""
+    """Functions that forward to one of them have no checks of their own."""
     text = "".join((RUNTIME / "codewheel" / f"{name}.h").read_text(encoding="ascii") for name in ("receive", "tracker"))
     checked = set(re.findall(r"^static inline [^\n(]*\b(cw_\w+)\([^{}]*?\)\n\{\n    CW_ASSERT\(", text, re.MULTILINE))
     called = set(re.findall(r"\b(cw_\w+)\(", " ".join(CALLS)))

@@ -1,4 +1,4 @@
-"""The page on assumptions of use: each frame with a CRC is on it, with what the CRC misses."""
+"""The page on assumptions of use lists each frame with a CRC, and the errors that the CRC misses."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def test_each_length_of_each_frame(c_devices: tuple[Device, ...]) -> None:
         row = found["x^6 + x + 1", bits]
         assert "AMM5 BiSS C-mode: single cycle data" in row[2]
         assert row[3] == "3"
-    # Two bits at the same place in two of eleven bytes.
+    # Two wrong bits at the same position in two of eleven bytes.
     assert found["x^8 + 1", 88][2:] == ["AMM5 RS-485: complete reply", "2", f"{8 * 11 * 10 // 2} of {88 * 87 // 2}"]
 
 

@@ -1,4 +1,4 @@
-"""BiSS C's control frames in C: published words; masters and slaves in C and Python against each other, bitwise."""
+"""BiSS C's control frames in C: published words, and masters and slaves in C and Python together, bit by bit."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ OUTCOMES = ("IDLE", "RUNNING", "DONE", "REFUSED", "NO_ANSWER", "BUSY", "BAD_CRC"
 WANTS = ("NOTHING", "BYTE", "STORE")
 NO_ID = 255
 
-#: One line in, one line out: the number of a machine comes after the letter where there are several.
+#: Each line has one answer. If there are several machines, the number of one follows the letter.
 PROGRAM = r"""
 #include "codewheel/biss_slave.h"
 #include <stdio.h>
@@ -138,7 +138,7 @@ Ask = Callable[..., list[int]]
 
 @pytest.fixture(scope="session")
 def ask(include: Path, made_once: MadeOnce) -> Iterator[Ask]:
-    """Asks the program, in which undefined behaviour is watched."""
+    """Run the program, with checks for undefined behaviour."""
     command = [*GCC, "-O1", *SANITIZED]
     program = made_once("biss", lambda folder: compile_c(command, PROGRAM, folder, include)) / "program"
     with subprocess.Popen(
@@ -220,7 +220,7 @@ PAIRS = [("c", "c"), ("c", "python"), ("python", "c")]
 
 @pytest.fixture(scope="session")
 def build(ask: Ask, biss: Any) -> Build:
-    """A line with a master and slaves in these languages; every register of a slave holds its own address."""
+    """Return a line with a master and slaves in these languages. Every register of a slave contains its own address."""
 
     def built(
         languages: tuple[str, str] = ("c", "c"), chain: int = 1, delay: int = 0, **allowed: Sequence[int]
@@ -250,7 +250,7 @@ def test_the_published_words(ask: Ask, vectors: list[dict[str, Any]]) -> None:
         word, address = int(row["frame_hex_or_bits"].split()[0], 16), row["fields"]["ADR"]
         assert ask("e", row["fields"]["ID"], address, 0, 0) == [0, word]
         assert ask("D", word) == [0, row["fields"]["ID"], address, 0, 0]
-    # The one that is printed wrong, the same with its CRC put right, and what it has to be.
+    # The word that is printed wrong, the same with a corrected CRC, and the expected one.
     assert ask("D", 0x8C13C194) == [RESULTS.index("CRC"), 0x5A, 0x5A, 1, 0x5A]
     assert ask("D", 0x8C17C194) == [RESULTS.index("CONSTANT"), 0x5A, 0x5A, 1, 0x5A]
     assert ask("D", 0x8C16C194) == [0, 0, 0x60, 1, 6]
@@ -258,7 +258,7 @@ def test_the_published_words(ask: Ask, vectors: list[dict[str, Any]]) -> None:
 
 
 def test_words_and_bytes_on_paper(ask: Ask) -> None:
-    # The arithmetic stands beside the same words in the tests of the Python module.
+    # The arithmetic is next to the same words in the tests of the Python module.
     assert ask("e", 0, 0, 0, 0) == [0, 0x800D4000]
     assert ask("e", 5, 0x7F, 1, 0xFF) == [0, 0xDFFEFFEC]
     assert [ask("b", value)[0] for value in (0x00, 0x01, 0x40, 0x80, 0xFF)] == [0x00F, 0x01C, 0x408, 0x801, 0xFFB]
@@ -311,7 +311,7 @@ def test_answers_on_paper(ask: Ask) -> None:
     assert ask("A", 0, 0x44, 1, 0x40, READ_40 ^ 3 << 14) == [OUTCOMES.index("DONE"), 1, 0xA5]
 
 
-# ----------------------------------------------------------------------------------------------------------- bit by bit
+# ------------------------------------------------------------------------------------------------ bit by bit
 
 
 def test_a_read_written_out(build: Build) -> None:
@@ -338,7 +338,7 @@ def test_a_sequence_of_writes_written_out(build: Build) -> None:
 
 @pytest.mark.parametrize("languages", PAIRS, ids="-".join)
 def test_the_same_bits_in_both_languages(build: Build, languages: tuple[str, str]) -> None:
-    """Reads, writes, refusals, waiting slaves and missing ones: every bit as between two machines in Python."""
+    """Reads, writes, refusals, waiting slaves and missing ones: every bit is as between two machines in Python."""
 
     def story(pair: tuple[str, str]) -> list[object]:
         line = build(pair, chain=3, readable=range(0x10, 0x60), writable=range(0x20, 0x50))
@@ -441,7 +441,7 @@ def test_given_up_at_every_bit(build: Build) -> None:
 
 
 def test_what_a_slave_allows(ask: Ask, build: Build) -> None:
-    """Eleven registers to read; the last and one more to write; four in the middle neither. Every address is tried."""
+    """Eleven registers can be read, the last and one more written, and four in the middle neither. All are tried."""
     line = build(readable=(), writable=())
     assert ask("l", 0, 0x43, 11, 1, 0) == ask("l", 0, 0x4D, 2, 0, 1) == ask("l", 0, 0x45, 4, 0, 0) == [0]
     read, written = [], []

@@ -1,5 +1,8 @@
-"""The BiSS machines in C against a master and a slave that were written from the protocol description alone, with the
-control bit in the frame of the answer, and one frame later, as SPI with DMA has it: 20,000 accesses, none lost."""
+"""The BiSS machines in C against a master and a slave written from the protocol description alone.
+
+The control bit is in the frame of the answer, or one frame later, as SPI with DMA sends it. None of 20,000 accesses is
+lost.
+"""
 
 from __future__ import annotations
 
@@ -28,8 +31,8 @@ def model(chance: random.Random, **times: tuple[int, int]) -> ModelSlave:
     return ModelSlave(registers, frozenset(range(0x70)), frozenset(range(0x10, 0x60)), chance=chance, **times)
 
 
-#: What a slave that was busy sees of the late master, as its comment says: S once more in place of DATA7 of a read; of
-#: a write that was given up a byte of zeros, which no CRC of zeros goes with.
+#: Received by a slave that was busy, from the late master, as its comment says: a second S in place of DATA7 of a read,
+#: and for an aborted write a byte of zeros, whose CRC is not the CRC of zeros.
 SEEN = {"S in place of DATA7 of a read", "a byte whose CRC does not fit"}
 TIMES: Mapping[str, Mapping[str, tuple[int, int]]] = {
     "never busy": {},
@@ -41,7 +44,7 @@ TIMES: Mapping[str, Mapping[str, tuple[int, int]]] = {
 @pytest.mark.slow
 @pytest.mark.parametrize("late", [False, True], ids=["in the same frame", "a frame later"])
 def test_20_000_accesses_without_a_loss(library: ctypes.CDLL, late: bool) -> None:
-    """A third each with a slave that is never busy, at times, and whenever it can be."""
+    """A third of the accesses each has a slave that is never busy, sometimes busy, and busy whenever possible."""
     for seed, times in enumerate(TIMES.values()):
         chance = random.Random(seed)
         slave = model(chance, **times)
@@ -59,7 +62,7 @@ def test_accesses_without_a_loss(library: ctypes.CDLL, times: str, late: bool) -
 
 
 def test_a_bit_that_comes_late_needs_the_late_master(library: ctypes.CDLL) -> None:
-    """The other one loses everything then, as its comment says."""
+    """The other master then loses everything, as its comment says."""
     chance = random.Random(5)
     slave = model(chance)
     line = Master(library, slave, late=True)
@@ -73,7 +76,7 @@ def test_a_bit_that_comes_late_needs_the_late_master(library: ctypes.CDLL) -> No
 
 @pytest.mark.parametrize("late", [False, True], ids=["in the same frame", "a frame later"])
 def test_how_many_frames_an_access_takes(library: ctypes.CDLL, late: bool) -> None:
-    """46 in all for one register and 14 for each further one; a frame late one more."""
+    """46 frames for one register and 14 for each further one, and one more if a frame late."""
     for count in (1, 2, 3, 64):
         slave = model(random.Random(6))
         line = Master(library, slave, late)
@@ -84,7 +87,7 @@ def test_how_many_frames_an_access_takes(library: ctypes.CDLL, late: bool) -> No
 @pytest.mark.parametrize("late", [False, True], ids=["in the same frame", "a frame later"])
 @pytest.mark.parametrize("writes", [False, True], ids=["read", "written"])
 def test_a_disturbed_answer_is_seen(library: ctypes.CDLL, writes: bool, late: bool) -> None:
-    """Each bit of the answer in turn: what comes back as another byte is no byte, and nothing is said to be done."""
+    """Each bit of the answer is inverted in turn: a wrong byte is not accepted, and nothing is reported as done."""
     for frame in range(33, 45):
         slave = model(random.Random(frame))
         line = Master(library, slave, late)
@@ -103,7 +106,7 @@ def test_a_disturbed_answer_is_seen(library: ctypes.CDLL, writes: bool, late: bo
 
 
 def test_a_slave_that_is_never_ready(library: ctypes.CDLL) -> None:
-    """As many frames as allowed, and no more; with none allowed at the first sign."""
+    """Exactly as many frames as allowed. If none is allowed, it ends at the first sign of a busy slave."""
     for limit, most in ((0, 0), (1, 35), (100, 135), (1000, 1035)):
         slave = model(random.Random(7), fetch=(10**6, 10**6))
         line = Master(library, slave, late=True)
@@ -120,6 +123,6 @@ def test_a_slave_that_is_never_ready(library: ctypes.CDLL) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("latency", [0, 1], ids=["in the same frame", "a frame later"])
 def test_the_slave_in_c_under_a_master_of_the_model(library: ctypes.CDLL, latency: int) -> None:
-    """One that sends a whole control frame before it looks at what came: it loses nothing either."""
+    """A master that sends a whole control frame before it examines the answers also loses nothing."""
     slave = SlaveInC(library)
     accesses(ModelLine(slave, latency), slave, random.Random(latency), ACCESSES)

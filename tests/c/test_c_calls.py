@@ -1,4 +1,4 @@
-"""No function is defined that nothing calls: what neither headers nor the self-test call is for users, by its name."""
+"""Every function that is defined is called: by headers, by the self-test, or by users, who are listed by name."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from codewheel.targets.c.files import generate
 
 pytestmark = pytest.mark.slow
 
-#: What users call of the runtime.
+#: Functions of the runtime for users.
 SHARED = {
     "angle": "electrical q31 q15 degrees radians millidegrees",
     "biss": "answer_decode master_init master_read master_write master_abort master_next master_next_late"
@@ -27,7 +27,7 @@ SHARED = {
     "spi": "start exchange bytes data",
     "tracker": "start restart add speed divided",
 }
-#: And of a family's: frames and registers by what is done with them, numbers of an order code and of an interface.
+#: Functions of a family for users: those of frames and registers, and constants of an order code and an interface.
 FAMILY = re.compile(
     r"find_order_code|next_candidate|report_text|(read|write|take)_\w+"
     r"|(\w+_)?(encode|decode|is_expected|verdict|reports|position|set_\w+)|reg_\w+_(mask|shift|max)"
@@ -37,7 +37,7 @@ FAMILY = re.compile(
 
 
 def uncalled(files: Mapping[str, str]) -> list[tuple[str, str]]:
-    """Each function that occurs only where it is defined, comments left out, and the stem of its header."""
+    """Return each function that occurs only in its definition, without comments, and the stem of its header."""
     code = {path: re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL) for path, text in files.items()}
     words = Counter(word for text in code.values() for word in re.findall(r"\w+", text))
     return [
@@ -50,7 +50,7 @@ def uncalled(files: Mapping[str, str]) -> list[tuple[str, str]]:
 
 
 def for_nobody(devices: tuple[Device, ...], files: Mapping[str, str]) -> list[str]:
-    """Return those of them that no user calls either."""
+    """Return those that users do not call either."""
     families = {device.name: device for device in devices}
     left = []
     for header, name in uncalled(files):

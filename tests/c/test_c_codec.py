@@ -1,4 +1,4 @@
-"""C and the model's codec agree for every order code and layout: on bounds, random values and disturbed frames."""
+"""C and the model's codec agree for every order code and layout: at bounds, and on random and disturbed frames."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ RANDOM_FRAMES = 40
 
 
 class Table:
-    """The layouts and registers of a device by the names that the harness knows, with the members of their structs."""
+    """Return the layouts and registers of a device by the names in the harness, with the members of their structs."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
@@ -48,7 +48,7 @@ class Table:
         self.layouts |= {f"reg_{item.name}": (item.interface, item.layout) for item in device.registers}
 
     def cases(self) -> Iterator[tuple[str, Variant, PlacedLayout]]:
-        """Every layout for every order code, and for some of what registers may hold at run time."""
+        """Return every layout for every order code, and for some states of the registers at run time."""
         variants = [*self.device.variants, *run_time_variants(self.device)]
         for name in self.members:
             kind, layout = self.layouts[name]
@@ -90,7 +90,7 @@ def meant(field: Field, width: int, raw: int) -> int | bool:
 
 
 def run_time_variants(device: Device) -> list[Variant]:
-    """Order codes with registers away from their defaults; their code tells the program what to take over."""
+    """Return order codes with registers that differ from their defaults. Their code sets the state of the program."""
     random_ = random.Random("run time")
     found = []
     held_by = {item.register for item in device.run_time_parameters}
@@ -108,7 +108,7 @@ def run_time_variants(device: Device) -> list[Variant]:
 
 
 def answered(device: Device) -> Iterator[Variant]:
-    """Some order codes with the other answers to what the manual leaves open; the first ones all have."""
+    """Return some order codes with other answers to the open questions of the manual. Others have the first answers."""
     for alternative in device.alternatives:
         kinds = {item.name for item, layout in device.layouts() if alternative in device.alternatives_of(layout)}
         variants = [item for item in device.variants if item.interface in kinds]
@@ -119,7 +119,7 @@ def answered(device: Device) -> Iterator[Variant]:
 
 
 def register_bytes(device: Device, register: Register, random_: random.Random) -> bytes:
-    """The register with its parameters at a boundary or at random."""
+    """Set the parameters of the register to a boundary or to a random value."""
     number = register.default or 0
     for item in device.run_time_parameters:
         if item.register == register.name:
@@ -143,7 +143,7 @@ def on_the_wire(placed: PlacedLayout, number: int) -> str:
 
 
 def samples(field: Field, width: int, layout: Layout, random_: random.Random) -> list[int]:
-    """Raw values of a field: 0, 1, all ones, the top bit alone, and random ones; of a choice, all."""
+    """Return raw values of a field: 0, 1, all ones, the top bit alone, and random ones. A choice has all its values."""
     if field.name == layout.selector:
         return list(layout.selects)
     if isinstance(field.kind, Choice):
@@ -160,7 +160,7 @@ def samples(field: Field, width: int, layout: Layout, random_: random.Random) ->
 
 
 def sound_numbers(device: Device, placed: PlacedLayout, random_: random.Random) -> Iterator[int]:
-    """Numbers that decode without a fault: each field's samples with the others at random, then all at random."""
+    """Return numbers that decode without errors: samples of one field at a time with random others, then all random."""
     data = [item for item in placed.fields if item.field.carries_data]
     choices = {item.name: samples(item.field, item.width, placed.layout, random_) for item in data}
     for item in data:
@@ -188,7 +188,7 @@ def made(
 
 
 def unused_mask(placed: PlacedLayout) -> int:
-    """The bits that the number of the unused fields can have."""
+    """Return the bits that the number of the unused fields can have."""
     items = ((placed.field(field.name), place) for field, place in placed.layout.unused)
     return sum(item.mask << place for item, place in items if item is not None)
 
@@ -216,7 +216,7 @@ def round_trips(table: Table) -> list[tuple[str, str]]:
 
 
 def within_limits(device: Device, name: str, variant: Variant, placed: PlacedLayout, number: int) -> bool:
-    """Return True if a value may be written to a register; encoders refuse others."""
+    """Return True if a value may be written to a register. Encoders refuse others."""
     register = next((item for item in device.registers if f"reg_{item.name}" == name), None)
     if register is None:
         return True
@@ -260,7 +260,7 @@ def test_decode_and_encode_are_inverse_for_every_order_code(machine: tuple[Devic
 def test_the_table_form_of_a_crc_gives_the_same(
     family: str, every_device: Mapping[str, Device], tmp_path: Path
 ) -> None:
-    """Every frame of every order code again, with the macro that puts a table in the place of the folding."""
+    """Every frame of every order code again, with the macro that selects a table instead of folding."""
     device = every_device[family]
     maker = device.manufacturer.name
     command = ["gcc", "-std=c99", "-O1", f"-D{maker.upper()}_CRC_TABLE"]
@@ -283,7 +283,7 @@ def test_disturbed_frames_have_the_same_fault_as_in_the_model(machine: tuple[Dev
 
 
 def disturbed(device: Device) -> tuple[list[tuple[str, str]], set[str]]:
-    """Frames with bits that flipped, what has to be said of each, and which results there are."""
+    """Frames with flipped bits, the expected result of each, and the results that must occur."""
     random_ = random.Random("disturbed")
     table = Table(device)
     pairs, kinds = [], set()
@@ -292,7 +292,7 @@ def disturbed(device: Device) -> tuple[list[tuple[str, str]], set[str]]:
         numbers = [random_.choice(sound) ^ 1 << bit for bit in range(placed.bits)]
         numbers += [random_.choice(sound) ^ random_.getrandbits(placed.bits) for _ in range(RANDOM_FRAMES)]
         numbers += [0, (1 << placed.bits) - 1]
-        # Faults behind a sound CRC: constants, parity, ranges.
+        # Errors with a valid CRC: constants, parity, ranges.
         numbers += [with_crc(device, placed, number) for number in numbers]
         for number in numbers:
             expected = table.expected(name, placed, number)
@@ -339,8 +339,8 @@ def test_encoders_refuse_what_does_not_fit(machine: tuple[Device, Run]) -> None:
                 continue
             if member.name == codec.UNUSED and unused_mask(placed) == (1 << sizes[member.type]) - 1:
                 continue
-            # Every member is either too narrow in the layout for all ones of its type,
-            # or repeated by another that then disagrees.
+            # Every member is either narrower in the layout than its type, so that all ones do not fit,
+            # or repeated by another member that then disagrees.
             largest = (1 << sizes.get(member.type, 31)) - 1
             item = next((item for item in placed.fields if c_name(item.name) == member.name), None)
             repeated = any(
@@ -382,7 +382,7 @@ def test_absent_fields_are_zero_and_stay_so(run: Run) -> None:
 def test_the_preset_procedure_of_the_manual(run: Run) -> None:
     answer = run([f"AMM5A21/65KSC1 steps set_preset {1000003:X}"])[0].split(" ")
     steps = [tuple(map(int, step.split(","))) for step in answer[1:]]
-    # Kind 6 is a write as well, which closes what an earlier one opened.
+    # Kind 6 is also a write, which closes a register that an earlier one opened.
     assert [(f"{row[1]:02X}", f"{row[3]:02X}") for row in steps if row[0] in (1, 6)] == [
         ("40", "01"),
         ("11", "00"),
@@ -412,7 +412,7 @@ def test_manual_examples_by_hand(run: Run) -> None:
         "AMM5A21/65KSC1 encode reg_preset 0 1000003 1000003": "0 003024F4000000",
         "AMM5A21/65KSC1 decode reg_serial_number 0AE869EE": "0 183003630 18 30 3630",
         "AMM5A21/65KSC1 encode reg_serial_number 183003630 18 30 3630": "0 0AE869EE",
-        # The printed CRC example: right as a CRC, but of no reply's length.
+        # The printed CRC example is a correct CRC, but has the length of no reply.
         "AMM5A23/65KJP1 crc rs485_8 32100128B008": f"0 {0xB3}",
         "AMM5A23/65KJP1 decode eeprom_write_reply 32100128B008B3": "1",
         "AMM5A23/65KJP1 decode singleturn_reply 32100128B008B3": "1",
@@ -422,7 +422,7 @@ def test_manual_examples_by_hand(run: Run) -> None:
         "AMM5A23/65KJP1 decode eeprom_write_request 327F014C": "3",
         "AMM5A23/65KJP1 decode eeprom_write_request 32015A69": "3",
         "AMM5A23/65KJP1 decode eeprom_read_request EA01EB": "3",
-        # They are those of the other form: page 1, write 5Ah to address 1, read address 1.
+        # They belong to the other form: page 1, write 5Ah to address 1, read address 1.
         "AMM5A23/65KJP1;eeprom_address=01 decode eeprom_write_request 327F014C": "0 127 1",
         "AMM5A23/65KJP1;eeprom_address=01 encode eeprom_write_request 127 1": "0 327F014C",
         "AMM5A23/65KJP1;eeprom_address=01 encode eeprom_write_request 1 90": "0 32015A69",
@@ -445,7 +445,7 @@ def test_public_crc_rows(vectors: list[dict[str, Any]], run: Run) -> None:
 
 
 def test_public_control_fields(vectors: list[dict[str, Any]], run: Run) -> None:
-    """The rows of TI and of Panasonic's relatives; what AMM5 does not know is refused for its range."""
+    """The rows of TI and of Panasonic's relatives. Those that AMM5 does not know have a range error."""
     rows = [row["fields"] for row in vectors if set(row["fields"]) == {"data_id", "CF"}]
     known = {0, 1, 2, 3, 7, 8, 12}
     assert len(rows) == 13
@@ -485,7 +485,7 @@ def test_crc_over_bytes(amm5: Device, run: Run) -> None:
 
 
 def test_crcs_of_every_form(words: Device, run_words: Run) -> None:
-    """With tables over bits and bytes, reflected and not, with start values; folded with more than 16 bits."""
+    """With tables over bits and bytes, reflected or not, with start values. More than 16 bits are folded."""
     random_ = random.Random("forms")
     pairs = []
     longest = {
@@ -513,7 +513,7 @@ def test_crcs_of_every_form(words: Device, run_words: Run) -> None:
 
 
 def test_control_bytes_tell_the_frame(amm5: Device, run: Run) -> None:
-    """The control fields of the manual (7.3.1), which TI's T-format driver has as well; without their layout, none."""
+    """The control fields of the manual (7.3.1), also in TI's T-format driver. Without their layout, there are none."""
     interface = amm5.over(Rs485)
     assert interface is not None
     frames = [layout for layout in interface.layouts if layout.selector]
@@ -583,7 +583,7 @@ def test_every_kind_of_step(words: Device, run_words: Run) -> None:
 
 @pytest.mark.slow
 def test_gray_code_follows_its_parameter(words: Device, tmp_path: Path) -> None:
-    """The variant holds what a register says at run time; the initialiser has the register's default, here Gray."""
+    """The variant contains the run-time state of registers. The initialiser has the register's default, here Gray."""
     code = """#include "test/words_biss.h"
 #include "test/words_biss_simulate.h"
 #include <stdio.h>

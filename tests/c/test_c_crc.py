@@ -1,4 +1,4 @@
-"""CRCs in C in each of their forms: the one that the parameters give, with tables, and bit by bit."""
+"""All forms of CRCs in C give the same result: the one chosen by the parameters, with tables, and bit by bit."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from codewheel.targets.c.files import generate
 from codewheel.targets.python.files import generate as python_files
 from test_c_codec import Table, check, on_the_wire, round_trips
 
-#: Check values of the catalogue, over the digits 1 to 9, of the CRCs over bytes.
+#: Check values of the catalogue for CRCs over bytes, for the digits 1 to 9.
 CATALOGUE = {
     "kermit": 0x2189,
     "iso_hdlc": 0xCBF43926,
@@ -67,7 +67,7 @@ def test_every_flipped_bit_is_noticed(crcs: Device, run_form: Run) -> None:
 
 @pytest.mark.parametrize("name", ["biss_16", "smbus", "dense_32", "dense_12", "dense_3", "started_16"])
 def test_any_number_of_bits(crcs: Device, run_form: Run, name: str) -> None:
-    """The harness gives whole hexadecimal digits: 4 to 64 bits, or as many as the longest frame has before its CRC."""
+    """The harness uses whole hexadecimal digits: 4 to 64 bits, or the bits before the CRC of the longest frame."""
     random_ = random.Random(name)
     pairs = []
     (view,) = (item for item in views_of(crcs) if item.context.interface.name == "biss")
@@ -86,7 +86,7 @@ def test_any_number_of_bits(crcs: Device, run_form: Run, name: str) -> None:
 
 
 def test_what_a_table_brings(crcs: Device) -> None:
-    """No table without need: the one of a CRC that folds only where it is asked for."""
+    """There is a table only if needed. A CRC that can be folded has one only on request."""
     files = generate(Library((crcs,)))
     text = files["c/include/test/crcs_biss.h"] + files["c/include/test/crcs_rs485.h"]
     assert text.count("#ifndef TEST_CRC_BITWISE\n/** Remainder of each byte for CRC ") == 13
@@ -94,7 +94,7 @@ def test_what_a_table_brings(crcs: Device) -> None:
 
 
 def test_a_crc_without_a_frame_has_no_function(every_device: Mapping[str, Device]) -> None:
-    """Nothing would call it. Python has it, for its users to check what the manual shows."""
+    """No function would call it. Python has it, so that its users can check the examples of the manual."""
     device = every_device["shapes"]
     files = python_files(Library((device,)))
     module = next(text for name, text in files.items() if name.endswith("/shapes.py"))

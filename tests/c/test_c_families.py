@@ -1,4 +1,4 @@
-"""Every family in C against the model: worked examples, procedures, order codes, positions, identity, held values."""
+"""Every family in C against the model: examples, procedures, order codes, positions, identity, run-time state."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def example_lines(table: Table, example: Example) -> Iterable[tuple[str, str]]:
 
 
 def crc_users(device: Device, crc: str) -> Iterable[Interface]:
-    """The interfaces with a frame that ends in this CRC. Without any, C has no function for it."""
+    """Return the interfaces with a frame that ends in this CRC. If there are none, C has no function for it."""
     for interface, layout in device.layouts():
         if any(isinstance(item.kind, CrcValue) and item.kind.crc == crc for item in layout.fields):
             yield interface
@@ -98,7 +98,7 @@ def crc_users(device: Device, crc: str) -> Iterable[Interface]:
 def register_lines(table: Table, variant: Variant, register: Register, data: bytes) -> Iterable[tuple[str, str]]:
     name = f"reg_{register.name}"
     if name not in table.members:
-        # One byte that says all: no struct. What the model decodes is what the byte is.
+        # One byte with a single value has no struct. The byte itself is the decoded value.
         decoded = codec.decode(table.device, register.layout.place(variant.parameters), data[0])
         assert not decoded.problems
         assert decoded.fields[0].raw == data[0]
@@ -123,7 +123,7 @@ def frame_line(table: Table, variant: Variant, example: FrameExample) -> tuple[s
 
 
 def answers(device: Device, example: FrameExample) -> Iterable[tuple[str, int]]:
-    """The answers that an example takes, each as its place among those of its alternative."""
+    """Return the answers that an example takes, each as its index among those of its alternative."""
     for item in device.alternatives:
         if item.name in example.alternatives:
             names = [answer.name for answer in item.answers]
@@ -132,7 +132,9 @@ def answers(device: Device, example: FrameExample) -> Iterable[tuple[str, int]]:
 
 def test_an_offset_takes_the_whole_position_field(family: Family) -> None:
     """F0 00 00h is the highest offset at 50 µm (6.4 p.32).
-    The position 123 is sent as F0 00 7Bh then, in all 24 bits of the field."""
+
+    The position 123 is then sent as F0 00 7Bh, in all 24 bits of the field.
+    """
     device, run = family
     if device.name != "sma21":
         return
@@ -146,7 +148,7 @@ def test_an_offset_takes_the_whole_position_field(family: Family) -> None:
 
 
 def test_an_encoder_id_is_held_against_the_one_that_the_manual_states(family: Family) -> None:
-    """AMM5 7.4 p.43 prints ENID 23h; the second reply has 17h, as T-format encoders of 23 bits usually do.
+    """AMM5 7.4 p.43 prints ENID 23h. The second reply has 17h, as T-format encoders of 23 bits usually do.
     The last two have 23h, and one has an information bit that 7.3.2 p.42 calls not used."""
     device, run = family
     if device.name != "amm5":
@@ -184,7 +186,7 @@ def test_procedures_take_the_steps_of_the_model(family: Family) -> None:
 
 
 def arguments(device: Device, procedure: Procedure, variant: Variant) -> Iterable[Mapping[str, int]]:
-    """Each argument at its limits and beyond them, the others at values that are allowed."""
+    """Each argument at its limits and beyond them, with allowed values for the others."""
     possible = {}
     for item in procedure.arguments:
         register = device.register(item.of)
@@ -206,15 +208,15 @@ def arguments(device: Device, procedure: Procedure, variant: Variant) -> Iterabl
             yield {other: value if other == name else choices[0][0] for other, choices in possible.items()}
 
 
-#: How many bytes the reply to each request of a procedure has: AMM5 7.3.2, SMA21 7.3.2.
+#: Number of bytes of the reply to each request of a procedure: AMM5 7.3.2, SMA21 7.3.2.
 REPLIES = {"amm5": 6, "sma21": 7}
 
 
 def steps_text(device: Device, procedure: Procedure, variant: Variant, given: Mapping[str, int]) -> str:
-    """kind, address, mask, value, times, microseconds of each step; or the fault.
+    """Return kind, address, mask, value, times, microseconds of each step, or the error.
 
-    What can be read is read back before a register is written that cannot (a command, or what closes), and before the
-    same register is written as a whole again.
+    Readable registers are read back before a write to a write-only register (a command, or one that closes), and
+    before the same register is written again as a whole.
     """
     try:
         writes = list(register_writes(device, procedure, variant, given))
@@ -253,7 +255,7 @@ def steps_text(device: Device, procedure: Procedure, variant: Variant, given: Ma
 
 
 def byte_rows(kind: int, register: Register, mask: int, number: int) -> Iterable[tuple[int, ...]]:
-    """The bytes of a register that a step touches."""
+    """Return the bytes of a register that a step touches."""
     data = zip(register.bytes_of(mask), register.bytes_of(number), strict=True)
     for address, (bits, value) in enumerate(data, register.address):
         if bits:
@@ -272,7 +274,7 @@ def register_mask(register: Register, name: str) -> int:
 
 
 def writes_number(writes: list[Write], register: Register) -> int:
-    """The next bytes that the model writes, as the register's number."""
+    """Return the next bytes that the model writes, as the register's number."""
     taken = [writes.pop(0) for _ in range(register.length)]
     return int.from_bytes(bytes(item.value for item in taken), order(register))
 
@@ -281,7 +283,7 @@ def writes_number(writes: list[Write], register: Register) -> int:
 
 
 def labels(device: Device, random_: random.Random) -> Iterable[str]:
-    """Every order code, right and wrong in one place, with what may follow it and what may not."""
+    """Every order code, correct and with one wrong part, with allowed and forbidden text after it."""
     for variant in device.variants:
         code = variant.code
         yield from (
@@ -321,7 +323,7 @@ def labels(device: Device, random_: random.Random) -> Iterable[str]:
 
 
 def samples_of(expression: str, random_: random.Random) -> list[str]:
-    """Texts that an expression describes: digits for ``#``, and for ``~`` one or none."""
+    """Return texts that an expression describes: digits for ``#``, and one digit or none for ``~``."""
     choices = {"#": [*"0123456789"], "~": ["", *"0123456789"]}
     return [
         "".join(random_.choice(choices.get(letter, [letter])) for letter in pattern)
@@ -447,7 +449,7 @@ def test_revolutions_that_are_no_power_of_two_roll_over_where_they_end(
 
 
 def test_small_functions_agree_with_their_expressions(family: Family) -> None:
-    """Parameters that follow from others, and limits that depend on the order code or on what a register means."""
+    """Parameters that follow from others, and limits that depend on the order code or on the meaning of a register."""
     whole, run = family
     for view in views_of(whole):
         small_functions_agree(view, run)
@@ -567,7 +569,7 @@ def test_a_shorter_frame_after_a_new_resolution(programs: Mapping[str, Run]) -> 
         ) == [f"0 5 77 {position} 0", "1"]
 
 
-# -- single words of the language
+# -- single keywords of the language
 
 
 def test_only_powers_of_two_are_encoded(programs: Mapping[str, Run]) -> None:
@@ -587,7 +589,7 @@ def test_zero_stands_for_65536_revolutions(programs: Mapping[str, Run]) -> None:
 
 
 def test_preset_and_offset_have_limits_of_their_own(programs: Mapping[str, Run]) -> None:
-    """0FFFFFh and F00000h at 50 um; 01FFFFFFh and 0 at 1 um."""
+    """0FFFFFh and F00000h at 50 um, 01FFFFFFh and 0 at 1 um."""
     lines = [
         f"SMA21-SC1-{code} steps {name} {value:X}"
         for code, name, value in (

@@ -1,4 +1,4 @@
-"""The headers as text and as code: clean under strict warnings in C and C++, whatever a spec says; always the same."""
+"""The headers as text and as code: no strict warnings in C and C++ for any spec, and always the same text."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def test_no_warning_for_any_word_of_the_language(
 def test_no_warning_for_any_family(
     name: str, command: list[str], tmp_path: Path, every_device: Mapping[str, Device]
 ) -> None:
-    """Also where the register that selects banks comes after those in its banks, in the order of a data sheet."""
+    """This also holds if the register that selects banks follows those in its banks, in the order of a data sheet."""
     if shutil.which(command[0]) is None:
         pytest.skip(f"{command[0]} is not installed")
     device = every_device[name]
@@ -122,7 +122,7 @@ def names_have_their_prefix(family: str, header: str) -> None:
     assert codes
     assert all(name.startswith(f"LIKA_{family.upper()}_") for name in codes)
     names = macros + functions + types + codes
-    # C99 promises that 63 characters tell names apart.
+    # C99 guarantees that 63 characters distinguish names.
     assert len(names) == len(set(names)) == len({name[:63] for name in names})
 
 
@@ -221,7 +221,7 @@ int main(void)
     preset = "".join(f"{line}\n" for line in ("w 40 01", *(f"w {x}" for x in written), *read, "w 40 00", "w 77 01"))
     snippets = f"1 {42 << 21 | 1821973}\n0 1 {42 << 23 | 6016277} 0\n0 1 {'0 ' * 11}1 {1 << 23 | 7000519}\n"
     # The serial number is read, the manual's preset is written and read back, and the command fails in step 16 with
-    # the bus's own -5.
+    # -5, the bus's own error.
     assert (
         subprocess.run([str(program)], capture_output=True, text=True).stdout
         == f"0 0\n0 0\n0 0\n1 1000003\n{snippets}r 44 4\n{preset}5 16 77 -5\n"
@@ -230,7 +230,7 @@ int main(void)
 
 @pytest.mark.slow
 def test_a_constant_variant_costs_nothing(include: Path, tmp_path: Path) -> None:
-    """With an order code chosen at compile time no variant is left in the object, and no call."""
+    """If the order code is chosen at compile time, neither a variant nor a call remains in the object."""
     if shutil.which("objdump") is None:
         pytest.skip("objdump is not installed")
     code = """#include "lika/amm5_biss.h"
@@ -251,7 +251,7 @@ uint64_t position(uint64_t word)
 
 
 def alone(text: str) -> str:
-    """The code of a header, its space made even and pieces of one string put together."""
+    """Return the code of a header, with normalised spaces and joined string literals."""
     return re.sub(r'""(?: "")+', '""', " ".join(without_texts(text).split()))
 
 
@@ -268,7 +268,7 @@ MORE_TEXTS = frozenset(
 def test_text_of_a_spec_stays_text(
     name: str, every_device: Mapping[str, Device], include: Path, tmp_path: Path
 ) -> None:
-    hostile = spoilt(every_device[name], HOSTILE, (TEXTS | MORE_TEXTS) - {"only"})  # Headers are narrowed by it.
+    hostile = spoilt(every_device[name], HOSTILE, (TEXTS | MORE_TEXTS) - {"only"})  # It narrows the headers.
     assert isinstance(hostile, Device)
     assert hostile.title == HOSTILE
     assert hostile.registers[0].layout.source[0].section == HOSTILE
@@ -371,14 +371,14 @@ def test_every_register_alarm_and_limit_is_there(
             "field_groups",
             "measurement",
         }:
-            # The rest is on the page of the encoder.
+            # The other errata are on the page of the encoder.
             label = f"edition {erratum.edition.split()[-1]}: " if erratum.edition else f"Erratum {erratum.name} ("
             assert label in comments, erratum.name
 
 
 @pytest.mark.slow
 def test_constants_and_small_functions(include: Path, tmp_path: Path) -> None:
-    """Check in a compiled program: time-outs, cable lengths, masks that depend on an order code, expected texts."""
+    """A compiled program checks time-outs, cable lengths, masks that depend on an order code, and expected texts."""
     code = """#include "lika/amm5_biss.h"
 #include "lika/amm5_biss_registers.h"
 #include "lika/amm5_rs485.h"
@@ -444,7 +444,7 @@ int main(void)
 
 @pytest.mark.slow
 def test_another_encoder_id_is_decoded_and_not_as_expected(include: Path, tmp_path: Path) -> None:
-    """AMM5 7.4 p.43 prints ENID 23h; T-format encoders of 23 bits usually have 17h."""
+    """AMM5 7.4 p.43 prints ENID 23h. T-format encoders of 23 bits usually have 17h."""
     code = """#include "lika/amm5_rs485.h"
 #include <stdio.h>
 int main(void)
@@ -543,12 +543,12 @@ def test_the_target_raises_nothing_else() -> None:
         assert "raise ValueError" not in path.read_text()
 
 
-#: May be dropped: the tracker keeps what it says.
+#: May be ignored, because the tracker stores its result.
 MAY_BE_LEFT = {"cw_tracker_add"}
 
 
 def test_no_result_can_be_dropped_unseen(include: Path) -> None:
-    """Each function that returns a result has the mark by which compilers warn if it is ignored."""
+    """Each function that returns a result is marked, so that compilers warn if it is ignored."""
     plain, marked = set(), set()
     for path in include.rglob("*.h"):
         text = without_texts(path.read_text(encoding="ascii"))
@@ -561,7 +561,7 @@ def test_no_result_can_be_dropped_unseen(include: Path) -> None:
 
 
 def test_what_a_register_can_hold_fits_into_the_variant() -> None:
-    """Steps of Scale: a byte whose 0 means 256, without a maximum; its default needs less."""
+    """Steps of Scale: a byte in which 0 means 256, without a maximum. Its default needs fewer bits."""
     files = generate(Library(devices_of(MADE_UP["shapes"])))
     header = next(text for path, text in files.items() if path.endswith("/shapes_biss.h"))
     assert "    uint16_t scale;\n" in header

@@ -1,4 +1,4 @@
-"""Lines of C that are too long, and expressions with parentheses where C needs them or readers do."""
+"""Line breaks in long C code, and parentheses where C or its readers need them."""
 
 from __future__ import annotations
 

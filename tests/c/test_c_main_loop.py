@@ -1,7 +1,7 @@
-"""The main loop of the README, at work: a preset over BiSS, frame by frame, against an encoder that loses frames.
+"""The main loop of the README sets a preset over BiSS, with an encoder that loses frames.
 
-The encoder is the slave of ``biss.h``, which has tests of its own against independent models; the preset 1,000,003 and
-the bytes that it stands in are those of the AMM5 manual, 6.4.
+The encoder is the slave of ``biss.h``, which has tests of its own with independent models. The preset 1,000,003 and its
+bytes are from the AMM5 manual, 6.4.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from c_harness import GCC, SANITIZED, MadeOnce, compile_c, devices_of, write
 
 pytestmark = pytest.mark.slow
 
-#: Arguments: one of so many frames is lost (0: none), how many presets, when the line is cut, and for how long.
+#: Arguments: one frame in this many is lost (0: none), number of presets, time of the cut, and its duration.
 ENCODER = r"""
 #include "lika/amm5_biss_simulate.h"
 #include <stdio.h>
@@ -134,7 +134,7 @@ int main(int count, char **given)
 }
 """
 
-#: Of the AMM5 manual, 6.4: the preset between opening and closing with 40h, saved and activated by 77h.
+#: From the AMM5 manual, 6.4: 40h opens and closes the preset, and 77h saves and activates it.
 PRESET = ["40 01", "11 00", "12 30", "13 24", "14 F4", "15 00", "16 00", "17 00", "40 00", "77 01", "77 02"]
 
 
@@ -161,12 +161,12 @@ def test_a_preset_of_the_manual(loop: Path) -> None:
 
 
 def test_frames_that_are_lost_cost_time_alone(loop: Path) -> None:
-    """Each access takes 47 frames: without a second try nearly all presets would fail."""
+    """Each access takes 47 frames. Without a second try, nearly all presets would fail."""
     assert said(loop, 300, 200) == ["200 ends, 200 well, 0 open, 0 elsewhere, 0 moves"]
 
 
 def test_nothing_stays_open_on_a_bad_line(loop: Path) -> None:
-    """With one of 30 lost hardly an access comes through."""
+    """If one frame in 30 is lost, almost no access succeeds."""
     (line,) = said(loop, 30, 200)
     found = re.fullmatch(r"200 ends, (\d+) well, 0 open, 0 elsewhere, 0 moves", line)
     assert found is not None, line
@@ -174,12 +174,12 @@ def test_nothing_stays_open_on_a_bad_line(loop: Path) -> None:
 
 
 def test_a_line_that_comes_back_is_waited_for(loop: Path) -> None:
-    """It is cut for 90 ms once 40h is open."""
+    """The line is cut for 90 ms once 40h is open."""
     assert said(loop, 0, 1, 40_000, 90_000)[-2:] == ["0 0", "1 ends, 1 well, 0 open, 0 elsewhere, 0 moves"]
 
 
 def test_what_is_open_is_closed_when_the_line_is_back(loop: Path) -> None:
-    """It is cut for three seconds: the procedure has failed by then, and only closes."""
+    """The line is cut for three seconds. By then the procedure has failed, and only closes."""
     lines = said(loop, 0, 1, 40_000, 3_000_000)
     assert lines[0] == "w 40 01"
     assert lines[-3:] == ["w 40 00", "5 0", "1 ends, 0 well, 0 open, 0 elsewhere, 0 moves"]

@@ -1,4 +1,4 @@
-"""Mistakes with order codes that no compiler accepts, in C and in C++, without any option."""
+"""Mistakes with order codes that every compiler rejects, in C and in C++, without any option."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ int read_encoder(uint64_t word)
 def compiled(
     command: str, include: Path, tmp_path: Path, statement: str, kind: str = "lika_amm5_biss"
 ) -> tuple[int, str]:
-    """Compiles without any warning option; gives the exit code and what the compiler says."""
+    """Compile without any warning option, and return the exit code and the output of the compiler."""
     if shutil.which(command.split()[0]) is None:
         pytest.skip(f"{command.split()[0]} is not installed")
     source = tmp_path / "program.c"
@@ -96,7 +96,7 @@ def test_a_mistake_does_not_compile(command: str, mistake: str, include: Path, t
 
 @pytest.mark.parametrize("command", COMPILERS)
 def test_a_verdict_that_is_not_looked_at_is_a_warning(command: str, include: Path, tmp_path: Path) -> None:
-    """The short way returns the verdict, and stores the position. The long way returns it by a function of its own."""
+    """The short way returns the verdict and stores the position. The long way has its own function for the verdict."""
     for statement in (
         "lika_amm5_biss_position(amm5, word, &position);",
         "(void)lika_amm5_biss_decode(amm5, word, &frame);",

@@ -1,6 +1,6 @@
-"""``tracker.h`` and ``angle.h``: counts that go on, what is believed, speeds and angles.
+"""``tracker.h`` and ``angle.h``: unwrapped positions, plausibility, speeds and angles.
 
-What is expected is worked out with Python's own whole numbers and fractions, from what the comments of the headers say.
+Expected values are computed with Python's own integers and fractions, from the comments of the headers.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from motion_harness import LOST, OK, RANGE, Config, Tracker, compile_motion, mot
 
 pytestmark = pytest.mark.slow
 
-#: AMM5 with 17 bits, with 23 bits and 65,536 revolutions; one turn of 36,000 counts; SMA21 of 50 um, 5,000 mm long;
-#: a prime; the least; and a position that never starts again.
+#: AMM5 with 17 bits, with 23 bits and 65,536 revolutions, one turn of 36,000 counts, SMA21 of 50 um, 5,000 mm long,
+#: a prime, the minimum, and a position that never wraps around.
 MODULI = (1 << 17, 1 << 39, 36_000, 100_000, 1_000_000_007, 2, 3, 0)
-#: AMM5 6.1: 6,000 rpm with 23 bits, in counts in a second.
+#: AMM5 6.1: 6,000 rpm with 23 bits, in counts per second.
 FAST = 100 << 23
 
 
@@ -39,7 +39,7 @@ def started(
     now: int = 0,
     lost: tuple[int, int] = (0, 0),
 ) -> Tracker:
-    """A tracker that starts; ``lost`` has the microseconds and the refused positions after which the axis is."""
+    """Return a started tracker. ``lost`` contains the microseconds and the refusals after which the axis is lost."""
     tracker = Tracker(*[0x5A5A5A5A] * 13)
     config = Config(modulus, max_speed, boot, *lost)
     motion.tracker_start(ctypes.byref(tracker), ctypes.byref(config), now & 0xFFFFFFFF)
@@ -55,15 +55,15 @@ def add(motion: ctypes.CDLL, tracker: Tracker, position: int, now: int) -> int:
 
 
 def members(tracker: Tracker) -> tuple[int, ...]:
-    """All but the count of frames that were refused."""
+    """Return everything except the number of refused frames."""
     return tuple(getattr(tracker, name) for name, *_ in Tracker._fields_ if name != "refused")
 
 
-# -- counting on
+# -- unwrapping
 
 
 def test_a_turn_forward_and_back(motion: ctypes.CDLL) -> None:
-    """17 bits: from 131,071 on to 0 is one count ahead, and so back."""
+    """With 17 bits, the step from 131,071 to 0 is one count forwards, and from 0 to 131,071 one count backwards."""
     tracker = started(motion, 1 << 17)
     told = []
     for now, position in enumerate((131_070, 131_071, 0, 1, 0, 131_071)):
@@ -73,7 +73,7 @@ def test_a_turn_forward_and_back(motion: ctypes.CDLL) -> None:
 
 
 def test_a_turn_that_is_no_power_of_two(motion: ctypes.CDLL) -> None:
-    """36,000 counts: 35,990 to 20 is 30 ahead, half way round counts as backwards."""
+    """With 36,000 counts, the step from 35,990 to 20 is 30 forwards, and half a turn counts as backwards."""
     tracker = started(motion, 36_000)
     told = []
     for now, position in enumerate((35_990, 20, 35_990, 17_990, 35_990)):
@@ -83,7 +83,7 @@ def test_a_turn_that_is_no_power_of_two(motion: ctypes.CDLL) -> None:
 
 
 def shorter(counts: int, modulus: int) -> int:
-    """The way round that is at most half, backwards where both are as long."""
+    """Return the shorter way round. If both are equally long, it is backwards."""
     if not modulus:
         return counts
     forward = counts % modulus
@@ -91,7 +91,7 @@ def shorter(counts: int, modulus: int) -> int:
 
 
 def walk(seed: str, modulus: int, frames: int) -> Iterator[tuple[int, int, int]]:
-    """Time, true position and limit of an axis that goes as far as it can, or less, between frames."""
+    """Yield time, true position and limit of an axis that moves as far as it can, or less, between frames."""
     random_ = random.Random(f"{seed} {modulus}")
     max_speed = random_.choice([1000, 131_072, FAST])
     reach = (modulus - 1) // 2 if modulus else 1 << 40
@@ -106,7 +106,7 @@ def walk(seed: str, modulus: int, frames: int) -> Iterator[tuple[int, int, int]]
 
 @pytest.mark.parametrize("modulus", MODULI)
 def test_no_turn_is_lost_or_gained(modulus: int, motion: ctypes.CDLL) -> None:
-    """20,000 frames: the time starts again now and then, and every speed up to the limit is believed."""
+    """20,000 frames: the time wraps around now and then, and every speed up to the limit is accepted."""
     tracker, offset, first, before = Tracker(), 0, True, (0, 0)
     for now, true, max_speed in walk("sound", modulus, 20_000):
         raw = true % modulus if modulus else true % (1 << 64)
@@ -122,7 +122,7 @@ def test_no_turn_is_lost_or_gained(modulus: int, motion: ctypes.CDLL) -> None:
 
 @pytest.mark.parametrize("modulus", [item for item in MODULI if not 0 < item < 1000])
 def test_a_frame_that_is_too_far_changes_nothing(modulus: int, motion: ctypes.CDLL) -> None:
-    """Each sound frame is followed by some that are farther than 1.3 percent and 16 us more allow."""
+    """Each valid frame is followed by some that are farther than 1.3 percent and 16 us allow."""
     random_ = random.Random(modulus)
     tracker, refused = Tracker(), 0
     for index, (now, true, max_speed) in enumerate(walk("faults", modulus, 3_000)):
@@ -152,13 +152,13 @@ def test_an_absurd_position_is_not_believed(motion: ctypes.CDLL) -> None:
     assert (tracker.position, tracker.refused) == (5, 4)
 
 
-# -- what is believed
+# -- plausibility
 
 
 @pytest.mark.parametrize("max_speed", [1, 999, 131_072, 5_000_000, FAST, 4_000_000_000])
 @pytest.mark.parametrize("elapsed", [0, 1, 15, 16, 62, 1000, 65_535, 65_536, 524_287])
 def test_the_limit_is_the_speed_and_a_little_more(max_speed: int, elapsed: int, motion: ctypes.CDLL) -> None:
-    """All that the speed allows is believed, and nothing beyond 1.3 percent and 16 us more."""
+    """Everything that the speed allows is accepted, and nothing beyond 1.3 percent and 16 us more."""
     at_least = max_speed * elapsed // 1_000_000
     at_most = math.ceil(Fraction(max_speed * 10133 * (elapsed + 16), 10_000 * 1_000_000))
     for sign in (1, -1):
@@ -169,7 +169,7 @@ def test_the_limit_is_the_speed_and_a_little_more(max_speed: int, elapsed: int, 
 
 
 def test_without_a_speed_the_limit_does_not_start_again(motion: ctypes.CDLL) -> None:
-    """4,294,967,295 counts in a second and 1/16 more is more than 32 bits hold."""
+    """4,294,967,295 counts per second and 1/16 more do not fit into 32 bits."""
     for max_speed in (0xFFFFFFFF, 0xF0F0F0F1, 0xF0F0F0F0):
         tracker = started(motion, 0, max_speed)
         assert tracker.limit >= 0xFFFFFFFE
@@ -177,22 +177,25 @@ def test_without_a_speed_the_limit_does_not_start_again(motion: ctypes.CDLL) -> 
 
 @pytest.mark.parametrize("modulus", [0, 1 << 39, 1 << 41])
 def test_time_alone_never_makes_a_refused_position_plausible(modulus: int, motion: ctypes.CDLL) -> None:
-    """An axis at 1,000,000,000 with 1,000,000 counts per second at most, and an encoder that restarts and sends zeros.
-    The reach grows for 2^19 us: after an hour of zeros, half a second before the time wraps, they are still refused."""
+    """An axis at 1,000,000,000 with at most 1,000,000 counts per second, and an encoder that restarts and sends zeros.
+
+    The limit grows for 2^19 us. After an hour of zeros, half a second before the time wraps around, they are still
+    refused.
+    """
     tracker = started(motion, modulus, 1_000_000, 100_000, 7)
     assert add(motion, tracker, 1_000_000_000, 7) == OK
     held = members(tracker)
     for now in (*range(107, 2_000_000, 100_000), 524_294, 524_295, 524_296, 60_000_000, (1 << 32) - 500_000):
         assert add(motion, tracker, 0, 7 + now) == RANGE
     assert members(tracker) == held
-    # And one within its reach is accepted, as far as half a second reaches.
+    # A position within the limit, which grows for half a second, is accepted.
     assert add(motion, tracker, 1_000_500_000, 60_000_000) == OK
     assert (tracker.position, tracker.moved, tracker.elapsed_us) == (1_000_500_000, 500_000, 59_999_993)
 
 
 @pytest.mark.parametrize("silence", [1, 2_000, 524_288, 3_000_000_000])
 def test_lost_after_a_silence(silence: int, motion: ctypes.CDLL) -> None:
-    """Without an accepted position for longer than that; a plausible one does not end it, nor does time."""
+    """No position is accepted for longer than this time. A plausible one does not end the loss, nor does time."""
     tracker = started(motion, 1 << 23, 1000, 0, 0xFFFFFF00, (silence, 0))
     assert add(motion, tracker, 100, 0xFFFFFF00 + 5_000_000) == OK, "nothing is lost before the first"
     at = 0xFFFFFF00 + 5_000_000
@@ -210,7 +213,7 @@ def test_lost_after_a_silence(silence: int, motion: ctypes.CDLL) -> None:
 
 @pytest.mark.parametrize("most", [1, 2, 7])
 def test_lost_after_so_many_refused(most: int, motion: ctypes.CDLL) -> None:
-    """In a row: an accepted one between them counts anew. Zeros while the encoder starts up do not count."""
+    """Only refusals in a row count, and an accepted position resets the number. Zeros during start-up do not count."""
     tracker = started(motion, 1 << 23, 1000, 5_000, 0, (0, most))
     assert [add(motion, tracker, 0, now) for now in range(20)] == [RANGE] * 20
     assert add(motion, tracker, 100, 20) == OK
@@ -223,7 +226,7 @@ def test_lost_after_so_many_refused(most: int, motion: ctypes.CDLL) -> None:
 
 
 def test_the_gate_of_the_start_holds_after_a_restart(motion: ctypes.CDLL) -> None:
-    """The encoder lost its supply: zeros until the axis is LOST, a restart, and zeros still."""
+    """The encoder loses its supply: zeros until the axis is lost, a restart, and then more zeros."""
     tracker = started(motion, 1 << 39, FAST, 2_000, 0, (0, 3))
     assert [add(motion, tracker, 77 << 30, now) for now in (0, 100)] == [OK, OK]
     assert [add(motion, tracker, 0, now) for now in (200, 300, 400, 500)] == [RANGE, RANGE, LOST, LOST]
@@ -234,7 +237,7 @@ def test_the_gate_of_the_start_holds_after_a_restart(motion: ctypes.CDLL) -> Non
 
 
 def test_a_preset_lets_the_count_begin_anew(motion: ctypes.CDLL) -> None:
-    """The value of the preset is the first position; without the restart it would be refused."""
+    """The value of the preset is the first position. Without the restart, it would be refused."""
     tracker = started(motion, 1 << 23, 1000, boot=10_000)
     assert add(motion, tracker, 4_000_000, 0) == OK
     assert add(motion, tracker, 5, 100) == RANGE
@@ -245,13 +248,13 @@ def test_a_preset_lets_the_count_begin_anew(motion: ctypes.CDLL) -> None:
     assert (tracker.known, tracker.position, tracker.at_us) == (1, 5, 300)
     assert add(motion, tracker, (1 << 23) - 1, 20_300) == OK
     assert (tracker.position, tracker.moved, tracker.elapsed_us) == (-1, -6, 20_000)
-    # A preset to 0 is known after the time in which a 0 may be none.
+    # A preset to 0 is accepted after the time in which a 0 may not be a position.
     restart(motion, tracker, 20_400)
     assert [add(motion, tracker, 0, now) for now in (20_500, 30_399, 30_400)] == [RANGE, RANGE, OK]
 
 
 def test_zeros_at_the_start_are_not_believed(motion: ctypes.CDLL) -> None:
-    """AMM5 7.4.3: while BUSY all position data are 0. The start is 100 us before the time starts again."""
+    """AMM5 7.4.3: while BUSY, all position data are 0. The start is 100 us before the time wraps around."""
     tracker = started(motion, 1 << 39, FAST, 2000, 0xFFFFFF9C)
     assert [add(motion, tracker, 0, now) for now in (0xFFFFFF9C, 0, 1000, 1899)] == [RANGE] * 4
     assert (tracker.known, tracker.refused, tracker.position) == (0, 4, 0)
@@ -344,7 +347,7 @@ def test_what_follows_from_an_angle(motion: ctypes.CDLL) -> None:
 
 @pytest.mark.parametrize("steps", [1 << 17, 1 << 23, 36_000])
 def test_the_field_of_a_motor(steps: int, motion: ctypes.CDLL) -> None:
-    """Seven pole pairs: the field turns seven times as fast, and a turn of the shaft brings it back to its start."""
+    """With seven pole pairs, the field turns seven times as fast, and one turn of the shaft returns it to its start."""
     random_ = random.Random(steps)
     for _ in range(1_000):
         position, offset = random_.randrange(steps), random_.getrandbits(32)
@@ -354,7 +357,7 @@ def test_the_field_of_a_motor(steps: int, motion: ctypes.CDLL) -> None:
         assert difference < Fraction(7, 1 << 32)
 
 
-# -- the tests see what they are to see
+# -- mistakes that the tests must find
 
 FAULTS = {
     "modulus not added": ("tracker.h", "forward += modulus;", "forward += modulus - 1U;"),
@@ -414,7 +417,7 @@ def test_a_fault_is_seen(fault: str, include: Path, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_the_result_of_the_tracker_may_be_left(include: Path, tmp_path: Path) -> None:
-    """A result of the tracker may be left: the tracker keeps what it says."""
+    """A result of the tracker may be ignored, because the tracker stores it."""
     code = """#include "lika/amm5_biss.h"
 #include "codewheel/tracker.h"
 int main(void)

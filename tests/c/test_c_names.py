@@ -1,4 +1,4 @@
-"""Names in C: each at file scope is given out once, and no name of a spec has another meaning in C, C++ or a header."""
+"""Names in C: each is used once at file scope, and no name of a spec has another meaning in C, C++ or a header."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 @pytest.mark.parametrize("name", [*FAMILIES, "bits22", "reserved", "tv62", "words"])
 def test_every_name_is_given_out_once(name: str, every_device: Mapping[str, Device]) -> None:
-    """The declarations in the text are the listed ones, so that no clash can be overlooked."""
+    """The declarations in the text are the listed ones, so no clash is overlooked."""
     device = every_device[name]
     files = generate(Library((device,)))
     for view in views_of(device):
@@ -43,7 +43,7 @@ def test_every_name_is_given_out_once(name: str, every_device: Mapping[str, Devi
 
 @pytest.mark.parametrize("path", sorted((RUNTIME / "codewheel").glob("*.h")), ids=lambda path: path.name)
 def test_names_of_the_runtime_have_its_prefix(path: Path) -> None:
-    """So none of them can be a name of a family, and no list of them is needed."""
+    """Therefore none of them can be a name of a family, and no list of them is needed."""
     found = declared([path.read_text(encoding="ascii")]).names
     assert [name for name in found if not name.startswith(("cw_", "CW_", "CODEWHEEL_"))] == []
 
@@ -95,13 +95,13 @@ def test_two_families_whose_names_meet(tmp_path: Path, capsys: pytest.CaptureFix
 
 
 def macros(command: list[str], code: str) -> set[str]:
-    """The macros without arguments that are there after this text."""
+    """Return the macros without arguments that are defined after this text."""
     done = subprocess.run([*command, "-dM", "-E", "-"], input=code, capture_output=True, text=True)
     return set(re.findall(r"^#define (\w+) ", done.stdout, re.MULTILINE))
 
 
-#: All of C but stdatomic.h, whose functions are macros without arguments in clang;
-#: none of their names could be a member.
+#: All headers of C but stdatomic.h, whose functions are macros without arguments in clang.
+#: None of their names could be a member.
 HEADERS = """
     assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdbool
     stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar wchar wctype avr/io avr/interrupt
@@ -114,8 +114,10 @@ HEADERS = """
     "compiler", ["gcc", "clang", "avr-gcc", "arm-none-eabi-gcc", "riscv64-unknown-elf-gcc", "powerpc-linux-gnu-gcc"]
 )
 def test_macros_of_compilers_and_of_standard_headers_are_reserved(compiler: str) -> None:
-    """Those that are named as a spec can name something.
-    One with arguments does no harm: no name of a spec stands before a parenthesis."""
+    """Return those whose names a spec could have.
+
+    A macro with arguments is harmless, because no name of a spec is followed by a parenthesis.
+    """
     if shutil.which(compiler) is None:
         pytest.skip(f"{compiler} is not installed")
     found = macros([compiler, "-std=gnu11"], "")
@@ -146,7 +148,7 @@ def test_no_reserved_word_is_a_name_with_an_underscore() -> None:
 
 
 def own_words(header: str) -> set[str]:
-    """The names of arguments, locals and members in the text of a header, which a name of a spec could meet."""
+    """Return the names of arguments, locals and members in a header, with which a name of a spec could clash."""
     code = re.sub(r'/\*.*?\*/|"(?:[^"\\]|\\.)*"', " ", header, flags=re.DOTALL)
     return {
         word
@@ -197,7 +199,7 @@ def hostile(words: list[str]) -> Item:
 
 
 def _biss(words: list[str]) -> Item:
-    """The words as flags, as fields that move, as joins, and as numbers of decimal digits and their parts."""
+    """The words as flags, as fields at variable positions, as joins, and as decimal numbers and their parts."""
     moving = [{"name": word, "bits": "width_of_it"} for word in words[:6]]
     joins = {"joined_of_it": words[:3], **dict.fromkeys(words[6:], words[:2])}
     parts = (digits("number_of_it", word, "low_digits_of_it") for word in words[:12])
@@ -215,7 +217,7 @@ def _biss(words: list[str]) -> Item:
 
 
 def _rs485(words: list[str]) -> Item:
-    """The words as data IDs, and as bytes of the reply to them."""
+    """The words as data IDs, and as bytes of their replies."""
     ids = {"purpose": "capture", "source": "1"}
     fields = [
         {"name": words[0], "bits": 8, "values_of": "data_ids"},
@@ -232,7 +234,7 @@ def _rs485(words: list[str]) -> Item:
 
 
 def _registers(words: list[str]) -> list[Item]:
-    """Registers of one byte that hold parameters, of two bytes with a limit, and one that tells who the encoder is."""
+    """Registers of one byte that hold parameters, of two bytes with a limit, and one that identifies the encoder."""
     values = {value: {"value": at} for at, value in enumerate(words[1:5])}
     one = {"length": 1, "access": "read_write", "default": 0x30, "source": "1"}
     two = {"length": 2, "byte_order": "low_byte_first", "source": "1"}
@@ -259,7 +261,7 @@ def _registers(words: list[str]) -> list[Item]:
 
 
 def groups(every: Iterable[str], size: int) -> Iterator[list[str]]:
-    """The words in groups of this size; the last is filled up with the first ones."""
+    """The words in groups of this size. The last one is filled up with the first words."""
     words = sorted(every)
     for start in range(0, len(words), size):
         yield [*words[start : start + size], *words[: max(0, size - len(words) + start)]]
@@ -286,16 +288,16 @@ def test_no_name_of_a_spec_is_one_that_c_or_a_header_has(include: Path, tmp_path
         "result",
         "read",
     } <= words
-    #: The words that name something of each header are refused as names of layouts;
+    #: Words that name something in every header, and are refused as names of layouts.
     #: see tests/check/broken_model/c_name_*.
-    #: BiSS lays down what error and warning are.
+    #: BiSS defines the meaning of error and warning.
     words -= {"variant", "error", "warning", "frame"} | {word for word in words if len(word) > 30}
-    #: BiSS itself has a place for the registers of these names.
+    #: BiSS itself defines addresses for the registers with these names.
     words = {
         f"{word}s" if word in ("device_id", "manufacturer_id", "profile_id", "serial_number") else word
         for word in words
     }
-    # What stands first is also what tells frames apart; the second round takes the other words through registers,
+    # The first word is also the field that distinguishes frames. The second round uses the other words for registers,
     # parameters and procedures.
     every = [sorted(group, key=lambda word: word not in ("frame", "bytes", "int")) for group in groups(words, 40)]
     for index, group in enumerate([*every, *([*group[20:], *group[:20]] for group in every)]):
@@ -328,7 +330,7 @@ def test_no_name_of_a_spec_is_one_that_c_or_a_header_has(include: Path, tmp_path
 
 @pytest.mark.slow
 def test_no_register_is_called_like_a_function_of_the_example(tmp_path: Path) -> None:
-    """Each register with a worked example is read and printed by a function of its own in the program."""
+    """The program reads and prints each register with a worked example in a function of its own."""
     words = ["frame", "registers", "procedure", "main", "encoder", "transport", "register", "sizeof"]
     text = (ROOT / "tests" / "specs" / "bits22.yaml").read_text() + "registers:\n"
     text += (

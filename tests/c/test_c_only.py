@@ -1,4 +1,4 @@
-"""The option that narrows C to some families, interfaces and order codes."""
+"""The option that limits C to some families, interfaces and order codes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from codewheel.targets.c.files import generate
 
 
 def headers(devices: tuple[Device, ...], only: str) -> dict[str, str]:
-    """The headers for reading positions, by their stems."""
+    """Headers for reading positions, by their stems."""
     files = generate(Library(devices), {"only": only})
     found = {path.removeprefix("c/include/lika/").removesuffix(".h"): text for path, text in files.items()}
     return {stem: text for stem, text in found.items() if stem.count("_") == 1 and not {*"/."} & {*stem}}

@@ -1,4 +1,4 @@
-"""The C folder as a package: files that their readers can read, whatever a spec says, and example programs that run."""
+"""The C folder as a package: its files can be read by their tools for any spec, and its example programs run."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from codewheel.targets.c.package import bare
 
 HOSTILE = "x */ \" ' \\ ${HOME} $(shell) #{} ; ]] %s {{ 1 }}: - @a@\n\t é ??/"
 
-#: What each program prints of the worked examples in the manuals:
-#: AM36 6.5, AMM5 6.4, ASC85 6.4, SMA21 4.1, 6.4, 6.6.2 and 7.3.3;
-#: the reply to the AMM5 is one that another T-format receiver printed (20 C7 D1 6A 5E: 6AD1C7h is 7,000,519).
+#: The output of each program for the worked examples in the manuals:
+#: AM36 6.5, AMM5 6.4, ASC85 6.4, SMA21 4.1, 6.4, 6.6.2 and 7.3.3.
+#: The reply to the AMM5 was printed by another T-format receiver (20 C7 D1 6A 5E: 6AD1C7h is 7,000,519).
 PRINTED = {
     "am36_biss": [
         "Preset 50h: 00 00 01 86 A0\n  position: 100000\n",
@@ -73,7 +73,7 @@ def written(folder: Path, devices: tuple[Device, ...]) -> Path:
 
 
 def ran(root: Path, name: str) -> tuple[int, str]:
-    """Compiles an example, all warnings errors, undefined behaviour watched; gives its exit status and output."""
+    """Compile an example with warnings as errors, and detect undefined behaviour. Return its exit status and output."""
     program = root / name
     command = [
         "gcc",
@@ -112,7 +112,7 @@ def test_a_program_prints_what_the_manual_prints(name: str, package: Path) -> No
 
 @pytest.mark.slow
 def test_a_program_names_a_driver_that_is_released_too_late(package: Path, tmp_path: Path) -> None:
-    """The first byte of every reply is lost, as the simulated port begins to receive with the second."""
+    """The first byte of every reply is lost, because the simulated port begins to receive at the second one."""
     shutil.copytree(package, tmp_path / "c")
     path = tmp_path / "c" / "examples" / "amm5_rs485.c"
     text = path.read_text(encoding="ascii")
@@ -122,7 +122,7 @@ def test_a_program_names_a_driver_that_is_released_too_late(package: Path, tmp_p
     path.write_text(text, encoding="ascii")
     status, said = ran(tmp_path / "c", "amm5_rs485")
     assert status == 1
-    # The third poll is the one that the simulated line loses whole.
+    # The third poll is the one that the simulated line loses completely.
     whys = re.findall(r"us: (first byte of the reply missing: is the driver released too late\?|no reply)", said)
     assert [why[:2] for why in whys[:4]] == ["fi", "fi", "no", "fi"]
 
@@ -135,7 +135,7 @@ def test_a_program_looks_at_the_error_bit(package: Path) -> None:
     assert f"that is {1821973 / 2**21 * 360:.3f} degrees" in ran(package, "amm5_biss")[1]
     (made_up,) = re.findall(r"return UINT64_C\((0x[0-9A-F]+)\);", text)
     faulty = package / "examples" / "amm5_biss_faulty.c"
-    # Both bits 0, and the CRC of 39 bits that goes with them.
+    # Both bits are 0, and the 6-bit CRC matches these 39 bits.
     data = int(made_up, 16) >> 8 << 2
     faulty.write_text(text.replace(made_up, f"0x{data << 6 | crc_of(data, 39):X}"), encoding="ascii")
     try:
@@ -148,7 +148,7 @@ def test_a_program_looks_at_the_error_bit(package: Path) -> None:
 
 
 def crc_of(data: int, bits: int) -> int:
-    """x^6 + x + 1, sent inverted, bit by bit."""
+    """Return the CRC x^6 + x + 1, sent inverted, bit by bit."""
     found = 0
     for bit in range(bits - 1, -1, -1):
         found ^= (data >> bit & 1) << 5

@@ -1,4 +1,4 @@
-"""The headers as their reader has them: laid out as code is, everything of the manual under its own name."""
+"""The headers as their reader has them: formatted like code, and every fact of the manual under its own name."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from codewheel.targets import Library
 from codewheel.targets.c.comments import in_comment
 from codewheel.targets.c.files import generate
 
-#: How far from the manual's name its value may stand, in lines: on the same screen.
+#: Maximum distance of a value from the manual's name, in lines. It is one screen.
 _NEAR = 20
 
-#: Names as the manuals print them, and what their tables say: address, bit, value, limit or time.
+#: Names as the manuals print them, and the contents of their tables: address, bit, value, limit or time.
 #: AM36 4.4, 6.5, 6.6; AMM5 5.3, 6.4, 6.5, 7.1 to 7.5; ASC85 6.4, 6.5; SMA21 6.3 to 6.5, 7.3.
 #: A bit without its own constant is in the table of its frame.
 PRINTED = {
@@ -91,7 +91,7 @@ PRINTED = {
 
 
 def near(text: str, name: str) -> list[str]:
-    """Each place of a name with the lines around it."""
+    """Return each place of a name with the lines around it."""
     lines = text.splitlines()
     return [
         "\n".join(lines[max(index - _NEAR, 0) : index + _NEAR])
@@ -171,7 +171,7 @@ def test_the_readme_tells_the_stack_of_the_longest_procedure(c_devices: tuple[De
 
 
 def test_an_erratum_is_one_line(c_devices: tuple[Device, ...]) -> None:
-    """The whole text is on the page of the encoder. Where wrong data could be sent, the line has what is used."""
+    """The whole text is on the page of the encoder. If wrong data could be sent, the line has the value used."""
     files = generate(Library(c_devices))
     for device in c_devices:
         text = "".join(text for path, text in files.items() if path.startswith(f"c/include/lika/{device.name}_"))
@@ -185,7 +185,7 @@ def test_an_erratum_is_one_line(c_devices: tuple[Device, ...]) -> None:
 
 
 def test_an_erratum_says_what_is_used_where_data_is_at_stake(c_devices: tuple[Device, ...]) -> None:
-    """An AMM5 EEPROM write with the address where others have it reaches another one: the functions say so."""
+    """An AMM5 EEPROM write with the address at another encoder's position hits another one. The functions say so."""
     header = " ".join(generate(Library(c_devices))["c/include/lika/amm5_rs485.h"].replace("\n *", "\n").split())
     for name in ("EEPROM_WRITE_REQUEST", "EEPROM_READ_REQUEST"):
         before = header.partition(f"typedef struct lika_amm5_rs485_{name.lower()} ")[0].rpartition("/*")[2]

@@ -1,7 +1,7 @@
-"""From what SPI, DMA or a serial port received to the word of a decoder, against lines that are drawn bit by bit here.
+"""From the bits that SPI, DMA or a serial port received to the word of a decoder.
 
-The lines follow the protocol description of BiSS C (p. 3, 5 and 7) and the manuals' words on SSI; nothing of ours makes
-them.
+The lines are drawn bit by bit here. They follow the protocol description of BiSS C (p. 3, 5 and 7) and the SSI sections
+of the manuals, and are independent of the project's code.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ OK, LENGTH, CRC, CONSTANT, RANGE = range(5)
 TIMEOUT = 6
 LINE_HIGH, LINE_LOW, NO_START, REPEAT, HEAD_MISSING = range(8, 13)
 
-#: One line in, one line out; all numbers, bytes as one word of hex.
+#: Each line has one answer. All numbers and words of bytes are in hexadecimal.
 PROGRAM = r"""
 #include "codewheel/receive.h"
 #include <stdio.h>
@@ -139,7 +139,7 @@ int main(void)
 
 @pytest.fixture(scope="session")
 def run(include: Path, made_once: MadeOnce) -> Run:
-    """The program, in which undefined behaviour is watched."""
+    """Run the program, with checks for undefined behaviour."""
     command = [*GCC, "-O1", *SANITIZED]
     return runner(made_once("receive", lambda folder: compile_c(command, PROGRAM, folder, include)) / "program")
 
@@ -152,11 +152,11 @@ def ask(run: Run) -> Ask:
     return lambda line: [int(item) for item in run([line])[0].split()]
 
 
-# --------------------------------------------------------------------------------------------------------- lines, drawn
+# --------------------------------------------------------------------------------------------------------- drawn lines
 
 
 def in_bytes(bits: Sequence[int], then: int = 0) -> str:
-    """Bits as hex bytes, the first in bit 7; what is left of the last byte is ``then``."""
+    """Return bits as hex bytes, the first in bit 7. The rest of the last byte is filled with ``then``."""
     whole = [*bits, *[then] * (-len(bits) % 8)]
     return "".join(f"{int(''.join(map(str, whole[at : at + 8])), 2):02X}" for at in range(0, len(whole), 8)) or "-"
 
@@ -166,23 +166,23 @@ def of(number: int, width: int) -> list[int]:
 
 
 def biss_line(data: Sequence[int], rest: int = 2, acknowledge: int = 1, cds: int = 0, stop: int = 0) -> list[int]:
-    """SLO at each rising edge of MA: rest, acknowledge, start, CDS, the data and the stop bit (PROT p. 3)."""
+    """Return SLO at each rising edge of MA: rest, acknowledge, start, CDS, data and stop bit (PROT p. 3)."""
     return [*[1] * rest, *[0] * acknowledge, 1, cds, *data, stop]
 
 
 def test_a_line_on_paper(ask: Ask) -> None:
-    """11 000 1 0 10110 0: the word 10110, CDS 0, the stop bit 0; then the line is high again."""
+    """11 000 1 0 10110 0: the word 10110, CDS 0 and the stop bit 0. Then the line is high again."""
     line = [1, 1, 0, 0, 0, 1, 0, 1, 0, 1, 1, 0, 0, 1, 1, 1]
     assert in_bytes(line) == "C567"
     assert ask("b C567 5") == [OK, 0b10110]
     assert ask("c C567") == [OK, 0]
     assert ask("c C767") == [OK, 1]
-    # A bit more would take the stop bit for data, and find a 1 where it has to be 0.
+    # One more bit would interpret the stop bit as data, and find a 1 in place of a 0.
     assert ask("b C567 6") == [CONSTANT, 0xA5A5A5A5A5A5A5A5]
 
 
 def test_a_word_after_every_rest_and_acknowledge(run: Run) -> None:
-    """Widths from 0 to 64, the rest from 1 to 9 bits, the acknowledge from 1 to 40: every place within a byte."""
+    """Widths from 0 to 64, a rest of 1 to 9 bits, an acknowledge of 1 to 40 bits: every position within a byte."""
     chance = random.Random(1)
     asked, expected = [], []
     for width in range(65):
@@ -192,7 +192,7 @@ def test_a_word_after_every_rest_and_acknowledge(run: Run) -> None:
             received = in_bytes(line, chance.getrandbits(1))
             asked += [f"b {received} {width}", f"c {received}"]
             expected += [f"0 {word}", f"0 {cds}"]
-    # No bits from a long buffer: 1, the acknowledge, the start bit, CDS, and zeros to the end.
+    # No data bits in a long buffer: 1, the acknowledge, the start bit, CDS, and zeros to the end.
     assert run([*asked, "b B000000000000000 0"]) == [*expected, "0 0"]
 
 
@@ -202,12 +202,12 @@ def test_each_fault_of_a_biss_line(ask: Ask) -> None:
     assert ask("b FFFFFFFFFFFF 16") == [LINE_HIGH, kept]
     assert ask("b - 16") == [LINE_HIGH, kept], "nothing received, nothing low"
     assert ask("b 000000000000 16") == [LINE_LOW, kept]
-    # Still in the time-out of the frame before: what comes then may be the end of anything.
+    # The line is still in the time-out of the previous frame, so the next bits may be the end of anything.
     assert ask(f"b {in_bytes([0, *biss_line(word)])} 16") == [LINE_LOW, kept]
     assert ask("b C00000000000 16") == [NO_START, kept]
     assert ask(f"b {in_bytes(biss_line(word, stop=1))} 16") == [CONSTANT, kept]
     for missing in range(1, 20):
-        # Rest and start end at a whole byte, then whole bytes are missing or the start comes too late.
+        # Rest and start end at a whole byte. Then whole bytes are missing, or the start comes too late.
         line = [1, *[0] * 6, 1, 0, *word, 0, *[0] * 6][: 32 - 8]
         assert ask(f"b {in_bytes(line[:24])} 16") == [LENGTH, kept]
         late = biss_line(word, 2, 13 + missing)[:32]
@@ -218,7 +218,7 @@ def test_each_fault_of_a_biss_line(ask: Ask) -> None:
 
 
 def test_the_stop_bit_is_checked_where_it_was_received(ask: Ask) -> None:
-    """Some receivers clock none in: the last bit of the word may be the last one of the buffer, not a bit later."""
+    """Some receivers clock in no stop bit, so the last bit of the word may be the last one of the buffer."""
     line = biss_line(of(0x2B5, 10), 2, 1)  # 2 + 1 + 2 + 10 bits, and the stop bit: 16
     assert ask(f"b {in_bytes(line)} 10") == [OK, 0x2B5]
     assert ask(f"b {in_bytes(biss_line(of(0x2B5, 10), 2, 1, stop=1))} 10") == [CONSTANT, 0xA5A5A5A5A5A5A5A5]
@@ -226,13 +226,13 @@ def test_the_stop_bit_is_checked_where_it_was_received(ask: Ask) -> None:
     assert ask(f"b {in_bytes(line)} 10") == [OK, 0x2B5]
     line = biss_line(of(0x2B5, 10), 2, 3)[:16]
     assert ask(f"b {in_bytes(line)} 10") == [LENGTH, 0xA5A5A5A5A5A5A5A5]
-    # Of a frame that is longer by a bit the stop bit shows it, as long as there is one.
+    # The stop bit reveals a frame that is one bit longer, if there is a stop bit.
     line = biss_line(of(0x56B, 11), 2, 1)[:16]
     assert ask(f"b {in_bytes(line)} 10") == [CONSTANT, 0xA5A5A5A5A5A5A5A5]
 
 
 def test_a_frame_in_any_number_of_samples(run: Run) -> None:
-    """69 samples as mjbots/moteus takes them, 20 before the start bit: each frame that is whole in them is found."""
+    """69 samples as mjbots/moteus takes them, 20 before the start bit: each frame that is complete in them is found."""
     chance = random.Random(5)
     packing, counts, expected = [], [], []
     for count in range(60, 76):
@@ -250,7 +250,7 @@ def test_a_frame_in_any_number_of_samples(run: Run) -> None:
 
 
 def test_what_fills_up_the_last_byte_is_no_part_of_a_frame(run: Run) -> None:
-    """Samples that end within a word give none, also to the form that takes whole bytes: SSI has no CRC to see it."""
+    """Samples that end within a word are an error, also in the form for whole bytes. SSI has no CRC to detect it."""
     chance = random.Random(6)
     lines = [
         (bits, bytes([1, *of(chance.getrandbits(bits), bits), 0][:count]).hex())
@@ -260,7 +260,7 @@ def test_what_fills_up_the_last_byte_is_no_part_of_a_frame(run: Run) -> None:
     packed = run(f"S {samples} 1" for _, samples in lines)
     answers = run(f"s {line} {bits}" for line, (bits, _) in zip(packed, lines, strict=True))
     assert {answer.split()[0] for answer in answers} == {str(item) for item in (LENGTH, CONSTANT, LINE_HIGH)}
-    # The acknowledge lasts until the last sample, or only the start bit is there.
+    # The acknowledge lasts until the last sample, or only the start bit is present.
     for line in ([1, *[0] * 18], [1, *[0] * 18, 1]):
         (filled,) = run([f"S {bytes(line).hex()} 1"])
         assert run([f"C {filled} {len(line)}"]) == [f"{LENGTH} 0"]
@@ -268,13 +268,13 @@ def test_what_fills_up_the_last_byte_is_no_part_of_a_frame(run: Run) -> None:
 
 
 def test_words_of_16_and_32_bits_and_samples(run: Run) -> None:
-    """However the peripheral keeps what it received, the same bytes come out."""
+    """Every form in which a peripheral stores the received bits gives the same bytes."""
     chance = random.Random(2)
     data = bytes(chance.randrange(256) for _ in range(24))
     assert run([f"W {data.hex()}", f"X {data.hex()}"]) == [data.hex().upper()] * 2
     bits = [bit for byte in data for bit in of(byte, 8)]
     for mask in (0x01, 0x10, 0x80):
-        # The other pins of the port say what they will.
+        # The other pins of the port can have any level.
         samples = [chance.randrange(256) & ~mask | (mask if bit else 0) for bit in bits]
         for spare in range(8):
             line = bytes([*samples, *[0] * spare]).hex()
@@ -288,8 +288,11 @@ def test_words_of_16_and_32_bits_and_samples(run: Run) -> None:
 
 
 class SsiEncoder:
-    """Data line of an encoder: high at rest; the first falling edge stores; each rising edge brings a bit, the most
-    significant first, then zeros until the clock has rested for the monoflop time."""
+    """The data line of an encoder is high at rest, and the first falling edge stores the position.
+
+    Each rising edge shifts out a bit, the most significant first, then zeros until the clock has rested for the
+    monoflop time.
+    """
 
     def __init__(self, word: int, bits: int) -> None:
         self.left, self.data = of(word, bits), 1
@@ -307,7 +310,7 @@ def test_an_ssi_word_as_each_spi_mode_samples_it(mode: int, run: Run) -> None:
             word = chance.getrandbits(width)
             encoder, line = SsiEncoder(word, width), []
             for _ in range(8 * ((width + 2 + 7) // 8)):
-                # The clock rests high, so it falls first; what the rising edge brings comes after it.
+                # The clock rests high, so it falls first. The bit follows the rising edge.
                 at_the_falling_edge = encoder.data
                 at_the_rising_edge = encoder.data
                 encoder.rise()
@@ -357,7 +360,7 @@ def test_two_readings_agree(first: int, second: int, modulus: int, at_most: int,
 
 # --------------------------------------------------------------------------------------------------------------- RS-485
 
-#: Data ID 3 of AMM5, control byte 1Ah: eleven bytes, the last one the XOR of the others.
+#: Data ID 3 of AMM5, control byte 1Ah: eleven bytes, of which the last is the XOR of the others.
 REPLY = [0x1A, 0x00, 0xC7, 0xD1, 0x6A, 0x23, 0x02, 0x00, 0x00, 0x00]
 REPLY = [*REPLY, 0x1A ^ 0xC7 ^ 0xD1 ^ 0x6A ^ 0x23 ^ 0x02]
 
@@ -365,8 +368,10 @@ REPLY = [*REPLY, 0x1A ^ 0xC7 ^ 0xD1 ^ 0x6A ^ 0x23 ^ 0x02]
 def taken(
     ask_many: Run, control: int, length: int, stream: Iterable[int], echo: int = 0
 ) -> tuple[list[int], list[str]]:
-    """What a receiver makes of these bytes: which byte ends a reply, and the replies whose XOR is 0; the others are
-    refused, as a decoder would."""
+    """Return the result of a receiver for these bytes: the bytes that end a reply, and the replies whose XOR is 0.
+
+    The others are refused, as a decoder would refuse them.
+    """
     state = [f"a {control} {length} {echo} 0 100"]
     ends, found = [], []
     for index, byte in enumerate(stream):
@@ -386,7 +391,7 @@ def taken(
 
 def test_a_reply_byte_by_byte(run: Run) -> None:
     assert taken(run, 0x1A, 11, REPLY) == ([10], [bytes(REPLY).hex().upper()])
-    # What comes after a whole reply is dropped, and nothing is late.
+    # Bytes after a complete reply are dropped, and nothing is late.
     assert run(["a 26 11 0 0 100", *(f"t {byte}" for byte in [*REPLY, 0x1A]), "d", "l 4000000000"])[-2:] == [
         bytes(REPLY).hex().upper(),
         "0",
@@ -414,15 +419,18 @@ def test_a_reply_that_can_begin_with_any_byte(run: Run) -> None:
 def test_a_lost_byte_ends_in_a_time_out(run: Run) -> None:
     head = ["a 26 11 0 4294967290 100"]
     lines = [*head, *(f"t {byte}" for byte in REPLY[:4] + REPLY[5:])]
-    # 6 us are left before the time runs over, so that 100 us are over at 94.
+    # 6 us are left before the time wraps around, so the 100 us are over at 94.
     assert run([*lines, "l 4294967290", "l 4294967295", "l 94", "l 95"])[-4:] == ["0", "0", "0", "1"]
-    # The next request forgets what is left of it.
+    # The next request discards the rest of it.
     assert run([*lines, "a 26 11 0 0 100", *(f"t {byte}" for byte in REPLY)])[-1] == "1"
 
 
 def test_a_first_byte_that_is_always_lost_has_a_reason_of_its_own(run: Run) -> None:
-    """1,000 replies whose first byte came while the driver still held the line: it is told from silence and from a
-    reply that is cut short. That some byte of them looks like a beginning changes nothing."""
+    """1,000 replies whose first byte came while the driver still held the line.
+
+    This is distinguished from silence and from a reply that is cut short, even if some byte in them looks like the
+    start of a reply.
+    """
     chance = random.Random(7)
     lines, among = [], 0
     for _ in range(1000):
@@ -443,7 +451,7 @@ def test_a_first_byte_that_is_always_lost_has_a_reason_of_its_own(run: Run) -> N
     assert reason(*REPLY) == f"{OK} 0"
     assert reason(0xFF, *REPLY) == f"{OK} 1", "noise before a whole reply"
     assert reason(*[0] * 30) == f"{HEAD_MISSING} 16", "it counts as far as the longest reply"
-    # The next request counts anew.
+    # The next request starts counting again.
     assert run(["a 26 11 0 0 100", "t 0", "y", "a 26 11 0 0 100", "y"])[-3:] == [f"{HEAD_MISSING} 1", "0", "6 0"]
 
 
@@ -467,7 +475,7 @@ LENGTHS = {
         "SSI_A23_65KBG1": 39,
         "SSI_A17_1BG1": 17,
     },
-    # With the 0 bit that the manual prints, and without it, as OnStepX reads it.
+    # With the 0 bit that the manual prints, and without it, as read by OnStepX.
     "asc85": {"BISS_25_SC1_AS_PRINTED": 34, "BISS_25_SC1_LEFT_OUT": 33, "BISS_20_SC2_LEFT_OUT": 28},
     "am36": {"BISS_AM3616_4096_I7": 44, "SSI_AM3619_4096_BG": 31, "SSI_AMC3616_4096_GG": 28},
 }
@@ -482,7 +490,7 @@ LENGTHS = {
 def test_lengths_are_constants(
     compiler: str, standard: str, assertion: str, family: str, include: Path, tmp_path: Path
 ) -> None:
-    """As sizes of arrays and in static asserts; a wrong one is an error, so that the assert is known to look."""
+    """As sizes of arrays and in static asserts. A wrong one is an error, which shows that the assert is evaluated."""
     kinds = {name.split("_")[0].lower() for name in LENGTHS[family]}
     lines = [f'#include "lika/{family}_{kind}.h"' for kind in sorted(kinds)]
     for name, bits in LENGTHS[family].items():
@@ -520,7 +528,7 @@ def test_the_constants_are_what_the_functions_say(
         rows = {row.variant.code: row.macro for row in view.variants.rows}
         for item in received(view.device, view.context.interface):
             macro = rows[item.variant.code]
-            # What the user decides is the last argument of the function, and the end of the name.
+            # The user's decision is the last argument of the function, and the end of the name.
             told = answered(view.device, item)
             given = [f", {view.PREFIX}_{asked.name}_{answer.name}".upper() for asked, answer in told]
             stem = "_".join((macro, *(answer.name for answer in item.answers))).upper()

@@ -1,4 +1,4 @@
-"""The program that follows an axis by raw SPI buffers, fed with a line that is drawn here, faults and all."""
+"""The program that follows an axis from raw SPI buffers, with a line that is drawn here, including its errors."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ FRAMES = 100_000
 
 
 def crc_6(data: int, bits: int) -> int:
-    """x^6 + x + 1, start value 0, inverted: bit by bit, as PROT p. 7-8 has it."""
+    """Return the CRC x^6 + x + 1 with start value 0, inverted, bit by bit, as in PROT p. 7-8."""
     rest = 0
     for place in range(bits - 1, -1, -1):
         top = rest >> 5 ^ data >> place & 1
@@ -36,7 +36,7 @@ def word(position: int, error: bool = False, warning: bool = False) -> int:
 
 
 class Line:
-    """SLO in one buffer: rest, line delay, acknowledge, start, CDS, word, stop bit, and low until the time-out ends."""
+    """Return SLO in one buffer: rest, delay, acknowledge, start, CDS, word, stop bit, and low during the time-out."""
 
     BITS = 8 * SIZE
 
@@ -47,7 +47,7 @@ class Line:
         self.word = range(self.start + 2, self.start + 2 + POSITION_BITS + 8)
         bits = [1] * self.acknowledge.start + [0] * acknowledge + [1, chance.getrandbits(1)]
         bits += [frame >> place & 1 for place in range(len(self.word) - 1, -1, -1)] + [0]
-        # The time-out may end within the buffer; the line is high then.
+        # The time-out may end within the buffer. The line is high after it.
         bits += [0] * chance.randrange(8) + [1] * self.BITS
         self.bits = bits[: self.BITS]
 
@@ -60,7 +60,7 @@ class Line:
 
 
 def nothing(line: Line) -> None:
-    """A sound frame."""
+    """A valid frame."""
 
 
 def one_bit(line: Line) -> None:
@@ -73,7 +73,7 @@ def two_bits(line: Line) -> None:
 
 
 def burst(line: Line) -> None:
-    """Up to six bits in a row, which a CRC of six bits sees for certain."""
+    """Up to six bits in a row, which a CRC of six bits always detects."""
     first = line.chance.choice(line.word[:-6])
     line.flip(first)
     for place in range(first + 1, first + 6):
@@ -100,13 +100,13 @@ def never_ready(line: Line) -> None:
 
 
 def too_late(line: Line) -> None:
-    """The frame begins where it no longer fits."""
+    """The frame begins too late to fit."""
     rest = line.chance.randrange(60, line.BITS)
     line.bits = (line.bits[:2] + [0] * (rest - 2) + line.bits[line.start :])[: line.BITS]
 
 
 def still_in_the_time_out(line: Line) -> None:
-    """The master did not wait: the buffer begins in the frame before."""
+    """The master did not wait, so the buffer begins in the previous frame."""
     line.bits = ([0] * line.chance.randrange(1, 20) + line.bits)[: line.BITS]
 
 
@@ -117,20 +117,22 @@ CERTAIN: tuple[Callable[[Line], None], ...] = (
 
 
 def moved(line: Line) -> None:
-    """A disturbed acknowledge or start bit: the word is looked for elsewhere."""
+    """The acknowledge or start bit is disturbed, so the word is found at the wrong place."""
     line.flip(line.chance.choice([*line.acknowledge, line.start]))
 
 
 def story(seed: int) -> Iterator[tuple[str, int, bool, bytes]]:
-    """What happened, where the shaft is, counted on, whether the encoder reports an error, and the buffer: a shaft that
-    moves on and back past the place where its position starts again, read every 100 us."""
+    """Yield the event, the unwrapped position of the shaft, whether the encoder reports an error, and the buffer.
+
+    The shaft moves forwards and back across the wrap, and is read every 100 us.
+    """
     chance = random.Random(seed)
     position, speed = (1 << POSITION_BITS) - 20_000, 3000
     for _ in range(FRAMES):
         speed = max(-8000, min(8000, speed + chance.randint(-200, 200)))
         position += speed
         error = chance.random() < 0.02
-        # The warning of a multiturn model may be about its revolutions: no position either.
+        # The warning of a multiturn model may concern its revolutions, so the position is not usable.
         warning = chance.random() < 0.02
         sent = word(position % (1 << POSITION_BITS), error, warning)
         error = error or warning
@@ -152,12 +154,12 @@ def program(made_once: MadeOnce) -> Path:
     return made_once("amm5_biss_dma", built) / "program"
 
 
-#: What the program prints: when, and where the axis was at which time.
+#: Output of the program: the time, and the position of the axis at which time.
 SAID = re.compile(r"(\d+) us: (?:no position yet|(-?\d+) counts at (\d+) us, (-?\d+) counts/s)")
 
 
 class Told(NamedTuple):
-    """What happened to a frame, and whether the tracker ``took`` it; ``wrong`` has what it then said that is not so."""
+    """The event of a frame, and whether the tracker ``took`` it. ``wrong`` lists the wrong statements that followed."""
 
     name: str
     took: bool
@@ -165,8 +167,11 @@ class Told(NamedTuple):
 
 
 def judged(rows: Sequence[tuple[str, int, bool, bytes]], said: Sequence[str]) -> Iterator[Told]:
-    """Each line of the program against the shaft: the position is where that was when the program says, and the speed
-    is that from the frame believed before."""
+    """Compare each line of the program with the shaft.
+
+    The position must be that of the shaft at the printed time, and the speed must follow from the frame accepted
+    before.
+    """
     last: tuple[int, int] | None = None
     for index, ((name, _, error, _), line) in enumerate(zip(rows, said, strict=True)):
         found = SAID.fullmatch(line)
@@ -214,7 +219,7 @@ def test_what_is_taken_and_what_is_not(told: Sequence[Told]) -> None:
     assert set(taken["nothing"]) == {True}, "no sound frame is lost"
     assert set(taken["error"]) == {False}, "an encoder that reports an error has no position"
     assert all(taken[item.__name__][False] > 1500 and not taken[item.__name__][True] for item in CERTAIN)
-    # One of 64 moved words has a CRC that fits; only the limit of the tracker sees those.
+    # One of 64 moved words has a matching CRC, and only the limit of the tracker detects those.
     assert taken["moved"][False] > 1500
 
 
@@ -224,7 +229,7 @@ def test_the_axis_goes_past_the_end_of_its_positions(rows: Sequence[tuple[str, i
 
 
 def test_what_the_limit_is_for(program: Path, rows: Sequence[tuple[str, int, bool, bytes]], tmp_path: Path) -> None:
-    """A tracker that knows nothing of the past takes the words that were moved and have a CRC that fits."""
+    """A tracker that knows nothing of the past accepts moved words with a matching CRC."""
     folder = program.parent / "c"
     text = (folder / "examples" / "amm5_biss_dma.c").read_text(encoding="ascii")
     added = "cw_tracker_add(&axis"

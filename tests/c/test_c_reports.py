@@ -21,14 +21,14 @@ from test_c_codec import Table, check, made, on_the_wire, samples
 
 pytestmark = pytest.mark.slow
 
-#: Frames of each layout and order code; ``make verify-crosscheck`` has a million.
+#: Number of frames of each layout and order code. ``make verify-crosscheck`` uses a million.
 FRAMES = 300
 VERDICTS = list(Verdict)
 NOT_USABLE, UNKNOWN, WARNING, USABLE = range(4)
 
 
 def frames(device: Device) -> Iterator[tuple[str, Variant, PlacedLayout, int]]:
-    """Sound frames of the encoder with every flag and unused bit at random, or one of them alone."""
+    """Yield valid frames of the encoder with random flags and unused bits, or with only one of them."""
     random_ = random.Random("reports")
     table = Table(device)
     for name, variant, placed in table.cases():
@@ -44,12 +44,12 @@ def frames(device: Device) -> Iterator[tuple[str, Variant, PlacedLayout, int]]:
 
 
 def by_interface(device: Device) -> list[Device]:
-    """The device with each of its interfaces alone, for which C has headers of their own."""
+    """Return the device with each of its interfaces alone, because C has separate headers for each."""
     return [view.device for view in views_of(device)]
 
 
 def said_by(device: Device, told: Told) -> tuple[str, str]:
-    """The field that makes a report, and what the report says: a flag can say another thing for other order codes."""
+    """Return the field and the text of a report. A flag can have another meaning for other order codes."""
     return told.by.field.name, meaning(told.made_of, alarm_of(device, told.made_of))
 
 
@@ -73,7 +73,7 @@ class Telling:
         return sum(self._bits[layout][item.field, item.meaning] for item in reports)
 
     def of(self, variant: Variant, placed: PlacedLayout, number: int) -> tuple[int | None, int]:
-        """The verdict, if there is one, and the mask of the reports."""
+        """Return the verdict, if there is one, and the mask of the reports."""
         said = findings(self.device, variant, codec.decode(self.device, placed, number))
         verdict = VERDICTS.index(said.verdict) if said.verdict is not None else None
         return verdict, self.mask(said.reports, placed.name)
@@ -107,7 +107,7 @@ def test_verdict_and_reports_are_those_of_the_reference(machine: tuple[Device, R
 
 
 def test_every_report_is_made_and_has_its_text(machine: tuple[Device, Run]) -> None:
-    """One by one; and of several the text is that of the lowest bit."""
+    """One report at a time. For several, the text is that of the lowest bit."""
     whole, run = machine
     for device in by_interface(whole):
         if reports_of(device):
@@ -146,28 +146,28 @@ def test_the_strict_form_wants_unused_bits_as_the_manual_has_them(machine: tuple
 
 
 def with_xor(text: str) -> str:
-    """A frame with its CRC."""
+    """Return a frame with its CRC."""
     data = bytes.fromhex(text)
     return (data + bytes((reduce(xor, data),))).hex().upper()
 
 
 def test_verdicts_by_hand(run: Run) -> None:
-    """AMM5 over RS-485: the manual's frames (7.2.1, 7.4), or such with another status bit."""
+    """AMM5 over RS-485: the manual's frames (7.2.1, 7.4), and the same ones with another status bit."""
     complete = {
         "1A 00 A5A500 23 888800 00": f"{USABLE} 0",
-        # BUSY, and EE_1 that sums it up; all position data are 0.
+        # BUSY, and EE_1, which sums it up. All position data are 0.
         "1A 20 000000 23 000000 02": f"{NOT_USABLE} 24",
-        # EE_1 sums up the battery alarm too, which leaves the position usable.
+        # EE_1 also sums up the battery alarm, with which the position is usable.
         "1A 20 A5A500 23 888800 80": f"{WARNING} 404",
         "1A 20 A5A500 23 888800 00": f"{NOT_USABLE} 4",
-        # Bits that the manual has as 0: of the status, and of the alarms.
+        # Bits that are 0 in the manual: of the status, and of the alarms.
         "1A 01 A5A500 23 888800 10": f"{WARNING} 81",
     }
     code = "AMM5A23/65KJP1"
     pairs = [(f"{code} tells complete_reply {with_xor(frame)}", f"0 {said}") for frame, said in complete.items()]
-    # A reply from a public log: EE_1, and the reply does not tell what it is.
+    # A reply from a public log: EE_1 is active, and the reply does not show the cause.
     pairs.append((f"{code} tells singleturn_reply 0220C7D16A5E", f"0 {NOT_USABLE} 4"))
-    # Singleturn models have no battery (4.3): what BATT and MTERR mean there is not said.
+    # Singleturn models have no battery (4.3). The manual does not say what BATT and MTERR mean for them.
     singleturn = {
         "1A 20 A5A500 23 000000 80": f"{WARNING} 4004",
         "1A 20 A5A500 23 000000 40": f"{WARNING} 2004",
@@ -179,21 +179,21 @@ def test_verdicts_by_hand(run: Run) -> None:
 
 
 def test_the_only_printed_reply_to_data_id_5_has_its_position(programs: Mapping[str, Run]) -> None:
-    """SMA21 7.3.4: SF = 02h sets dd1, which 7.3.2 has as 0."""
+    """SMA21 7.3.4: SF = 02h sets dd1, which is 0 in 7.3.2."""
     code, frame = "SMA21-JP1-0001", "2A02DA040043250090"
     lines = {
         f"decode wide_position_reply {frame}": "0 0 0 160037864666 2",
         f"tells wide_position_reply {frame}": f"0 {WARNING} 1",
         f"expected wide_position_reply {frame}": "0 0",
         "encode wide_position_reply 0 0 160037864666 2": f"0 {frame}",
-        # A bit of a flag is none of the unused ones.
+        # A bit of a flag is not an unused bit.
         "encode wide_position_reply 0 0 160037864666 16": f"4 {'00' * 9}",
     }
     check(programs["sma21"], [(f"{code} {line}", answer) for line, answer in lines.items()])
 
 
 def test_an_error_of_an_encoder_that_has_none(programs: Mapping[str, Run], every_device: Mapping[str, Device]) -> None:
-    """AM36 sends nE and nW as 1 always (6.3.1); a word with one of them at 0 still has its position."""
+    """AM36 always sends nE and nW as 1 (6.3.1). A word with one of them at 0 still has its position."""
     device = every_device["am36"]
     variant = next(item for item in device.variants if item.interface == "biss")
     placed = device.interface("biss").layouts[0].place(variant.parameters)
@@ -207,7 +207,7 @@ def test_an_error_of_an_encoder_that_has_none(programs: Mapping[str, Run], every
 def test_a_position_of_unknown_worth_ranks_below_a_usable_one(
     programs: Mapping[str, Run], every_device: Mapping[str, Device]
 ) -> None:
-    """``verdict >= CW_USABLE`` is false for an SSI word, in which nothing tells."""
+    """``verdict >= CW_USABLE`` is false for an SSI word, which has no status bits."""
     numbers = []
     for code, layout in (("AMM5A17/1BG1", "ssi_word"), ("AMM5A17/1SC1", "single_cycle_data")):
         device = every_device["amm5"]
@@ -222,7 +222,7 @@ def test_a_position_of_unknown_worth_ranks_below_a_usable_one(
 
 @pytest.mark.slow
 def test_texts_take_nothing_where_they_are_not_used(c_devices: tuple[Device, ...], tmp_path: Path) -> None:
-    """Even where the compiler improves nothing, no text of a report is in a program that asks for none."""
+    """Even without optimisation, a program that uses no text of a report contains none."""
     include = write(tmp_path, c_devices)
     remedy = b"Turn on the main power twice"
     call = "lika_amm5_rs485_report_text(2U)->remedy"

@@ -1,4 +1,4 @@
-"""The self-test that users compile: green as it is, red where a CRC, a shift or anything else in it is changed."""
+"""The self-test that users compile passes unchanged, and fails if a CRC, a shift or anything else in it is changed."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from codewheel.model import CrcExample, Device
 from codewheel.plan.vectors import CONTROL_FIELDS, CONTROL_WORDS, vectors_of
 
 ROOT = Path(__file__).resolve().parents[2]
-#: The manuals show no example of these.
+#: The manuals show no example of these registers.
 TESTED = tuple(item for item in INTERFACES if item not in ("am36_ssi", "amm5_ssi", "asc85_ssi"))
 
 
 def compiled(include: Path, folder: Path, *options: str) -> ctypes.CDLL:
-    """The self-test of the package as a library."""
+    """Return the self-test of the package as a library."""
     made = folder / f"selftest{len(options)}.so"
     tests = sorted(str(path) for path in (include.parent / "selftest").glob("*.c"))
     command = ["gcc", "-std=c99", "-O1", "-shared", "-fPIC", *WARNINGS, f"-I{include}", *options, *tests]
@@ -40,7 +40,7 @@ def test_all_is_well(options: tuple[str, ...], include: Path, tmp_path: Path) ->
 
 
 def test_every_example_has_a_check(include: Path, every_device: Mapping[str, Device]) -> None:
-    """But for registers of one byte that are a number, which nothing decodes."""
+    """Registers of one byte that are a number are excluded, because nothing decodes them."""
     for name in FAMILIES:
         paths = (include.parent / "selftest").glob(f"{name}_*.c")
         text = "".join(path.read_text(encoding="ascii") for path in paths)
@@ -53,7 +53,7 @@ def test_every_example_has_a_check(include: Path, every_device: Mapping[str, Dev
         assert "stdio" not in text
 
 
-#: Header, what is changed, and the families of whose self-tests one has to tell.
+#: Header, the change in it, and the families of which at least one self-test must fail.
 FAULTS = {
     "polynomial of a CRC of bits": ("amm5_biss.h",
         r"(lika_amm5_biss_crc\(uint64_t word\).*#else.*?)<< 1U\)", r"\1<< 2U)"),

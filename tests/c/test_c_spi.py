@@ -1,4 +1,4 @@
-"""``spi.h``: which request a word answers, and values of registers as bytes. Every line, with both kinds of replies."""
+"""``spi.h``: the request that a word answers, and values of registers as bytes, with both kinds of replies."""
 
 from __future__ import annotations
 

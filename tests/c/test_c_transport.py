@@ -1,8 +1,8 @@
-"""Registers by name and procedures through a transport: what the encoder sees, what comes back, what failure tells.
+"""Registers by name and procedures through a transport: accesses, results, and contents of a failure.
 
-Every record is written by hand from the manuals: the sections are named at each procedure.
-A line is ``STEP: ACCESS``; where an access is not the whole of its step, the step's kind stands before the colon,
-and its address where the access has none.
+Every record is written by hand from the manuals, with the sections next to each procedure. A line is ``STEP: ACCESS``.
+If an access is only a part of its step, the kind of the step is before the colon, and its address if the access has
+none.
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ from transport_harness import (
 
 KINDS = {"w": WRITE, "wait": WAIT, "send": SEND, "r": READ}
 KINDS |= {"write": WRITE, "poll": POLL, "close": CLOSE, "verify": VERIFY_STEP}
-#: Where commands are written: AM36 and SMA21 48h, AMM5 77h. What opens AMM5's preset is in 40h.
+#: Addresses of commands: AM36 and SMA21 48h, AMM5 77h. 40h opens AMM5's preset.
 COMMANDS, OPENS = ("w 48", "w 77"), "w 40"
 
 
 @dataclass(frozen=True)
 class Case:
-    """A procedure, the registers before it, and what the encoder sees of it."""
+    """A procedure, the registers before it, and the accesses that the encoder sees."""
 
     family: str
     code: str
@@ -53,13 +53,13 @@ class Case:
     record: str
     arguments: tuple[int, ...] = ()
     before: tuple[tuple[int, int], ...] = ()
-    #: What 60h reads, one value after the other.
+    #: Successive values of 60h when it is read.
     status: tuple[int, ...] = ()
     reads: str = ""
 
     @property
     def lines(self) -> list[tuple[str, tuple[int, int, int, int]]]:
-        """Each access, and the step, kind, call and address reported when it fails."""
+        """Each access, and the step, kind, call and address that are reported if it fails."""
         found = []
         for line in (item.strip() for item in self.record.strip().splitlines()):
             match = re.fullmatch(r"(\d+)(?: (\w+))?(?: ([0-9A-F]{2}))?: ((\w+)(?: ([0-9A-F]+))?.*)", line)
@@ -96,7 +96,7 @@ def ten_times(request: str, first: int = 0) -> str:
 
 
 CASES = [
-    # AMM5 6.4: the example of the manual, 1,000,003 with 21 bits; 30 ms after each command.
+    # AMM5 6.4: the example of the manual, 1,000,003 with 21 bits. 30 ms after each command.
     Case(
         "amm5",
         "AMM5A21/65KSC1",
@@ -213,7 +213,7 @@ CASES = [
     Case("am36", "AM3616/4096-I7", "save_parameters", "0: w 48 01\n1: wait 30000"),
     Case("am36", "AM3616/4096-I7", "activate_preset", "0: w 48 02\n1: wait 30000"),
     Case("am36", "AM3616/4096-I7", "restore_defaults", "0: w 48 04\n1: wait 30000"),
-    # 4,096 = 001000h in 4Bh to 4Dh; 65,536 revolutions are written as 00 00; 1,000 = 3E8h.
+    # 4,096 = 001000h in 4Bh to 4Dh. 65,536 revolutions are written as 00 00. 1,000 = 3E8h.
     Case(
         "am36",
         "AM3616/4096-I7",
@@ -432,7 +432,7 @@ CASES = [
 def ways(
     request: pytest.FixtureRequest, machines: Callable[[str], Machine], stepped_machines: Callable[[str], Machine]
 ) -> Callable[[str], Machine]:
-    """Procedures that wait, and those that a main loop goes through: both do the same."""
+    """Procedures that wait and those in a main loop do the same."""
     return stepped_machines if request.param == "step by step" else machines
 
 
@@ -474,7 +474,7 @@ VERIFIED = [case for case in CASES if " verify: " in case.record]
 
 
 def test_what_is_saved_or_activated_is_read_back() -> None:
-    """AM36 6.3, AMM5 6.4, SMA21 6.4: whatever writes a value, and not only a command."""
+    """AM36 6.3, AMM5 6.4, SMA21 6.4: this applies to everything that writes a value, not only to commands."""
     assert sorted(case_name(case) for case in VERIFIED) == [
         *(f"am36-{name}" for name in ("set_configuration", "set_preset", "set_resolution", "store_preset")),
         *(f"amm5-{name}" for name in ("set_preset", "store_preset")),
@@ -484,7 +484,7 @@ def test_what_is_saved_or_activated_is_read_back() -> None:
 
 @pytest.mark.parametrize("case", VERIFIED, ids=case_name)
 def test_a_disturbed_value_is_never_saved(case: Case, ways: Callable[[str], Machine]) -> None:
-    """Each byte that is written whole, with each bit turned: the command that would act on it is not given."""
+    """In each byte that is written whole, each bit is inverted. The command that depends on it is not sent."""
     count = 0
     for index, (access, told) in enumerate(case.lines):
         whole = index == 0 or case.lines[index - 1][1][:2] != (told[0], WRITE)
@@ -507,7 +507,7 @@ def test_a_disturbed_value_is_never_saved(case: Case, ways: Callable[[str], Mach
 
 
 def test_a_field_that_was_not_stored_is_seen(ways: Callable[[str], Machine]) -> None:
-    """SMA21 6.4: of 49h bit 2 enables the preset, bit 1 selects it. The other bits are not looked at."""
+    """SMA21 6.4: bit 2 of 49h enables the preset, and bit 1 selects it. The other bits do not matter."""
     case = next(item for item in CASES if case_name(item) == "sma21-select_preset")
     for place, bit, step in ((1, 0x04, 2), (3, 0x02, 3)):
         encoder = case.encoder()
@@ -531,7 +531,7 @@ def test_a_function_that_is_missing_is_told(case: Case, ways: Callable[[str], Ma
             assert (answer.result, answer.failure) == (OK, UNTOUCHED)
             continue
         assert (answer.result, answer.failure) == (UNSUPPORTED, (*case.lines[at][1], 0))
-        # What was opened is closed, unless there is no function for it either.
+        # A register that was opened is closed, unless there is no function for this either.
         closing = case.closing(at)[0] if verb != "w" else []
         assert answer.record == [*(access for access, _ in case.lines[:at]), *closing]
 
@@ -551,7 +551,7 @@ def test_the_presets_are_those_that_open_something() -> None:
 
 
 def test_what_cannot_be_closed_is_told(ways: Callable[[str], Machine]) -> None:
-    """The bus is gone from the third of the Preset registers on: closing is tried once, and fails as well."""
+    """The bus fails from the third of the Preset registers on. Closing is tried once and also fails."""
     encoder = Encoder(fail_at=3, error=-9, fail_on=True)
     answer = ways("amm5").run("set_preset", "AMM5A21/65KSC1", (1000003,), encoder)
     assert answer.record == ["w 40 01", "w 11 00", "w 12 30", "w 13 24", "w 40 00"]
@@ -562,7 +562,7 @@ def test_what_cannot_be_closed_is_told(ways: Callable[[str], Machine]) -> None:
 @pytest.mark.parametrize(
     ("family", "code", "procedure", "length", "pause"),
     [
-        # AMM5 7.3.2: the reply to data IDs 7, C and F has six bytes; SMA21 7.3.2: to data IDs B and F seven.
+        # AMM5 7.3.2: the reply to data IDs 7, C and F has six bytes. SMA21 7.3.2: to data IDs B and F seven.
         ("amm5", "AMM5A23/65KJP1", "reset_errors", 6, "wait 2000"),
         ("amm5", "AMM5A23/65KJP1", "reset_singleturn_and_multiturn", 6, "wait 18000"),
         ("sma21", "SMA21-JP1-0005", "reset_errors", 7, ""),
@@ -571,7 +571,7 @@ def test_what_cannot_be_closed_is_told(ways: Callable[[str], Machine]) -> None:
 def test_a_reply_that_is_not_one_ends_the_requests(
     family: str, code: str, procedure: str, length: int, pause: str, ways: Callable[[str], Machine]
 ) -> None:
-    """A disturbed byte is a CRC fault; the reply to another request is none to this one."""
+    """A disturbed byte is a CRC error. A reply to another request is not a reply to this one."""
     made = ways(family)
     for number in (0, 3, 9):
         for byte in range(length):
@@ -586,7 +586,7 @@ def test_a_reply_that_is_not_one_ends_the_requests(
 
 
 def test_a_poll_gives_up(ways: Callable[[str], Machine]) -> None:
-    """Bit 7 of 60h never comes: with a bound of three readings the transport sees three, and two pauses."""
+    """Bit 7 of 60h never becomes 1. With a limit of three readings, the transport sees three, and two pauses."""
     encoder = Encoder(polls=(3, 700))
     encoder.before_read = lambda address: encoder.memory.__setitem__(0x60, 0x7F)
     answer = ways("asc85").run("software_reset", "ASC8525/SC1", (), encoder)
@@ -680,7 +680,7 @@ def test_a_command_is_followed_by_its_pause(machines: Callable[[str], Machine]) 
 def test_values_that_the_manual_does_not_list_are_refused(machines: Callable[[str], Machine]) -> None:
     answer = machines("amm5").write("command", "AMM5A21/65KSC1", b"\x03", Encoder())
     assert (answer.result, answer.record, answer.failure) == (RANGE, [], UNTOUCHED)
-    # A preset with a bit set that is always 0 is none.
+    # A preset in which a bit is 1 that is always 0 is not valid.
     encoder = Encoder()
     encoder.memory[0x17] = 0x80
     read = machines("amm5").read("preset", "AMM5A21/65KSC1", encoder)
@@ -699,7 +699,7 @@ def test_there_is_a_function_for_every_access(family: str, machines: Callable[[s
 def test_a_register_in_a_bank_has_it_selected_first(
     name: str, banks: set[int], machines: Callable[[str], Machine]
 ) -> None:
-    """The bank is selected in 40h, which the guide's example lists before the banked registers, a data sheet after."""
+    """The bank is selected in 40h, before the banked registers in the guide, and after them in a data sheet."""
     made = machines(name)
     banked = [item for item in made.device.registers if item.bank is not None]
     assert {item.bank for item in banked} == banks
@@ -712,7 +712,7 @@ def test_a_register_in_a_bank_has_it_selected_first(
 # -- identification and run-time state
 
 IDENTITIES = {
-    # The registers that the identity has, in the order of its members.
+    # The registers of the identity, in the order of its members.
     "amm5": [("78", 6), ("7E", 2)],
     "am36": [("42", 2), ("55", 1), ("78", 6), ("7E", 2)],
     "sma21": [("42", 2), ("4D", 1), ("55", 1), ("58", 1), ("78", 6), ("7E", 2)],
@@ -737,8 +737,10 @@ def test_the_identity_is_read_whole(family: str, machines: Callable[[str], Machi
 
 
 def test_the_state_is_read_and_taken_over(machines: Callable[[str], Machine]) -> None:
-    """AM36 6.5: 56h and 57h hold the bits in use, 4Bh the information per revolution and 4Eh the revolutions,
-    whose product bounds the preset, bit 5 of 49h the code."""
+    """AM36 6.5: 56h and 57h hold the bits in use, and bit 5 of 49h is the code.
+
+    4Bh is the information per revolution and 4Eh the number of revolutions. Their product bounds the preset.
+    """
     made = machines("am36")
     encoder = Encoder()
     for address, value in (
@@ -772,13 +774,13 @@ def test_the_state_is_read_and_taken_over(machines: Callable[[str], Machine]) ->
         assert failed.failure[0] == index
         assert failed.failure[4] == 3
         assert failed.data == before.data, "after a fault the variant is as it was"
-    # 40 bits of a revolution are more than the encoder has.
+    # 40 bits per revolution are more than the encoder has.
     encoder.memory[0x56] = 40
     encoder.record.clear()
     assert made.state("AM3616/4096-I7", encoder).data == before.data
 
 
-# -- lists of one's own
+# -- user-defined lists
 
 
 def test_a_list_of_ones_own(ways: Callable[[str], Machine]) -> None:
@@ -820,7 +822,7 @@ def test_a_reply_longer_than_any_is_refused(ways: Callable[[str], Machine]) -> N
 @pytest.mark.parametrize(
     ("fails", "seen"),
     [
-        # The write that failed may have arrived: it is closed as well; what was not begun is left alone.
+        # The write that failed may have arrived, so its register is closed as well. Others stay untouched.
         (0, ["w 20 01", "w 20 00"]),
         (1, ["w 20 01", "w 21 05", "w 20 00", "w 21 00"]),
         (2, ["w 20 01", "w 21 05", "w 20 00", "w 21 00"]),
@@ -843,7 +845,7 @@ def test_a_list_of_ones_own_closes(fails: int, seen: list[str], ways: Callable[[
 
 
 def test_all_that_is_open_is_tried(ways: Callable[[str], Machine]) -> None:
-    """The bus is gone from the third access on: both closings are tried."""
+    """The bus fails from the third access on. Closing is tried for both registers."""
     steps = [
         (WAIT, 0x20, 0, 0, 0, 1),
         (WRITE, 0x20, 0xFF, 1, 1, 0),
@@ -858,7 +860,7 @@ def test_all_that_is_open_is_tried(ways: Callable[[str], Machine]) -> None:
 
 
 def test_a_list_without_steps_is_not_carried_out(ways: Callable[[str], Machine]) -> None:
-    """A count that was not set yet must not look like a reset that went well."""
+    """A count that is not yet set must not look like a successful reset."""
     answer = ways("amm5").steps([], 0, Encoder())
     assert (answer.result, answer.record) == (LENGTH, [])
 

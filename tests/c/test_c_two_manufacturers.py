@@ -1,4 +1,4 @@
-"""Encoders of two manufacturers in one program: one runtime, one BiSS master, and verdicts that compare."""
+"""Encoders of two manufacturers in one program: one runtime, one BiSS master, and comparable verdicts."""
 
 from __future__ import annotations
 

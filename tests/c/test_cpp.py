@@ -1,4 +1,4 @@
-"""The headers for C++17: frames decoded by the compiler, and errors that it finds in them."""
+"""The headers for C++17: frames decoded at compile time, and errors found at compile time."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ pytestmark = pytest.mark.slow
 COMPILERS = ("g++ -std=c++17", "g++ -std=c++20", "clang++ -std=c++17", "clang++ -std=c++20")
 WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror"
 
-#: What the manuals and public sources print.
+#: Values from the manuals and public sources.
 PRINTED = """
 #include <array>
 
@@ -57,7 +57,7 @@ static_assert(length && length.position == 123);
 static_assert(lika_sma21_ssi_micrometres(&LIKA_SMA21_SSI_GG1_0050, length.position) == 6150);
 """
 
-#: Errors, each found when the program is compiled.
+#: Errors, each found at compile time.
 WRONG = """
 constexpr auto disturbed = lika::sma21_biss::decode(LIKA_SMA21_BISS_SC1_0010, (192458ULL << 2 | 3) << 6 | 29);
 static_assert(!disturbed && disturbed.error() == codewheel::fault::crc && disturbed->position == 0);
@@ -74,7 +74,7 @@ static_assert(lika::sma21_rs485::position_reply_decode(LIKA_SMA21_RS485_JP1_0005
 
 
 def assertions(device: Device) -> Iterator[str]:
-    """Two random frames of each layout that the encoder sends, for each order code, and what the reference finds."""
+    """Two random frames of each layout that the encoder sends, for each order code, with the reference's results."""
     table, random_ = Table(device), random.Random("c++")
     for view in views_of(device):
         for item in view.interface.codecs:

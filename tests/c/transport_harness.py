@@ -64,7 +64,7 @@ class Failure(ctypes.Structure):
         return self.step, self.kind, self.call, self.address, self.error
 
 
-#: What a failure holds before a call, to see whether it was touched.
+#: Content of a failure before a call, to see whether it was changed.
 UNTOUCHED = (99, 0, 0, 0xFFFF, -99)
 
 
@@ -82,14 +82,14 @@ class Encoder:
     error: int = 0
     missing: frozenset[str] = frozenset()
     polls: tuple[int, int] = (0, 0)
-    #: What is wrong with a reply: its number and that of the byte, and the bits.
+    #: The error in a reply: the number of the reply, the number of the byte, and the bits.
     spoilt: dict[tuple[int, int], int] = field(default_factory=dict)
     sent: int = 0
-    #: Whether every call fails from ``fail_at`` on, or that one alone.
+    #: True if every call fails from ``fail_at`` on, and false if only that one fails.
     fail_on: bool = False
-    #: Which bits of a write arrive wrong, by the place of the access.
+    #: Bits of a write that arrive wrong, by the index of the access.
     disturbed: dict[int, int] = field(default_factory=dict)
-    #: Called before each read, with the address; it may change the memory.
+    #: Called with the address before each read. It may change the memory.
     before_read: Callable[[int], None] = lambda address: None
 
     def transport(self) -> Transport:
@@ -119,7 +119,7 @@ class Encoder:
         return self._noted(context, f"wait {microseconds}")
 
     def send_request(self, context: int | None, request: int, reply: ctypes.Array[ctypes.c_uint8], length: int) -> int:
-        """The reply begins with the request and ends with the exclusive-or of the others, but for what is spoilt."""
+        """Return the reply: the request, and at the end the exclusive-or of the others, apart from planted errors."""
         given = bytes([request, *range(1, length - 1)]) if length else b""
         given += bytes([xor_of(given)]) if length else b""
         for index, byte in enumerate(given):
@@ -130,7 +130,7 @@ class Encoder:
 
 @dataclass(frozen=True)
 class Answer:
-    """Outcome of a call: its result, the bytes it filled, the failure, and the accesses that the encoder saw."""
+    """Outcome of a call: its result, the bytes read, the failure, and the accesses that the encoder saw."""
 
     result: int
     data: bytes
@@ -145,7 +145,7 @@ class Machine:
 
     device: Device
     libraries: Sequence[ctypes.CDLL]
-    #: Whether procedures go through the runner, which leaves waiting to its caller: a wait cannot fail then.
+    #: True if procedures use the runner, which leaves waiting to its caller, so that a wait cannot fail.
     stepped: bool = False
 
     def run(self, procedure: str, code: str, arguments: Sequence[int] = (), encoder: Encoder | None = None) -> Answer:
@@ -153,11 +153,11 @@ class Machine:
         return self._call(f"run_{procedure}", encoder or Encoder(), code.encode(), given)
 
     def read(self, register: str, code: str, encoder: Encoder) -> Answer:
-        """The bytes are those that the struct encodes to again."""
+        """The bytes are the encoded struct."""
         return self._call(f"read_{register}", encoder, code.encode())
 
     def write(self, register: str, code: str, data: bytes, encoder: Encoder) -> Answer:
-        """The struct is what the bytes decode to."""
+        """The struct is decoded from the bytes."""
         return self._call(f"write_{register}", encoder, code.encode(), data)
 
     def identity(self, encoder: Encoder) -> Answer:
@@ -168,7 +168,7 @@ class Machine:
         return self._call("state", encoder, code.encode())
 
     def steps(self, steps: Sequence[tuple[int, int, int, int, int, int]], reads: int, encoder: Encoder) -> Answer:
-        """Carries out a list of (kind, address, mask, value, times, microseconds)."""
+        """Carry out a list of (kind, address, mask, value, times, microseconds)."""
         flat = [number for step in steps for number in step]
         return self._call(
             "steps", encoder, (ctypes.c_uint32 * len(flat))(*flat), ctypes.c_size_t(len(steps)), ctypes.c_size_t(reads)
@@ -183,25 +183,27 @@ class Machine:
         )
 
     def has(self, name: str) -> bool:
-        """Whether any interface has the function."""
+        """Return True if any interface has the function."""
         return any(hasattr(item, name) for item in self.libraries)
 
     def _function(self, name: str) -> Any:
-        """The function, from the library of the interface that has it."""
+        """Return the function from the library of the interface that has it."""
         return next(getattr(item, name) for item in self.libraries if hasattr(item, name))
 
     def _call(self, name: str, encoder: Encoder, *arguments: object) -> Answer:
         transport, failure = encoder.transport(), Failure(*UNTOUCHED)
         data = (ctypes.c_uint8 * 65)(*[0xAA] * 65)
         result = self._function(name)(ctypes.byref(transport), *arguments, data, ctypes.byref(failure))
-        # The first byte tells how many were filled.
+        # The first byte is the number of bytes that were filled.
         filled = bytes(data[1 : 1 + data[0]]) if data[0] != 0xAA else b""
         return Answer(result, filled, failure.told(), encoder.record, failure.left_open)
 
 
 def compile_machine(device: Device, folder: Path, stepped: bool = False) -> None:
-    """Compiles the functions of a family for :class:`Machine`, undefined behaviour watched; ``stepped`` has a main
-    loop around the runner carry out the procedures."""
+    """Compile the functions of a family for :class:`Machine`, with checks for undefined behaviour.
+
+    If ``stepped``, a main loop around the runner carries out the procedures.
+    """
     include = write(folder, (device,))
     command = [
         "gcc",
@@ -221,12 +223,12 @@ def compile_machine(device: Device, folder: Path, stepped: bool = False) -> None
 
 
 def machine_of(device: Device, folder: Path, stepped: bool) -> Machine:
-    """The functions compiled into this folder."""
+    """Return the functions compiled into this folder."""
     return Machine(device, [ctypes.CDLL(str(path)) for path in sorted(folder.glob("*.so"))], stepped)
 
 
 def source(view: DeviceView) -> str:
-    """A function with plain arguments for each of the headers that takes a transport."""
+    """Return a function with plain arguments for each function of the headers that takes a transport."""
     prefix, device = view.prefix, view.device
     text = _HEAD
     for procedure in view.procedures:
@@ -322,7 +324,7 @@ int write_{name}(const cw_transport *transport, const char *code, const uint8_t 
     return text
 
 
-#: A main loop in place of the function that waits. It comes early now and then, and starts nothing twice.
+#: A main loop instead of the function that waits. It is sometimes early, and starts nothing twice.
 _LOOP = r"""
 #include "codewheel/runner.h"
 #include <stdlib.h>

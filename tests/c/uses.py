@@ -1,7 +1,7 @@
-"""A C and C++ text that uses each function, macro, enumerator and type of some headers, by a function of its own.
+"""A C and C++ text that uses each function, macro, enumerator and type of some headers, each in a function of its own.
 
-It is made from the text of the headers, so that nothing in them can be forgotten;
-and it says nothing of its own that a compiler could warn of.
+It is generated from the text of the headers, so that nothing is forgotten, and has no other code that a compiler could
+warn about.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ class Declared:
     functions: tuple[tuple[str, str, str], ...]
     macros: Sequence[tuple[str, str]]
     enumerators: tuple[str, ...]
-    #: The order codes: type and name of each.
+    #: Order codes: type and name of each.
     constants: tuple[tuple[str, str], ...]
-    #: The tables of CRCs: type and name of each.
+    #: Tables of CRCs: type and name of each.
     tables: tuple[tuple[str, str], ...]
     types: tuple[str, ...]
-    #: The lines that open the conditions under which a function is there at all.
+    #: Lines that open the conditions under which a function exists.
     conditions: Mapping[str, tuple[str, ...]]
 
     @property
@@ -49,7 +49,7 @@ _COMMENT_OR_STRING = re.compile(r'/\*.*?\*/|"(?:[^"\\\n]|\\.)*"', re.DOTALL)
 
 
 def without_texts(text: str) -> str:
-    """The code of a header: no comments, strings emptied but for names of files, and continued lines joined."""
+    """Return the code of a header: no comments, no texts in strings except file names, and continued lines joined."""
     code = _COMMENT_OR_STRING.sub(_emptied, text)
     return code.replace("\\\n", " ")
 
@@ -61,14 +61,14 @@ def _emptied(found: re.Match[str]) -> str:
 
 
 def without_nodiscard(code: str) -> str:
-    """The code without the word for results that have to be looked at, whose spelling depends on the compiler."""
+    """Return the code without the mark for results that must not be ignored. Its spelling depends on the compiler."""
     word = r"^#ifndef (\w+_NODISCARD)\n.*?^#endif\n#endif\n|^(\w+_NODISCARD|CW_CONSTEXPR)\n"
     return re.sub(word, "", code, flags=re.MULTILINE | re.DOTALL)
 
 
-#: Macros that take arguments: a length at compile time, and a check that can be left out.
+#: Macros with arguments: a length at compile time, and a check that can be omitted.
 _WITH_ARGUMENTS = ("_RECEIVE", "CW_ASSERT")
-#: Macros that are words of the language.
+#: Macros that are keywords of the language.
 _WORDS = ("CW_CONSTEXPR", "CW_CONST")
 
 
@@ -76,7 +76,7 @@ def declared(texts: Iterable[str]) -> Declared:
     """Everything that the headers with these texts declare."""
     code = "\n".join(map(without_nodiscard, map(without_texts, texts)))
     functions = tuple((kind.strip(), name, " ".join(given.split())) for kind, name, given in _FUNCTION.findall(code))
-    # A name that the expressions above do not find would be unused without notice.
+    # A name that the expressions above miss would be unused without notice.
     constants = tuple((kind, name) for kind, name in _CONSTANT.findall(code))
     tables = tuple((kind, name) for kind, name in _TABLE.findall(code))
     statics = len(re.findall(r"^static ", code, re.MULTILINE))
@@ -103,8 +103,10 @@ def declared(texts: Iterable[str]) -> Declared:
 
 
 def _conditions(code: str) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Each function that only some settings have, with the lines that ask for these;
-    guards and the check for C++ are no settings."""
+    """Return each function that only some settings have, with the lines that select them.
+
+    Guards and the check for C++ are not settings.
+    """
     opened: list[str] = []
     for line in code.splitlines():
         word = (line.split() or [""])[0]
@@ -121,7 +123,7 @@ def _conditions(code: str) -> Iterator[tuple[str, tuple[str, ...]]]:
 
 
 def included(header: str, include: Path) -> list[str]:
-    """The header, given as below ``include``, after those that it includes."""
+    """Return the header, given by its path below ``include``, after those that it includes."""
     text = (include / header).read_text(encoding="ascii")
     found = re.findall(r'^#include "((?:\w+/)?\w+\.h)"', text, re.MULTILINE)
     places = [name if "/" in name else f"codewheel/{name}" for name in found]
@@ -129,8 +131,10 @@ def included(header: str, include: Path) -> list[str]:
 
 
 def use_everything(headers: Sequence[str], include: Path) -> str:
-    """A text that includes these headers, given as below ``include``, and uses all that they and the headers of the
-    runtime declare that they include."""
+    """Return a text that includes these headers, given by their paths below ``include``.
+
+    It uses everything that they and the included headers of the runtime declare.
+    """
     every = dict.fromkeys(item for header in headers for item in included(header, include))
     found = declared((include / header).read_text(encoding="ascii") for header in every)
     lines = [f'#include "{header}"' for header in headers]
@@ -154,7 +158,7 @@ def use_everything(headers: Sequence[str], include: Path) -> str:
             *("#endif" for _ in settings),
         ]
     for kind, name in found.constants:
-        # In two functions: MISRA 8.9 wants an object that only one function uses to be defined in it.
+        # Two functions use it, because MISRA 8.9 requires an object that only one function uses to be defined in it.
         for function in (name, f"{name}_again"):
             lines += _function(f"const {kind} *", function, "void", f"return &{name};")
     if "codewheel/bits.h" in every:
@@ -167,6 +171,6 @@ def use_everything(headers: Sequence[str], include: Path) -> str:
 
 
 def _function(kind: str, name: str, given: str, *body: str) -> list[str]:
-    """A function with its prototype, as strict warnings want it."""
+    """Return a function with its prototype, as strict warnings require."""
     head = f"{kind}{'' if kind.endswith('*') else ' '}use_{name}({given})"
     return [f"{head};", head, "{", *(f"    {line}" for line in body), "}"]

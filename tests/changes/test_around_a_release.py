@@ -1,4 +1,4 @@
-"""What helps around a release: forms for review tools, accepted changes, and the entry for an older edition."""
+"""Help around a release: forms for review tools, accepted changes, and the entry for an older edition."""
 
 from __future__ import annotations
 

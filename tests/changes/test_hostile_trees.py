@@ -150,7 +150,7 @@ def test_a_tree_that_lists_more_than_any_disk_holds(git: Git, tmp_path: Path) ->
 
 @pytest.fixture
 def partial(git: Git, tmp_path: Path) -> Path:
-    """Make the repository a partial clone that lacks one spec, and whose server is a command; returns its mark."""
+    """Make the repository a partial clone that lacks one spec, and whose server is a command. Return its mark."""
     lost = git("rev-parse", "HEAD:specs/demo.yaml")
     mark = tmp_path / "run"
     for key, value in {

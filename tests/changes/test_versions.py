@@ -86,7 +86,7 @@ def with_runtime(texts: dict[str, str], major: int, minor: int) -> dict[str, str
 def test_headers_and_runtimes_of_two_generations(
     compiler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Same major version, and at least the minor one of the generation: all else is refused in one sentence."""
+    """The runtime has the same major version and at least the same minor version, or it is refused in one sentence."""
     old = headers(tmp_path / "old")
     monkeypatch.setattr("codewheel.targets.c.files.runtime_version", lambda: (1, 3))
     new = with_runtime(headers(tmp_path / "new", NEXT), 1, 3)
@@ -112,7 +112,7 @@ def test_headers_and_runtimes_of_two_generations(
 @pytest.mark.slow
 @pytest.mark.parametrize("compiler", ["gcc", "g++"])
 def test_a_runtime_of_two_versions(compiler: str, tmp_path: Path) -> None:
-    """Each header of the runtime says what it belongs to, for a folder that was put together by hand."""
+    """Each header of the runtime names its version, for a folder that was assembled by hand."""
     old = {name: text for name, text in headers(tmp_path / "old").items() if name.startswith("codewheel/")}
     new = with_runtime(old, 1, 1)
     for name in sorted(set(old) - {"codewheel/version.h"}):

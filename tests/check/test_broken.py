@@ -1,4 +1,4 @@
-"""Each spec in ``broken`` says in its first lines what is wrong with it, in the exact words expected."""
+"""Each spec in ``broken`` begins with the exact messages about it."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ HERE = pathlib.Path(__file__).parent
 BROKEN = sorted((HERE / "broken").glob("*.yaml"))
 EXPECT = "# expect: "
 
-#: Every rule of reading, of the schema and beyond. One without a broken spec fails here,
-#: and so does a spec for a rule that is not listed. Missing are those for which no file can be kept:
-#: of unreadable, empty and binary files, and of folders.
+#: All rules of reading, of the schema and beyond. A rule without a broken spec fails here,
+#: and so does a spec for a rule that is not listed. Rules for which no file can be kept are missing:
+#: those about unreadable, empty and binary files, and about folders.
 RULES_WITH_BROKEN_SPECS = """
     access-mismatch alias also-written alternative-use argument-not-written bad-expression bad-key bad-pattern
     bad-source bank-not-selected biss-protocol byte-order-missing cited-place clock-range column-units
@@ -32,7 +32,7 @@ RULES_WITH_BROKEN_SPECS = """
 
 
 def problems_of(path: pathlib.Path) -> tuple[list[str], Report]:
-    """Every problem as ``line:column: rule: message``, and the report."""
+    """Return each problem as ``line:column: rule: message``, and the report."""
     report = Report()
     document = read_document(path, report, path.name)
     if document is not None:

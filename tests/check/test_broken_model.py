@@ -1,4 +1,4 @@
-"""Each rule that looks at the model has a spec that breaks it, and the exact message in its first lines."""
+"""Each rule about the model has a spec that breaks it, which begins with the exact message."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def test_a_value_of_an_order_code_may_have_a_slash(label: str, code: str, bits: 
 
 
 def test_a_limit_that_is_a_product_at_run_time_has_a_type_that_holds_it() -> None:
-    """As delivered it is 256 * 16 - 1; with both registers at their highest the product takes 33 bits."""
+    """By default, it is 256 * 16 - 1. With both registers at their maximum, the product takes 33 bits."""
     devices, _ = load_for([SOUND], targets_named())
     (device,) = (item for item in devices if item.name == "product_limit")
     (c,) = (item for item in targets_named() if item.name == "c")

@@ -1,4 +1,4 @@
-"""Specs in the language before the first release get the current names, and nothing else in them changes."""
+"""Specs in the language before the first release get the current names, and are otherwise unchanged."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.commands.new import device_text, manufacturer_text
 
-#: A start, its current text, and the text in the language of 21 November 2026.
+#: Beginning of a spec, its current text, and the text in the language of 21 November 2026.
 RENAMED = {
     "rotary": ("", "counts_per_turn: 2^", "steps_per_turn: 2^"),
     "quoted": ("", "counts_per_turn: 2^", '"steps_per_turn": 2^'),

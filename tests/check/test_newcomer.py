@@ -1,4 +1,4 @@
-"""Mistakes of someone who fills in the spec that ``new`` writes: each is one problem, which says what to write."""
+"""Mistakes in filling in the spec that ``new`` writes: each is one problem that suggests what to write."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ MISTAKES = {
     "bits of a meaning": (
         SEVENTEEN, '"17": {meaning: 17 bits, sets: {singleturn_bits: 16}}', "47", "meaning-mismatch", "says 17 bits",
     ),
-    # Formerly without what to write instead.
+    # Earlier, the message did not say what to write instead.
     "value without a map": (SAVE, "save: 1", "114", "wrong-type", "write 'save: {value: 1}'"),
     "value before its name": (SAVE, "1: save", "114", "bad-pattern", "the name comes first, as in 'save: {value: 1}'"),
     "no for false": ("refin: false", "refin: no", "64", "wrong-type", "write false"),
@@ -59,7 +59,7 @@ MISTAKES = {
         "byte_order: high_byte_first", "endianness: big", "124", "unknown-key", "write 'byte_order: high_byte_first'",
     ),
     "access in short": ("access: read_write", "access: rw", "123", "not-allowed", "write 'read_write'"),
-    # Formerly misleading, or several problems.
+    # Earlier, the message was misleading, or there were several.
     "no-break space": ("title: Set", "title:\u00a0Set", "132", "yaml-syntax", "the space U+00A0"),
     "no-break indentation": ("    length: 4", "\u00a0   length: 4", "122", "yaml-syntax", "the space U+00A0"),
     "power of Python": (

@@ -1,4 +1,4 @@
-"""How problems look."""
+"""Format of problems."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reading: YAML 1.2 values, places, and files that are no specs."""
+"""Reading: YAML 1.2 values, places, and files that are not specs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from codewheel.language.read import read_document, read_specs
 
 
 def read(folder: pathlib.Path, content: str | bytes) -> tuple[Document | None, list[str]]:
-    """The document made from ``content``, and the problems."""
+    """Return the document made from ``content``, and the problems."""
     path = folder / "spec.yaml"
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     report = Report()
@@ -89,7 +89,7 @@ def test_positions(tmp_path: pathlib.Path) -> None:
     assert document.position(("registers", "bank", "name"), at_key=True) == (2, 5)
     assert document.position(("registers", "bank", "fields", "low", "bits")) == (3, 32)
     assert document.position(("registers", "1.9", "x")) == (4, 24)
-    # What does not exist is sought at the key of the nearest that does.
+    # Problems of a missing path are reported at the key of its nearest existing parent.
     assert document.position(("registers", "bank", "default")) == (2, 5)
     assert document.position(("registers", 7)) == (1, 1)
     assert document.position(("nothing", "at", "all")) == (1, 1)

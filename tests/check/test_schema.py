@@ -1,4 +1,4 @@
-"""The schemas, the words for them, and what is left of a spec when its faults are cut out."""
+"""The schemas, their messages, and the rest of a spec after its errors are cut out."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_schema_is_one_and_each_keyword_has_words(kind: str) -> None:
     for item in subschemas(schema):
         assert set(item) <= KEYWORDS | SILENT
         pattern = item.get("pattern", "^$")
-        # Patterns are matched as a whole, which is what their anchors say.
+        # Patterns must match the whole text, as their anchors say.
         assert pattern.startswith("^")
         assert pattern.endswith("$")
         assert pattern == "^$" or pattern in PATTERNS
@@ -127,7 +127,7 @@ def places(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
     ids=lambda path: path.stem,
 )
 def test_no_damage_makes_it_raise(path: pathlib.Path, tmp_path: pathlib.Path) -> None:
-    """Takes out or replaces places of a sound spec at random: problems or a clean spec come out, never an exception."""
+    """Remove or replace random places of a valid spec. The result is problems or a valid spec, never an exception."""
     report = Report()
     sound = read_document(path, report)
     assert sound is not None
@@ -146,8 +146,8 @@ def test_no_damage_makes_it_raise(path: pathlib.Path, tmp_path: pathlib.Path) ->
                 else:
                     node[spot[-1]] = choose.choice(junk)
             except (KeyError, IndexError, TypeError):
-                continue  # An earlier damage took the place away.
-        # Checked as data; the marks are those of the sound spec, as places are all that they are for.
+                continue  # Earlier damage removed the place.
+        # It is checked as data. The marks are those of the valid spec, since they only give places.
         damaged, report = Document(path.name, sound.lines, data, sound.marks), Report()
         rest = check_document(damaged, report)
         if rest is not None and "device" in rest:
@@ -157,7 +157,7 @@ def test_no_damage_makes_it_raise(path: pathlib.Path, tmp_path: pathlib.Path) ->
 
 
 class _Hexadecimal(yaml.SafeDumper):
-    """Writes whole numbers in hexadecimal."""
+    """Write integers in hexadecimal."""
 
 
 _Hexadecimal.add_representer(
@@ -166,7 +166,7 @@ _Hexadecimal.add_representer(
 
 
 def test_spec_written_by_a_machine(tmp_path: pathlib.Path) -> None:
-    """Block style instead of the flow style of the specs: the same data, checked the same, with numbers as 0x."""
+    """Block style instead of flow style, with numbers as 0x: the same data, and the same check."""
     found, _ = document(tmp_path, MINIMAL.read_text())
     again, report = document(tmp_path, yaml.dump(found.data, Dumper=_Hexadecimal, sort_keys=False))
     check_document(again, report)

@@ -1,4 +1,4 @@
-"""What a spec may well say: specs that a rule could wrongly refuse, or that were once built wrongly."""
+"""Valid specs that a rule could wrongly refuse, or that were once built wrongly."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from codewheel.order_codes.run_time import decided, with_registers
 from codewheel.reference import codec
 
 HERE = Path(__file__).parent
-#: A spec without a fault, to be changed in one place.
+#: A spec without errors, to be changed in one place.
 BASE = (HERE / "ok" / "minimal.yaml").read_text(encoding="utf-8")
 MAKER = (HERE / "broken_model" / "manufacturer.yaml").read_text(encoding="utf-8")
 
 
 def load(folder: Path, *changes: tuple[str, str], more: str = "") -> tuple[Device | None, list[str]]:
-    """The device of the base spec with these changes, and the problems found in it."""
+    """Return the device of the base spec with these changes, and the problems in it."""
     text = BASE
     for old, new in changes:
         assert old in text
@@ -51,7 +51,7 @@ def test_a_request_can_have_a_field_named_like_the_position(tmp_path: Path) -> N
     assert {variant.interface for variant in device.variants} == {"biss", "rs485"}
 
 
-# -- words of a field
+# -- keywords of a field
 
 
 @pytest.mark.parametrize(
@@ -67,7 +67,7 @@ def test_a_request_can_have_a_field_named_like_the_position(tmp_path: Path) -> N
     ],
 )
 def test_a_parity_bit_has_a_sense(tmp_path: Path, word: str, bit_of_7: int, bit_of_3: int) -> None:
-    """Check 7, which has ones in bits 0, 1 and 2, and 3, which has ones in bits 0 and 1. Even is the default."""
+    """Check 7, with ones in bits 0, 1 and 2, and 3, with ones in bits 0 and 1. Even is the default."""
     position = "          - {name: position, bits: position_bits}\n"
     parity = f"          - {{name: check, parity_of: position{word}}}\n"
     device = sound(tmp_path, (position, position + parity))
@@ -77,7 +77,7 @@ def test_a_parity_bit_has_a_sense(tmp_path: Path, word: str, bit_of_7: int, bit_
         assert frame >> 8 == position_is << 1 | bit
 
 
-# -- fields of a width that a register holds
+# -- fields whose width is in a register
 
 BITS = "  position_bits: {meaning: Bits of the position}\n"
 HELD = (BITS, f"{BITS}  zero_bits: {{meaning: Zeros after it, read_from: setting.zero_bits, min: 0, max: 7}}\n")
@@ -113,7 +113,7 @@ def test_a_parameter_held_in_a_whole_register(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("other_bits", ["", "        other_bits: zero\n"])
 def test_a_field_that_has_no_bits_by_default(tmp_path: Path, other_bits: str) -> None:
-    """At width 0 it lies where its neighbour does, and both keep their places; the longest frame is one without it."""
+    """At width 0 it has the position of its neighbour, and both keep theirs. The longest frame is one without it."""
     held = (
         HELD[0],
         f"{HELD[1]}  more_bits: {{meaning: More of the position, read_from: setting.more_bits, min: 0, max: 7}}\n",
@@ -134,7 +134,7 @@ def test_a_field_that_has_no_bits_by_default(tmp_path: Path, other_bits: str) ->
     assert [(item.name, item.low, item.width) for item in later.fields][:2] == [("position", 15, 16), ("zeros", 8, 7)]
 
 
-# -- what a position can hold
+# -- ranges of positions
 
 POSITION = "{name: position, bits: position_bits}"
 FRAME_BITS = (BITS, f"{BITS}  frame_bits: {{meaning: Bits of the frame}}\n")
@@ -163,13 +163,15 @@ IN_TWO_FIELDS = "{name: turns, bits: 4}\n          - {name: angle, bits: positio
     ],
 )  # fmt: skip
 def test_steps_and_turns_that_fit(tmp_path: Path, changes: tuple[tuple[str, str], ...], measurement: str) -> None:
-    """Steps need be no power of two, and a position may be wider than it needs:
-    by a fixed width, by padding, by a parameter of its own."""
+    """The number of steps need not be a power of two, and a position may be wider than needed.
+
+    It may have a fixed width, padding, or a parameter of its own.
+    """
     sound(tmp_path, *changes, more=f'measurement: {{of: position, {measurement}, source: "6.1"}}\n')
 
 
 def test_turns_that_a_register_holds(tmp_path: Path) -> None:
-    """255 turns are the highest count of a byte and no slip, where a user may set any number."""
+    """255 turns, the maximum of a byte, are not a typing mistake if a user may set any number."""
     held = (HELD[0], f"{HELD[0]}  turns: {{meaning: Turns, read_from: setting.setting, min: 1, max: 255}}\n")
     more = SETTING.replace("DEFAULT", "255").replace(", other_bits: unspecified, fields: [FIELD]", "")
     sound(
@@ -196,7 +198,7 @@ examples:
     sound(tmp_path, more=more)
 
 
-# -- unused bits, and what the manual leaves open
+# -- unused bits, and open questions of the manual
 
 WHOLE_LINE = "          - {name: position, bits: position_bits}\n"
 
@@ -208,7 +210,7 @@ def test_unused_bits_say_what_they_make_of_the_position(tmp_path: Path) -> None:
     layout = device.layout("single_cycle_data")
     assert layout.field("spare").kind == Unused(2, Verdict.NOT_USABLE)
     assert layout.field("rest").kind == Unused(0, Verdict.USABLE_WITH_WARNING)
-    # The last that is sent is the lowest in the number of unused bits.
+    # The last one sent is the lowest in the number of unused bits.
     assert [(item.name, place) for item, place in layout.unused] == [("rest", 0), ("spare", 3)]
 
 
@@ -223,7 +225,7 @@ def test_an_alternative_moves_fields(tmp_path: Path) -> None:
         "      below: {meaning: In bits 6:0, sets: {address_low: 0, busy_low: 7}}\n"
     )
     device, problems = load(tmp_path, (BITS, BITS + open_), more=more)
-    assert [item.partition(":")[0] for item in problems] == ["c-target"]  # which asks for answers in frames only
+    assert [item.partition(":")[0] for item in problems] == ["c-target"]  # C takes answers for frames only.
     assert device is not None
     variant = device.variant("MIN12SC")
     layout = device.register("access").layout

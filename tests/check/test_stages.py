@@ -1,4 +1,4 @@
-"""One run tells all: what is wrong in one place hides nothing of what is wrong in another."""
+"""One run reports everything: an error in one place does not hide errors in another."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The words of the spec language: who uses each, and that none belongs to one manufacturer."""
+"""The words of the spec language and their users. No word is specific to one manufacturer."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from codewheel.language.second_reading import is_second
 
 ROOT = Path(__file__).parents[2]
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-#: Manufacturer whose manuals were read as a whole. Its words were there before other encoders were described.
+#: Manufacturer whose whole manuals were read. Its words existed before other encoders were described.
 WHOLE = "lika"
 #: Words that only one other manufacturer uses, with the reason to keep them.
 ALONE = {

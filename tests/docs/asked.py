@@ -1,7 +1,7 @@
 """Questions that the second readings of the manuals answer, as a reader of the pages would ask them.
 
-A question is asked of one order code, and names the section where its reader looks, what the line is called, and what
-it has to say. The specs of which the pages are made are not read.
+A question belongs to one order code, and has the section where its reader looks, the label of the line, and the
+expected answer. The specs from which the pages are generated are not read.
 """
 
 from __future__ import annotations
@@ -19,16 +19,17 @@ import yaml
 
 SPECS = Path(__file__).parents[2] / "specs" / "lika"
 Raw = Mapping[str, Any]
-#: What an answer is made of, where the order code decides it.
+#: Ingredients of an answer that depends on the order code.
 Numbers = Mapping[str, int]
 
 
 @dataclass(frozen=True)
 class Question:
-    """``where`` are words of headings, the outermost first, each with others that mean the same.
+    """A question, with its place on the page.
 
-    ``known`` are names of other lines there, or name and value, by which the reader tells the section from its like.
-    ``labels`` are what the line may be called. ``whole`` says that the answer is all that stands in its place.
+    ``where`` are words of headings, the outermost first, each with synonyms. ``known`` are names of other lines there,
+    or name and value, which distinguish the section from similar ones. ``labels`` are the possible labels of the line.
+    ``whole`` is true if the answer is the only text in its place.
     """
 
     family: str
@@ -47,14 +48,14 @@ class Question:
 
 @dataclass(frozen=True)
 class Reading:
-    """A second reading, as text."""
+    """A second reading as text."""
 
     family: str
     facts: Raw
 
     @cached_property
     def codes(self) -> list[tuple[str, str, dict[str, str]]]:
-        """Each order code with its interface and what it sets."""
+        """Return each order code with its interface and its settings."""
         parts = self.facts["order_code"]["parts"]
         found = []
         for texts in itertools.product(*(part["values"] for part in parts)):
@@ -68,7 +69,7 @@ class Reading:
         return found
 
     def numbers(self, sets: Mapping[str, str]) -> dict[str, int]:
-        """The quantities of an order code, those that registers hold as delivered."""
+        """Return the quantities of an order code, with the defaults of those in registers."""
         known = {name: int(text, 0) for name, text in sets.items()}
         for name, item in self.facts["parameters"].items():
             if "equals" in item:
@@ -81,7 +82,7 @@ class Reading:
 
     @property
     def decisions(self) -> dict[str, dict[str, int]]:
-        """What the answers to the last question that the manual leaves open set, by their names."""
+        """Return the settings of the answers to the last open question of the manual, by their names."""
         values = self.facts.get("alternatives", [{"values": {}}])[-1]["values"]
         return {name: {key: int(text, 0) for key, text in item["sets"].items()} for name, item in values.items()}
 
@@ -103,7 +104,7 @@ def readings() -> list[Reading]:
 
 
 def worked_out(text: str, known: Numbers) -> int:
-    """A sum, difference, product or power of numbers and quantities."""
+    """Return the value of a sum, difference, product or power of numbers and quantities."""
     return _value(ast.parse(text.replace("^", "**"), mode="eval").body, known)
 
 
@@ -116,7 +117,7 @@ def _value(node: ast.expr, known: Numbers) -> int:
 
 
 def questions(only: str = "") -> list[Question]:
-    """All of them, each asked of one order code, in turn; or all that can be asked of ``only`` this one."""
+    """Return all questions, each for one order code in turn, or all that apply to ``only`` this one."""
     found = []
     for reading in readings():
         turn = itertools.count()
@@ -133,14 +134,14 @@ def questions(only: str = "") -> list[Question]:
 
 
 def is_of(only: str, order_code: str) -> bool:
-    """Whether an order code is one of those that manuals abbreviate, such as .../65K..., or nothing is said."""
+    """Return True if an order code matches an abbreviation such as .../65K..., or if there is none."""
     patterns = only.replace("...", "*").replace("x", "?").split(", ")
     return not only or any(fnmatchcase(f"{order_code}-", item) for item in patterns)
 
 
 @dataclass(frozen=True)
 class Asked:
-    """A question of any order code with this interface."""
+    """A question about any order code with this interface."""
 
     interface: str
     kind: str
@@ -149,11 +150,11 @@ class Asked:
     answer: str | Callable[[Numbers], str]
     known: tuple[tuple[str, str], ...] = ()
     only: str = ""
-    #: The same for each of what is ``known``, where not all order codes have it.
+    #: The order codes of each item of ``known``, if not all have it.
     known_only: tuple[str, ...] = ()
 
     def is_of(self, order_code: str) -> bool:
-        """Whether an order code has it."""
+        """Return True if an order code has it."""
         return is_of(self.only, order_code)
 
     def of(self, family: str, order_code: str, numbers: Numbers) -> Question:
@@ -198,7 +199,7 @@ def _about_interface(name: str, interface: Raw) -> Iterator[Asked]:
 
 
 def _about_frame(reading: Reading, interface: str, layouts: Sequence[Raw], layout: Raw) -> Iterator[Asked]:
-    """Of several, the one that goes this way with the data ID that chooses it."""
+    """Ask about a frame. If there are several, it is the one in this direction with the data ID that selects it."""
     way = {"encoder": "Encoder → Master", "master": "Master → Encoder"}[layout["from"]]
     where = (("Frames",),) if len(layouts) == 1 else (("Frames",), (layout.get("printed_name", way), way))
     known = tuple((name, f"{int(values[0], 0):X}") for name, values in layout.get("when", {}).items())
@@ -222,13 +223,13 @@ def _at(field: Raw) -> str:
 
 
 def _labels(item: Raw) -> tuple[str, ...]:
-    """What a line on it may be called: the manual's name, ours, and ours in words."""
+    """Return the possible labels of its line: the manual's name, ours, and ours in words."""
     names = (item["name"], item["name"].replace("_", " "), item.get("printed_name", ""))
     return tuple(dict.fromkeys(filter(None, names)))
 
 
 def _in_bits(reading: Reading, layout: Raw, field: Raw) -> Callable[[Numbers], str]:
-    """Where it stands in a frame of bits, the last sent of which is bit 0."""
+    """Return its place in a frame of bits, of which the last one sent is bit 0."""
 
     def at(known: Numbers) -> str:
         below = 0
@@ -240,7 +241,7 @@ def _in_bits(reading: Reading, layout: Raw, field: Raw) -> Callable[[Numbers], s
         raise AssertionError(field)
 
     def answer(known: Numbers) -> str:
-        """Where the manual leaves it open, each place with what the user has to decide for it."""
+        """Return the place. If the manual leaves it open, return each possible place with its answer."""
         places = {name: at({**known, **sets}) for name, sets in reading.decisions.items()}
         several = len(set(places.values())) > 1
         return " or ".join(f"{where or 'absent'} ({name})" for name, where in places.items()) if several else at(known)
@@ -255,7 +256,7 @@ def _width(reading: Reading, field: Raw, known: Numbers) -> int:
 
 
 def _in_bytes(layout: Raw, field: Raw) -> Callable[[Numbers], str]:
-    """Where it stands in a frame of bytes, in the order of the line; nowhere, if the encoder has none of it."""
+    """Return its place in a frame of bytes, in the order of the line, or nothing if the encoder lacks it."""
 
     def answer(known: Numbers) -> str:
         first = 0
@@ -356,7 +357,7 @@ def _about_alarm(reading: Reading, alarm: Raw) -> Iterator[Asked]:
 
 
 def _about_connector(connector: Raw) -> Iterator[Asked]:
-    """Of several on a page, the one that has these contacts."""
+    """Return the connector with these contacts, if the page has several."""
     kind = {"connector": "pin", "cable": "colour"}[connector["kind"]]
     known = tuple((item["contact"], "") for item in connector["contacts"])
     codes = tuple(item.get("only", "") for item in connector["contacts"])

@@ -1,6 +1,6 @@
-"""Prose of a file: of Markdown its paragraphs, of code its comments, docstrings and messages, of data its strings.
+"""Prose of a file: paragraphs of Markdown, comments, docstrings and messages of code, and strings of data.
 
-Code and quotations in it are blanked: a dot for each character, so that places stay.
+Code and quotations in it are replaced by a dot for each character, so that places stay the same.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import yaml
 
-#: Keys of a spec under which a manual's own words stand, or words of the language.
+#: Keys of a spec whose values are a manual's own words, or words of the language.
 MANUALS_WORDS = {"printed", "printed_name", "printed_value", "names", "title", "source", "label", "quote"}
 
 
@@ -50,7 +50,7 @@ def prose(words: str) -> str:
 _JINJA = re.compile(r"\{\{.*?\}\}|\{%.*?%\}", re.DOTALL)
 _JINJA_COMMENT = re.compile(r"\{#(.*?)#\}", re.DOTALL)
 _MARKUP = re.compile(
-    r"^>[^\n]*|"  # what a manual says
+    r"^>[^\n]*|"  # text of a manual
     r"^(`{3,}|~{3,}).*?^\1`*$|^---\n.*?^---$|<!--.*?-->|<[^<>\n]*>|\]\([^()\s]*(?:\([^()]*\)[^()\s]*)*\)|^\|[-| :]+\|$",
     re.DOTALL | re.MULTILINE,
 )
@@ -58,7 +58,7 @@ _PARAGRAPH = re.compile(r"(?:^[^\n]*\S[^\n]*\n?)+", re.MULTILINE)
 
 
 def of_markdown(source: str) -> Iterator[Text]:
-    """Yield paragraphs, lists and tables, and headings apart."""
+    """Yield paragraphs, lists and tables, and separately headings."""
     without = _MARKUP.sub(_blanked, source)
     for paragraph in _PARAGRAPH.finditer(without):
         line = without.count("\n", 0, paragraph.start()) + 1
@@ -110,7 +110,7 @@ _FOR_TOOLS = re.compile(r"\b(?:noqa|type: ignore|pragma)\b[^\n]*")
 
 
 def of_comments(source: str) -> Iterator[Text]:
-    """Yield the comments that begin with a hash; lines one below the other are one text."""
+    """Yield the comments that begin with a hash. Lines one below the other are one text."""
     for found in _HASHED.finditer(source):
         line = source.count("\n", 0, found.start()) + 1
         words = re.sub(r"^[ \t]*#:?", "", found[0], flags=re.MULTILINE)
@@ -131,7 +131,7 @@ def of_c(source: str) -> Iterator[Text]:
 
 
 def of_yaml(source: str) -> Iterator[Text]:
-    """Yield comments and strings, those apart that a manual prints."""
+    """Yield comments and strings, except those that a manual prints."""
     yield from of_comments(source)
     root = yaml.compose(source, Loader=yaml.CSafeLoader)
     nodes = [] if root is None else [root]
@@ -154,7 +154,7 @@ def of_json(source: str) -> Iterator[Text]:
 
 
 def of_template(source: str, name: str) -> Iterator[Text]:
-    """Yield what a template says in its own comments, and what it prints by the file that it becomes."""
+    """Yield the comments of a template, and its output according to the type of the generated file."""
     for comment in _JINJA_COMMENT.finditer(source):
         yield Text(source.count("\n", 0, comment.start()) + 1, prose(comment[1]))
     printed = _JINJA.sub(_blanked, _JINJA_COMMENT.sub(_blanked, source))
@@ -183,7 +183,7 @@ _BY_SUFFIX: dict[str, Callable[[str], Iterator[Text]]] = {
 
 
 def texts(path: Path) -> Iterator[Text]:
-    """Yield the prose of a file by the ending of its name."""
+    """Yield the prose of a file by its suffix."""
     source = path.read_text(encoding="utf-8")
     if path.suffix == ".jinja":
         yield from of_template(source, path.stem)

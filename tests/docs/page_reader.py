@@ -1,4 +1,4 @@
-"""A page as its reader sees it: sections with headings, and in them rows of tables, items of lists and paragraphs."""
+"""A page as its reader sees it: sections with headings, which contain rows of tables, list items and paragraphs."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _ESCAPED = re.compile(r"\\([!-/:-@\[-`{-~])")
 
 @dataclass(frozen=True)
 class Line:
-    """A row with its cells, or one cell with a sentence or more; a cell has a line for each of its lines."""
+    """A row with its cells, or one cell with one or more sentences. A cell has a line for each of its lines."""
 
     cells: tuple[tuple[str, ...], ...]
 
     def says(self, label: str, value: str) -> bool:
-        """Whether a sentence has both the label and the value, or the row is called so and has the value.
+        """Return True if a sentence has both label and value, or if a row has this label and the value.
 
-        The label is all of a line in one of the first two cells.
+        The label is a whole line in one of the first two cells.
         """
         if len(self.cells) == 1:
             return any(_in(label, line) and _in(value, line) for line in self.cells[0])
@@ -44,7 +44,7 @@ class Line:
 
 @dataclass
 class Section:
-    """A heading with what stands below it, up to the next one; ``inner`` are the sections one level down."""
+    """A heading with everything below it up to the next one. ``inner`` are the sections one level down."""
 
     heading: str
     level: int
@@ -57,20 +57,20 @@ class Section:
             yield from item.every()
 
     def statements(self) -> Iterator[Line]:
-        """All that stands in it, headings too."""
+        """Return everything in it, including headings."""
         for item in self.every():
             yield Line(((item.heading,),))
             yield from item.lines
 
     def within(self, words: str) -> list[Section]:
-        """The sections inside whose heading has the words, else those whose first line has them."""
+        """Return the inner sections whose heading has the words, or else those whose first line has them."""
         inside = [item for item in self.every() if item is not self]
         found = [item for item in inside if _in(words, item.heading)]
         return found or [item for item in inside if item.lines and _in(words, _first(item))]
 
 
 def read(page: str) -> Section:
-    """The page as a section; the text before its first heading of the second level stands in it directly."""
+    """Return the page as a section. Text before its first heading of the second level belongs to the section itself."""
     top = Section("", 0)
     stack = [top]
     rows: list[str] = []
@@ -90,7 +90,7 @@ def read(page: str) -> Section:
 
 
 def _heading(row: str) -> tuple[int, str] | None:
-    """The level and the words of a heading, of Markdown or in a fold."""
+    """Return the level and the words of a heading, in Markdown or in a fold."""
     if found := _HEADING.fullmatch(row):
         return len(found[1]), found[2]
     if found := _RAW_HEADING.fullmatch(row):
@@ -99,7 +99,7 @@ def _heading(row: str) -> tuple[int, str] | None:
 
 
 def _listed(line: str) -> set[str]:
-    """The contacts in a cell of a table of pins: ``7, 8 (1), 7 to 12 (2)``."""
+    """Return the contacts in a cell of a table of pins: ``7, 8 (1), 7 to 12 (2)``."""
     found = set[str]()
     if ":" in line:
         return found
@@ -127,7 +127,7 @@ def _row(row: str) -> Line:
 
 
 def _plain(text: str) -> str:
-    """Markdown as it is shown."""
+    """Return Markdown as it is shown."""
     parts = re.split(r"(`+)(.*?)\1", _LINK.sub(r"\1", _TAG.sub("", text)))
     shown = "".join(
         part if index % 3 == 2 else unescape(_ESCAPED.sub(r"\1", part))
@@ -142,11 +142,11 @@ def _first(section: Section) -> str:
 
 
 def _in(words: str, line: str) -> bool:
-    """Whether the words stand in the line, in any case, and not as a part of other words, numbers or ranges."""
+    """Return True if the line has the words, in any case, but not as parts of other words, numbers or ranges."""
     alone = rf"(?<![\w:.])(?<!to ){re.escape(words)}(?!\w|[:.]\d| to \d)"
     return re.search(alone, line, re.IGNORECASE) is not None
 
 
 def _same(words: str, line: str) -> bool:
-    """Whether it is all of the line, in any case and with spaces anywhere."""
+    """Return True if the words are the whole line, ignoring case and spaces."""
     return "".join(words.casefold().split()) == "".join(line.casefold().split())

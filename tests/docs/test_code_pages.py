@@ -1,4 +1,4 @@
-"""A page for each order code: it is found by the code, and its numbers are those of the manual."""
+"""Each order code has a page, which is found by the code, and whose numbers are those of the manual."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from codewheel.targets.file_names import names_of_codes
 
 Files = Mapping[str, str]
 
-#: A sum or product that no number stands for yet: ``singleturn_bits + 7``.
+#: A sum or product without its numeric value: ``singleturn_bits + 7``.
 _OPEN = re.compile(r"(?:_bits|_bytes|per_turn|revolutions)\b.*[-+*^]|2\^")
 
 
 def page_of(files: Files, code: str) -> str:
-    """The page to which the index leads from an order code."""
+    """Return the page to which the index links from an order code."""
     found = re.findall(rf"\[`{re.escape(code)}`\]\(([^)]+)\)", files["docs/README.md"])
     assert len(set(found)) == 1, code
     return files[f"docs/{found[0]}"]
 
 
 def of_codes(files: Files) -> Files:
-    """The pages of order codes: those whose names are not all in small letters."""
+    """Return the pages of order codes: those whose names have capital letters."""
     return {name: made for name, made in files.items() if re.fullmatch(r"docs/[^/]+/.*[A-Z].*\.md", name)}
 
 
@@ -131,7 +131,7 @@ def device(name: str) -> Device:
 
 
 def test_what_an_order_code_does_not_decide_stays_open() -> None:
-    """AMM5 7.3: where the address of an EEPROM request stands is for the user to decide."""
+    """AMM5 7.3: the user must decide the position of the address in an EEPROM request."""
     amm5 = device("amm5")
     here = applied(amm5, amm5.variant("AMM5A21/65KJP1"))
     request = here.layout("eeprom_read_request")

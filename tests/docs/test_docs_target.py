@@ -1,4 +1,4 @@
-"""The pages: everything of the model is named with its source, links lead somewhere, and text from specs stays text."""
+"""The pages: every part of the model is named with its source, links are valid, and text from specs stays text."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ def hostile_files(hostile: Library) -> Files:
 
 
 def of_family(files: Files, name: str) -> str:
-    """The pages of a family but those of order codes, one after the other, and what the index says of it."""
+    """Return the pages of a family, except those of order codes, as one text."""
     found = [made for path, made in files.items() if re.fullmatch(rf"docs/{name}(/[a-z0-9]+)?\.md", path)]
     return "\n".join(found)
 
 
 def broken_links(files: Files) -> list[str]:
-    """Links and pictures that lead nowhere, as ``page: link``."""
+    """Return broken links and pictures as ``page: link``."""
     anchors = {name: set(re.findall(r'<a id="([^"]+)"></a>', made)) for name, made in files.items()}
     found = []
     for name, made in files.items():
@@ -93,8 +93,8 @@ def test_everything_is_named(library: Library, files: Files) -> None:
         assert missing_texts == []
 
 
-#: Members of the plain data that are words of our own: kinds, keys and paths,
-#: which the page puts into other words or code.
+#: Members of the plain data that are words of our own, such as kinds, keys and paths,
+#: which the page replaces by other words or code.
 WORDS = {
     "family",
     "kind",
@@ -181,7 +181,7 @@ def test_what_a_flag_makes_of_the_position(files: Files) -> None:
 
 
 def test_every_text_of_the_plain_data_is_on_the_page(library: Library, files: Files) -> None:
-    """Names in every language, meanings, notes, signals, cells of tables: nothing that show --json prints is lost."""
+    """Names in every language, meanings, notes, signals, table cells: everything that show --json prints is there."""
     for device in library.devices:
         page = " ".join(of_family(files, device.name).split())
         missing = {
@@ -262,7 +262,7 @@ def sources(device: Device) -> list[str]:
 
 def texts(device: Device) -> list[str]:
     found = [item.why for item in device.errata]
-    # What another edition changes is said in words, which tests of their own look at.
+    # Changes of another edition are described in words, which have tests of their own.
     found += [part for item in device.errata if not item.edition for part in (item.printed, item.used)]
     found += [item.content for item in device.lost_figures] + [item.value for item in device.characteristics]
     found += [
@@ -358,13 +358,13 @@ def test_places_as_worked_out_by_hand(files: Files) -> None:
     assert "| `AMM5A17/1SC1`, `AMM5B17/1SC1` | – | 48:33 | 32:16 | 15:0 |" in page
     assert f"| with its top bit | {code('0x43')} = 67 = {code('1000011b')} |" in page
     assert "| without its trailing 1 (Koopman notation) | `0x21` |" in page
-    # Where the manual leaves it open, each place has its answer.
+    # If the manual leaves it open, each place has its answer.
     assert "| bits 7:1 (`as_printed`)<br>bits 6:0 (`as_t_format`) |" in page
     assert "| bit 0 (`as_printed`)<br>bit 7 (`as_t_format`) |" in page
 
 
 def test_a_printed_time_out_stands_there_once(files: Files) -> None:
-    """ASC85 6.5 p.32: 0.35 µs at 10 MHz without a rule; AMM5 6.5 p.40: 1.5 clock periods, worked out for three."""
+    """ASC85 6.5 p.32: 0.35 µs at 10 MHz, without a rule. AMM5 6.5 p.40: 1.5 clock periods, computed for three."""
     assert "| Time-out | varies with the clock, 350 ns at 10 MHz |" in files["docs/asc85/biss.md"]
     assert "1.5 clock periods (30 µs at 50 kHz, 7.5 µs at 200 kHz, 150 ns at 10 MHz)" in files["docs/amm5/biss.md"]
 
@@ -382,7 +382,7 @@ def test_files_end_with_a_line_and_have_no_gaps(files: Files) -> None:
 
 
 def page_of(tmp_path: Path, *changes: tuple[str, str]) -> str:
-    """The page of the smallest sound spec, changed."""
+    """Return the page of the smallest valid spec with these changes."""
     spec = (Path(__file__).parents[1] / "check" / "ok" / "minimal.yaml").read_text(encoding="utf-8")
     for old, new in changes:
         assert old in spec
@@ -397,7 +397,7 @@ def page_of(tmp_path: Path, *changes: tuple[str, str]) -> str:
 
 
 def test_no_table_is_empty(files: Files, tmp_path: Path) -> None:
-    """Order codes that set nothing, since a register holds the width, have no table of what follows from them."""
+    """Order codes without parameters, whose width is in a register, have no table of derived values."""
     held = page_of(
         tmp_path,
         ("{meaning: Bits of the position}", "{meaning: Bits of the position, read_from: width.bits, min: 1, max: 20}"),
@@ -419,7 +419,7 @@ def test_no_table_is_empty(files: Files, tmp_path: Path) -> None:
 
 
 def test_a_quantity_without_a_unit_is_a_number(tmp_path: Path) -> None:
-    """16 bits are 16, not 10h; an ID is what is written in hexadecimal."""
+    """16 bits are 16, not 10h. An ID is written in hexadecimal."""
     assert "`position_bits` = 16" in page_of(tmp_path)
     assert "`position_bits` = 10h" in page_of(
         tmp_path, ("{meaning: Bits of the position}", "{meaning: Bits of the position, hexadecimal: true}")
@@ -450,7 +450,7 @@ def test_one_of_a_thing_is_no_plural(files: Files) -> None:
 
 
 def test_a_picture_says_which_level_is_active(files: Files) -> None:
-    """Error and warning of BiSS are 0 when active; those of the RS-485 reply are 1."""
+    """Error and warning of BiSS are 0 when active, and those of the RS-485 reply are 1."""
     assert "error (bit 7, 0 = active)" in files["docs/amm5/single_cycle_data.svg"]
     assert "0 = active" not in "".join(
         made for name, made in files.items() if name.startswith("docs/amm5/") and "reply" in name

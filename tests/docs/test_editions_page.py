@@ -1,4 +1,4 @@
-"""The page on editions: the story of AMM5 and AM36's edition 1.1, in every output, and what it prints."""
+"""The page on editions: the revisions of AMM5 and edition 1.1 of AM36, in every output and on the page."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def edition(name: str, revision: str) -> Device:
 
 @pytest.fixture(scope="module")
 def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Every output of the specs with each older edition of AMM5 and AM36's 1.1 beside."""
+    """All outputs of the specs with each older edition of AMM5, and with edition 1.1 of AM36."""
     out = tmp_path_factory.mktemp("out")
     asked = [
         word for name in (*(f"amm5={item}" for item in OLD), "am36=1.1", "sma21=1.0") for word in ("--edition", name)
@@ -94,7 +94,7 @@ def test_dates_and_changes_are_those_of_the_revision_table() -> None:
 
 
 def test_the_year_of_am36(capsys: pytest.CaptureFixture[str]) -> None:
-    """The imprint of 1.0 has a copyright of 2014 and no day."""
+    """The imprint of 1.0 has a copyright of 2014 and no date."""
     assert main(["show", "am36"]) == 0
     assert "revision 1.0 of 2014, in English" in capsys.readouterr().out
     assert edition("am36", "1.1").manual.date == ""
@@ -136,7 +136,7 @@ def test_what_the_table_says_of_each_revision() -> None:
 def test_the_alarm_that_sma21_had(
     asked: list[str], said: str, not_said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Bit 3 of ALMC, of which 1.1 of 2023-11-10 says that it was removed. The CRC is the XOR of the bytes: 8Bh."""
+    """Bit 3 of ALMC, which 1.1 of 2023-11-10 removed. The CRC is the XOR of the bytes: 8Bh."""
     assert main(["decode", "SMA21-JP1-0050", "A2 20 01 00 00 08 8B", *asked]) == 3
     report = " ".join(capsys.readouterr().out.split()).split("the encoder reports:")[1]
     assert said in report
@@ -145,7 +145,7 @@ def test_the_alarm_that_sma21_had(
 
 
 def test_editions_of_sma21() -> None:
-    """Implemented before 1.1 only; Panasonic® is named since 1.2."""
+    """Implemented only before 1.1. Panasonic® is named since 1.2."""
     for revision, has_alarm in (("1.0", True), ("1.1", False)):
         device = edition("sma21", revision)
         assert [item.implemented for item in device.alarms if item.name == "encoder_inharmonious_error"] == [has_alarm]
@@ -155,7 +155,7 @@ def test_editions_of_sma21() -> None:
 
 @pytest.mark.slow
 def test_nothing_is_filled_in_for_the_old_serial_number(generated: Path) -> None:
-    """Neither order of its bytes: there is no name for it, in no language."""
+    """Neither order of its bytes has a name in any language."""
     headers = sorted((generated / "c" / "include" / "lika").glob("amm5_1_6_*.h"))
     in_c = "".join(path.read_text(encoding="utf-8") for path in headers)
     assert "REG_MANUFACTURER_ID" in in_c
@@ -289,7 +289,7 @@ def test_an_edition_is_chosen_by_a_register(serial: str, revision: str, capsys: 
 
 
 def test_a_master_is_told_of_an_edition(capsys: pytest.CaptureFixture[str]) -> None:
-    """Pages 21 to 24, 29 and 30 of AM36's 1.1, which are public, say nothing of the supply: 1.0 does (10 V to 30 V)."""
+    """Pages 21 to 24, 29 and 30 of AM36's 1.1, which are public, do not mention the supply. 1.0 does (10 V to 30 V)."""
     asked = ["master", "AM3616/4096SC5", "--master", "ti_c2000"]
     assert main(asked) == 0
     newest = capsys.readouterr().out
@@ -302,7 +302,7 @@ def test_a_master_is_told_of_an_edition(capsys: pytest.CaptureFixture[str]) -> N
         assert re.search(r"Supply +the manual does not say", said), edition
         assert main([*asked, "--edition", edition, "--json"]) == 0
         assert json.loads(capsys.readouterr().out)["family"] == "am36_1_1"
-    # The serial number as an AMM5 of before 1.7 may hold it: these registers tell the edition, and nothing else.
+    # A possible serial number of an AMM5 from before 1.7. Only these registers identify the edition.
     told = ["master", "AMM5A21/65KSC1", "--edition", "registers"]
     assert main([*told, *held("EE 69 E8 0A")]) == 0
     assert "Describes encoders of edition 1.6 of the manual of 2020-04-03" in capsys.readouterr().out
@@ -310,7 +310,7 @@ def test_a_master_is_told_of_an_edition(capsys: pytest.CaptureFixture[str]) -> N
 
 @pytest.mark.parametrize("edition", ["2.0", "2018-01-01", "label", "registers", "1.0", "nonsense"])
 def test_a_master_refuses_as_show_does(edition: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """RS-485, SSI and AMM5B came after 1.0 (Document release), so that it has no such order code."""
+    """RS-485, SSI and AMM5B were added after 1.0 (Document release), so 1.0 has no such order code."""
     asked = ["AMM5B21/65KBG1", "--edition", edition]
     refused = []
     for command in ("show", "master"):
@@ -335,7 +335,7 @@ def test_a_master_refuses_as_show_does(edition: str, capsys: pytest.CaptureFixtu
             ["show", "amm5", "--edition", "2018-01-01"],
             "the first edition, 1.0, is dated 2018-08-10, which is after 2018-01-01",
         ),
-        # Of 1.0 only the year is known, of 1.1 nothing: no day tells which was the latest.
+        # Only the year of 1.0 is known, and no date of 1.1, so the dates do not show which was the latest.
         (
             ["show", "am36", "--edition", "2020-01-01"],
             "the spec of am36 has no edition '2020-01-01'; use 1.0 or 1.1",
@@ -380,7 +380,7 @@ def test_what_cannot_be_asked_for(
     assert capsys.readouterr().err == f"codewheel: {message}\n"
 
 
-#: A slip in the spec, and the message on it.
+#: A mistake in the spec, and the message about it.
 SLIPS = {
     "not in the history": (
         'revision: "1.7"\n    before',
@@ -458,7 +458,7 @@ def test_labels_of_an_edition_are_among_those_also_written(tmp_path: Path) -> No
 
 
 def test_both_files_mean_the_same_by_a_change() -> None:
-    """The words of a change stand in two schemas, which editors read alone."""
+    """The words of a change are in two schemas, because editors read each schema alone."""
     from codewheel.language.schema_files import load_schema
 
     device, overlay = load_schema("device")["$defs"], load_schema("overlay")["$defs"]

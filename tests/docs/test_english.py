@@ -22,10 +22,11 @@ PLACES = {
     "scripts": ["docs/**/*.py", "benchmarks/**/*.py", "examples/**/*.py", ".ci/*.py", "Makefile", "pyproject.toml"],
     "specs": ["specs/**/*.yaml", "docs/example/**/*.yaml"],
     "schemas": ["generator/**/*.json"],
+    "tests": ["tests/**/*.py"],
 }
 #: Files whose messages are of commands. The others are counted like any prose.
 MESSAGES_IN = {"generator", "rules.md"}
-#: Fewer words say little about a density.
+#: With fewer words, a density means little.
 ENOUGH_WORDS = 5_000
 
 
@@ -34,10 +35,12 @@ def files(root: Path, place: str) -> list[Path]:
 
 
 def once(paths: list[Path]) -> Iterator[tuple[Path, Text]]:
-    """Yield the texts of the files, each only the first time that it comes."""
+    """Yield the texts of the files, without repetitions."""
     seen = set()
     for path in paths:
         for text in texts(path):
+            if text.message and ROOT / "tests" in path.parents:
+                continue  # Most strings of tests are samples.
             if text.words not in seen:
                 seen.add(text.words)
                 yield path, replace(text, message=text.message and not MESSAGES_IN.isdisjoint(path.parts))
@@ -56,7 +59,7 @@ def statements(text: str) -> str:
 
 
 def densities(found: list[Text]) -> tuple[int, dict[str, float]]:
-    """Return the number of words and, for each pattern, how often it comes per 1,000 words."""
+    """Return the number of words and, for each pattern, its frequency per 1,000 words."""
     prose = [(statements(text.words).lower(), text.message) for text in found if not text.heading]
     words = sum(len(re.findall(r"[a-z][a-z'-]*", text)) for text, _ in prose)
     return words, {
@@ -107,7 +110,7 @@ def test_what_a_manual_prints_is_a_quotation(tmp_path: Path) -> None:
 
 
 def test_only_a_message_may_join_cause_and_remedy(tmp_path: Path) -> None:
-    """Docstrings and helps are prose."""
+    """Docstrings and help texts are prose."""
     (tmp_path / "check.py").write_text(
         'def f():\n    """Return it; it is here."""\n    add(x, help="list all of it; none")\n'
         '    report("it is even; write 0x43")\n'

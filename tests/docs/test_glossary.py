@@ -1,4 +1,4 @@
-"""The glossary: terms lead to the interfaces that use them, and to no others."""
+"""The glossary: terms link only to the interfaces that use them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_a_term_leads_to_where_it_matters(pages: Mapping[str, str], term: str, p
 
 
 def test_a_term_leads_nowhere_else(pages: Mapping[str, str]) -> None:
-    """AMM5 5.2 p.28: binary over SSI; no data ID of SMA21 is about a memory (7.3.1 p.38)."""
+    """AMM5 5.2 p.28: binary over SSI. No data ID of SMA21 accesses a memory (7.3.1 p.38)."""
     rows = {line.split(" | ")[0]: line for line in pages["docs/glossary-of-terms.md"].splitlines()}
     assert "amm5/" not in rows["| Gray code"]
     assert "(am36/ssi.md#frames)" in rows["| Gray code"]

@@ -1,4 +1,4 @@
-"""The target that the page makes, installed as its user would install it."""
+"""The target on the page, installed as its user would install it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ BLOCKS = dict(re.findall(r"^`([^`\n]+)` .*?:\n\n```\w+\n(.*?)^```", PAGE, re.DOT
 
 @pytest.fixture(scope="module")
 def site(made_once: Callable[[str, Callable[[Path], object]], Path]) -> Path:
-    """Where the package is installed."""
+    """Return the folder where the package is installed."""
     return made_once("plc", installed) / "site"
 
 

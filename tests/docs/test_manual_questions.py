@@ -1,4 +1,4 @@
-"""What the manuals leave open or print in two ways, at the places where a reader of the pages needs it."""
+"""Open questions and contradictions of the manuals are shown where a reader of the pages needs them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from codewheel.model import Device
         # Neither 7.2 has a time between request and reply.
         ("amm5", "rs485_reply_time", True, "not the time between", "interfaces.rs485.data_ids"),
         ("sma21", "rs485_reply_time", True, "not the time between", "interfaces.rs485.data_ids"),
-        # 5.3: at least 20 µs and Tp > 20 µs; 16 µs in SMA21.
+        # 5.3: at least 20 µs and Tp > 20 µs, or 16 µs in SMA21.
         ("amm5", "ssi_pause", True, "Tp > 20 µs", "interfaces.ssi.pause"),
         ("sma21", "ssi_pause", True, "Tp > 16 µs", "interfaces.ssi.pause"),
         # The English and the Italian AMM5 1.9.
@@ -36,10 +36,10 @@ def test_a_question_is_an_erratum(
 
 
 def test_revolutions_while_off(pages: Mapping[str, str]) -> None:
-    """AM36, 6.5, 4Eh: 2,047 revolutions. It holds as delivered, since the default is 65,536, and after a restore."""
+    """AM36, 6.5, 4Eh: 2,047 revolutions. This applies by default, since the default is 65,536, and after a restore."""
     limit = "2,047 revolutions"
     assert limit in pages["docs/am36/hardware.md"]
-    # The first lines of the page of the interface and of an order code.
+    # The first lines of the pages of the interface and of an order code.
     assert limit in pages["docs/am36/biss.md"].split("## ")[0]
     assert limit in pages["docs/am36/AM3616-4096-I7.md"].split("## ")[0]
     assert limit not in pages["docs/am36/AM3616-4096-BG.md"].split("## ")[0]

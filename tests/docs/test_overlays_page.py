@@ -1,4 +1,4 @@
-"""The page on overlays: its file, its commands and what they print are true."""
+"""The page on overlays: its file, its commands and their output are correct."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def _c(generated: Path, family: str) -> str:
 
 
 def test_every_output_has_the_change_with_reason_and_source(generated: Path) -> None:
-    """The numbers of the Technical Info, as a user of each output gets them."""
+    """Return the numbers of the Technical Info as a user of each output gets them."""
     header, standard = _c(generated, "tv62_s042"), _c(generated, "tv62")
     assert "#define TOLVARN_TV62_S042_BISS_REG_BANK_WAIT_AT_LEAST_MS 80U" in header
     assert "#define TOLVARN_TV62_BISS_REG_BANK_WAIT_AT_LEAST_MS 50U" in standard

@@ -1,4 +1,4 @@
-"""The pages across families: nothing is left out, and what they put side by side is what the manuals say."""
+"""The pages across families are complete, and their comparisons agree with the manuals."""
 
 from __future__ import annotations
 
@@ -55,12 +55,12 @@ def test_what_tells_the_families_apart(pages: Files, row: str) -> None:
     assert rows(pages["docs/which-encoder.md"], row.removeprefix("| "))
 
 
-#: A link to a register or a frame, with the numbers before its name: `[42h to 43h](am36/biss.md#register-profile_id)`.
+#: A link to a register or a frame, after its numbers: `[42h to 43h](am36/biss.md#register-profile_id)`.
 LINK = re.compile(r"\[([^]]*)\]\((\w+)/\w+\.md#(?:register|layout)-(\w+)\)")
 
 
 def cells(page: str, part: str) -> list[list[str]]:
-    """The rows of the table that follows these words."""
+    """Return the rows of the table that follows these words."""
     table = page.partition(part)[2].partition("| ---")[2].partition("\n\n")[0]
     return [line.strip("| ").split(" | ") for line in table.splitlines()[1:]]
 
@@ -70,7 +70,7 @@ def numbers(text: str, base: int) -> list[int]:
 
 
 def holds(shown: str, value: object) -> bool:
-    """Tell whether a cell shows this content: a number, a text, or an expression by its parameter."""
+    """Return True if a cell shows this content: a number, a text, or an expression by its parameter."""
     inner = shown.split("`")[1]
     if shown.endswith("by order code"):
         return f"'{inner}'" in repr(value)

@@ -1,4 +1,4 @@
-"""The pictures of frames, registers and connectors: readable on a phone, and with the bits as worked out by hand."""
+"""The pictures of frames, registers and connectors are readable on a phone, and have the bits computed by hand."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_text_has_11_pixels_on_a_phone(pages: Files) -> None:
 
 
 def test_no_text_leaves_the_card_or_its_box(pages: Files) -> None:
-    """At half the font size a letter, which is more than the average of the fonts of browsers."""
+    """A letter is taken as half the font size wide, which is more than the average in the fonts of browsers."""
     for name, root in drawn(pages):
         for item in root.iter(f"{SVG}text"):
             size, x = float(item.attrib["font-size"]), float(item.attrib["x"])
@@ -75,7 +75,7 @@ def test_the_bits_of_a_frame_as_counted_by_hand(pages: Files) -> None:
 
 
 def test_the_bytes_of_a_register_as_counted_by_hand(pages: Files) -> None:
-    """AMM5 6.4 p.35: the preset ends at bit 48 of 17h to 11h, low byte at 11h; with 21 bits 12h has its last four."""
+    """AMM5 6.4 p.35: the preset ends at bit 48 of 17h to 11h, low byte at 11h. With 21 bits, 12h has its last four."""
     rows = rows_of(pages, "amm5/AMM5A21-65KSC1-register-preset")
     assert rows == {
         "11h": ["0", "7:0"],
@@ -99,7 +99,7 @@ def test_the_bytes_of_a_reply_in_the_order_of_the_line(pages: Files) -> None:
 
 
 def test_bytes_that_an_encoder_has_no_use_for_are_zeros(pages: Files) -> None:
-    """AMM5 7.4 p.43: high bits that are not used are 0; a singleturn model uses none of ABM0 to ABM2."""
+    """AMM5 7.4 p.43: unused high bits are 0. A singleturn model uses none of ABM0 to ABM2."""
     rows = rows_of(pages, "amm5/AMM5A21-1JP1-complete_reply")
     assert [rows[f"byte {number}"][0] for number in (5, 6, 7, 8, 9)] == ["encoder id", "0", "0", "0", "alarm field"]
     assert "byte 6: always 0 7:0" in desc(pages, "amm5/AMM5A21-1JP1-complete_reply")
@@ -109,7 +109,7 @@ def test_bytes_that_an_encoder_has_no_use_for_are_zeros(pages: Files) -> None:
 
 
 def rows_of(pages: Files, name: str) -> dict[str, list[str]]:
-    """What stands in the boxes of each row, by the label of the row."""
+    """Return the texts in the boxes of each row, by the label of the row."""
     root = ElementTree.fromstring(pages[f"docs/{name}.svg"])
     labels = {}
     for item in root.iter(f"{SVG}text"):

@@ -1,4 +1,4 @@
-"""What readers of the manuals asked of the pages: each answer stands where they would look for it."""
+"""Questions of readers of the manuals: each answer is where they would look for it."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "generated" / "docs"
 BY_HAND = Path(__file__).parent / "questions.yaml"
 FAMILIES = ("am36", "amm5", "asc85", "sma21")
-#: Kinds of questions, each asked of every family whose second reading has such a fact.
+#: Kinds of questions, each asked about every family whose second reading has such a fact.
 KINDS = {
     *("address", "bit", "byte order", "default", "wait", "CRC", "pin", "colour", "clock", "clock at 30 m"),
     *("clock at 80 m", "clock at 150 m", "clock at 300 m", "remedy"),
 }
-#: The manual of the AM36 has no alarms over a line.
+#: The manual of the AM36 has no alarms over a serial line.
 ABSENT = {("am36", "remedy")}
 
 
 @cache
 def page_of(family: str, order_code: str) -> Section:
-    """The page that names the order code at its head, above the first table."""
+    """Return the page with the order code in its heading, above the first table."""
     for path in sorted((DOCS / family).glob("*.md")):
         made = path.read_text(encoding="utf-8")
         if f"{order_code}\n" in made or f"`{order_code}`" in made.partition("\n| ")[0]:
@@ -35,7 +35,7 @@ def page_of(family: str, order_code: str) -> Section:
 
 
 def places(page: Section, question: Question) -> list[Section]:
-    """The sections where a reader looks, the smallest first."""
+    """Return the sections where a reader looks, the smallest first."""
     found = [page.inner[0]] if question.where else []
     for names in question.where:
         found = next(filter(None, ([inner for item in found for inner in item.within(name)] for name in names)), [])
@@ -83,7 +83,7 @@ def test_they_are_many_and_of_all_kinds() -> None:
 
 
 def by_hand() -> list[Question]:
-    """Those of the list beside this file."""
+    """Return the questions in the file next to this one."""
     asked = yaml.safe_load(BY_HAND.read_text(encoding="utf-8"))
     return [
         Question(
@@ -107,7 +107,7 @@ def test_what_was_asked_by_hand_is_answered() -> None:
 
 @pytest.mark.slow
 def test_a_page_that_errs_is_noticed() -> None:
-    """A wrong byte order, a lost pin, a moved bit, a time, a polynomial, a colour: each leaves a question open."""
+    """A wrong byte order, time, polynomial or colour, a missing pin, or a moved bit leaves a question unanswered."""
     made = (DOCS / "amm5" / "AMM5A21-65KSC1.md").read_text(encoding="utf-8")
     asked = questions(only="AMM5A21/65KSC1")
     assert all(answered(read(made), item) for item in asked)

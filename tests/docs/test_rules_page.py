@@ -1,4 +1,4 @@
-"""The page of rules is what the broken specs of the tests yield today, and has each rule that they break."""
+"""The page of rules follows from the broken specs of the tests, and has each rule that they break."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The reference page of the spec language is what the schemas yield."""
+"""The reference page of the spec language follows from the schemas."""
 
 from __future__ import annotations
 

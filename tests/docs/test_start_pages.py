@@ -1,4 +1,4 @@
-"""The five-minute starts: their files are written, their commands run, and they print exactly what the pages show."""
+"""The five-minute starts: their files are written, their commands run, and the output is exactly that of the pages."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ QUESTIONS = sorted((ROOT / "docs").glob("questions-*.md"))
 
 
 def files(page: str) -> dict[str, str]:
-    """The blocks that have the name of a file before them."""
+    """Return the blocks that follow the name of a file."""
     return dict(re.findall(r"^`([\w.]+)`:\n\n```\w+\n(.*?)^```$", page, re.DOTALL | re.MULTILINE))
 
 
 def commands(page: str) -> Iterator[tuple[str, str]]:
-    """Each command with what it prints."""
+    """Return each command with its output."""
     for block in re.findall(r"^```\n(\$ .*?)^```$", page, re.DOTALL | re.MULTILINE):
         for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
             command, _, shown = part.partition("\n")
@@ -56,7 +56,7 @@ def test_its_commands(page: Path, tmp_path: Path) -> None:
             cwd=work,
             env=environment(tools),
         )
-        # Three dots stand for lines left out, and nothing else is.
+        # Three dots replace omitted lines. All other lines are shown.
         pieces = shown.split("...\n")
         assert re.fullmatch("(?:.*\n)*".join(map(re.escape, pieces)), done.stdout), f"{command}\n{done.stdout}"
 
@@ -76,7 +76,7 @@ def test_an_answer_fits_on_a_screen(page: Path) -> None:
 
 
 def test_the_warning_about_hardware_is_given_once() -> None:
-    """The front page and the header of the site have it with a link; the pages do not repeat it."""
+    """The front page and the header of the site have it with a link. The pages do not repeat it."""
     badge = "[![Not yet tested on hardware](docs/not-on-hardware.svg)](docs/evidence.md)"
     assert (ROOT / "README.md").read_text(encoding="utf-8").count(badge) == 1
     header = (ROOT / "docs" / "site" / "templates" / "page.html").read_text(encoding="utf-8")

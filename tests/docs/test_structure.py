@@ -1,4 +1,4 @@
-"""How pages hang together: where one is, what stands where it bites, and what a person does by hand."""
+"""Structure of the pages: place of a page, warnings next to the affected facts, and tasks done by hand."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_what_belongs_to_an_interface_is_on_its_page(library: Library, pages: Fi
 
 
 def test_an_erratum_is_told_where_it_first_bites_and_named_where_it_does_again(pages: Files) -> None:
-    """AMM5 7.5 p.46: which bit is MEM BUSY is open; it bites in four frames."""
+    """AMM5 7.5 p.46: it is open which bit is MEM BUSY. This affects four frames."""
     page = pages["docs/amm5/rs485.md"]
     told = [line for line in page.splitlines() if "[Mem busy position]" in line]
     assert told[0].startswith(
@@ -125,7 +125,7 @@ def test_steps_are_counted_from_one(value: str, steps: tuple[str, ...]) -> None:
 
 
 def test_a_blinking_error_led_is_explained_both_ways(pages: Files) -> None:
-    """AMM5, section 9: it blinks when the installation succeeded. 4.3.2, steps 5 and 17: it blinks with an error."""
+    """AMM5, section 9: it blinks if the installation succeeded. 4.3.2, steps 5 and 17: it blinks with an error."""
     steps = "hardware.md#by-hand-battery_replacement_with_error)"
     for name, folder in (("docs/alarms-and-leds.md", "amm5/"), ("docs/amm5/AMM5A21-65KSC1.md", "")):
         blinking = [line for line in pages[name].splitlines() if line.startswith("|") and "blink" in line]
@@ -150,7 +150,7 @@ def test_what_a_battery_reports_leads_to_the_steps(pages: Files, start: str, ste
 
 
 def test_a_singleturn_page_tells_nobody_to_replace_a_battery(pages: Files) -> None:
-    """AMM5, 4.3: batteries are for .../65K... alone; what is open is told by an erratum."""
+    """AMM5, 4.3: only .../65K... have batteries. An erratum describes the open question."""
     for interface in ("BG1", "JP1", "SC1"):
         page = pages[f"docs/amm5/AMM5A17-1{interface}.md"]
         assert "singleturn_without_battery" in page
@@ -159,6 +159,6 @@ def test_a_singleturn_page_tells_nobody_to_replace_a_battery(pages: Files) -> No
 
 
 def test_a_battery_step_cannot_be_misread(pages: Files) -> None:
-    """4.3.2, step 11: it is the disk that is turned on, not the supply."""
+    """4.3.2, step 11: the disk is rotated. The supply is not switched on."""
     (step,) = [line for line in pages["docs/amm5/hardware.md"].splitlines() if line.startswith("11. ")]
     assert step.count("keep turning the disk") == 3

@@ -1,4 +1,4 @@
-"""The page of templates is what the targets yield, tells the whole truth, and its example works."""
+"""The page of templates follows from the targets, is complete, and its example works."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page on verdicts: its tables say of every frame what the reference codec makes of it."""
+"""The page on verdicts: its tables agree with the reference codec for every frame."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ def page(pages: Mapping[str, str]) -> str:
 
 
 def rows(page: str, after: str) -> list[Row]:
-    """The rows of the table below a heading, what is left out in a cell taken from the row above."""
+    """Return the rows of the table below a heading. A cell that is left out repeats the row above."""
     lines = page.partition(f"## {after}\n")[2].partition("\n## ")[0].splitlines()
     table = [re.split(r" ?(?<!\\)\| ?", line)[1:-1] for line in lines if line.startswith("|")][2:]
     found: list[Row] = []
     for cells in table:
-        # A family, an interface and a frame hold until the next one is named.
+        # A family, an interface and a frame apply until the next one is named.
         given = next((index for index, cell in enumerate(cells) if cell), 0)
         above = found[-1][:given] if found else ()
         found.append((*above, *cells[len(above) :]))
@@ -34,7 +34,7 @@ def rows(page: str, after: str) -> list[Row]:
 
 
 def plain(cell: str) -> str:
-    """A cell without its links, and of a name without those of the manual."""
+    """Return a cell without its links, and a name without the manual's names."""
     return re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", re.sub(r"<a [^>]*></a>", "", cell)).partition("<br>")[0]
 
 
@@ -43,12 +43,13 @@ def frames(device: Device, cell: str) -> list[Layout]:
 
 
 def said(device: Device, layout: Layout, active: str, when: str = "") -> Findings:
-    """What a frame says in which one flag is active, or unused bits differ, or nothing if ``active`` is no field.
+    """Return the findings of a frame in which one flag is active, or unused bits differ, or neither.
 
-    It is sent by an order code for which the row holds, as ``when`` says.
+    If ``active`` is not a field, nothing is active. The order code is one to which the row applies, according to
+    ``when``.
     """
     interface = next(kind for kind, item in device.layouts() if item is layout)
-    # AMM5 alone has flags that do not mean the same for all order codes.
+    # Only AMM5 has flags with a different meaning for some order codes.
     mark = "/1" if "with all others" in when else "/65K" if ".../65K..." in when else ""
     variant = next(item for item in device.variants if item.interface == interface.name and mark in item.code)
     placed = layout.place(variant.parameters)
@@ -113,7 +114,7 @@ def level(layout: Layout, name: str) -> str:
 @pytest.mark.parametrize(
     ("family", "frame", "name", "when", "verdict"),
     [
-        # 6.3.1 p.21: nE and nW are not used and always 1; the BiSS protocol has them 0 for error and warning.
+        # 6.3.1 p.21: nE and nW are not used and always 1. In the BiSS protocol, 0 is an error or a warning.
         ("am36", "single_cycle_data", "error", "0", "not_usable"),
         ("am36", "single_cycle_data", "warning", "0", "unknown"),
         ("am36", "single_cycle_data", "none of these", "", "unknown"),
@@ -149,7 +150,7 @@ def test_as_the_manuals_have_it(
 
 
 def test_what_a_battery_decides_goes_by_the_order_code(library: Library, page: str) -> None:
-    """AMM5, 6.2.1 p.33 and 7.4.1 p.44: multiturn models alone have a battery (4.3 p.23)."""
+    """AMM5, 6.2.1 p.33 and 7.4.1 p.44: only multiturn models have a battery (4.3 p.23)."""
     found = {
         (plain(row[2]).strip("`"), row[3].partition(", ")[0], row[4])
         for device, row in by_family(library, page, "Deciding bits")

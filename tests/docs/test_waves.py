@@ -1,4 +1,4 @@
-"""The pictures of what goes over the lines: their times are those of the manual, and words say the same."""
+"""The timing diagrams have the times of the manual, and the text says the same."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_nothing_sticks_out(pages: Mapping[str, str]) -> None:
 
 
 def test_a_clock_pulse_is_as_wide_as_any_other(pages: Mapping[str, str]) -> None:
-    """A pulse is low for half of its period, everywhere."""
+    """A pulse is low for half of its period everywhere."""
     for family, interface in (("amm5", "ssi"), ("amm5", "biss"), ("sma21", "biss")):
         root = ElementTree.fromstring(pages[f"docs/{family}/timing-{interface}.svg"])
         clock = next(item.get("d", "") for item in root.iter(f"{SVG}path") if item.get("class") == "wave")
@@ -66,7 +66,7 @@ def family(name: str) -> Device:
 
 
 def test_requests_that_are_repeated_are_those_of_a_procedure(pages: Mapping[str, str]) -> None:
-    """AMM5 7.4.2 p.45: ten requests, 40 µs apart. Without such procedures nothing is drawn of it."""
+    """AMM5 7.4.2 p.45: ten requests, 40 µs apart. Without such procedures, there is no picture."""
     amm5 = family("amm5")
     assert "Between repeated requests: at least 40 µs." in pages["docs/amm5/rs485.md"]
     assert "(rs485.md#timings)" in pages["docs/amm5/AMM5A17-1JP1.md"]
@@ -76,14 +76,14 @@ def test_requests_that_are_repeated_are_those_of_a_procedure(pages: Mapping[str,
 
 
 def test_the_shortest_request_is_said_to_be_the_shortest(pages: Mapping[str, str]) -> None:
-    """AMM5 7.2 p.41: requests of 1, 3 and 4 bytes, replies up to 11; SMA21 7.2 p.37: each request is one byte."""
+    """AMM5 7.2 p.41: requests of 1, 3 and 4 bytes, replies up to 11. SMA21 7.2 p.37: each request is one byte."""
     amm5, sma21 = (pages[f"docs/{name}/timing-rs485.svg"] for name in ("amm5", "sma21"))
     assert "a request of at least 1 byte. The encoder answers with up to 11 bytes" in amm5
     assert "a request of 1 byte. The encoder" in sma21
 
 
 def test_it_says_what_it_is_drawn_from(pages: Mapping[str, str]) -> None:
-    """The figures of the manuals are lost; of BiSS their words do not say where acknowledge and start bit stand."""
+    """The figures of the manuals are lost, and for BiSS the text does not say where acknowledge and start bit are."""
     biss, ssi = pages["docs/amm5/biss.md"], pages["docs/amm5/ssi.md"]
     assert "Drawn from the text of the manual and the public protocol description of BiSS C-mode, not to scale" in biss
     assert "Drawn from the text of the manual, not to scale" in ssi

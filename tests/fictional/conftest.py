@@ -1,4 +1,4 @@
-"""The fictional encoder of docs/how-to-transcribe.md: its spec, and everything that is generated from it, made once."""
+"""The fictional encoder of docs/how-to-transcribe.md: its spec and all outputs, generated once."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def tv62(generated: Path) -> Iterator[ModuleType]:
-    """The generated Python module, imported from its folder alone."""
+    """The generated Python module, imported from its own folder."""
     sys.path.insert(0, str(generated / "python"))
     importlib.invalidate_caches()
     try:

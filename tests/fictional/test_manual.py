@@ -1,4 +1,4 @@
-"""The fictional encoder's manual against its spec: numbers typed from it, or worked out without the project's code."""
+"""The fictional encoder's manual against its spec. Numbers are typed, or computed without the project's code."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from codewheel.reference.procedures import register_writes
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "example"
 
-#: Polynomials as the manual prints them, top bit and all.
+#: Polynomials as printed in the manual, including the top bit.
 POSITION, TEMPERATURE = 0x190D9, 0x25
 
 
 def remainder(bits: str, polynomial: int, start: int) -> str:
-    """The inverted remainder of a long division on paper: a start value is one that is added to the first bits."""
+    """Return the inverted remainder of a long division. A start value is added to the first bits."""
     divisor = [int(digit) for digit in f"{polynomial:b}"]
     width = len(divisor) - 1
     work = [int(digit) for digit in bits] + [0] * width
@@ -36,21 +36,21 @@ def remainder(bits: str, polynomial: int, start: int) -> str:
 
 
 def test_the_division_is_right() -> None:
-    # The check values that are published for CRC-16/XMODEM and CRC-16/IBM-3740 over "123456789"; both are not inverted.
+    # Published check values of CRC-16/XMODEM and CRC-16/IBM-3740 over "123456789". Both are not inverted.
     message = "".join(f"{byte:08b}" for byte in b"123456789")
     assert int(remainder(message, 0x11021, 0), 2) ^ 0xFFFF == 0x31C3
     assert int(remainder(message, 0x11021, 0xFFFF), 2) ^ 0xFFFF == 0x29B1
 
 
 def test_the_manual_keeps_to_its_own_arithmetic() -> None:
-    """Every number of the manual's examples, but for its two mistakes."""
+    """Every number in the manual's examples, except for its two mistakes."""
     text = (EXAMPLE / "manual.md").read_text(encoding="utf-8")
     position = f"{1234:012b}{65432:017b}11{37:06b}"
     for piece in (f"{1234:012b}", f"{65432:017b}", f"{37:06b}", remainder(position, POSITION, 0x5A3C)):
         assert f"`{piece}`" in text
     assert f"`{235:016b} {remainder(f'{235:016b}', TEMPERATURE, 0)}`" in text
     assert "is 00EBh" in text
-    # The first mistake: FF69h is -150 in one's complement; the CRC beside it is that of FF6Ah.
+    # The first mistake: FF69h is -150 in one's complement. The CRC next to it is that of FF6Ah.
     printed, meant = f"{0xFF69:016b}", f"{-150 & 0xFFFF:016b}"
     assert f"`{printed} {remainder(meant, TEMPERATURE, 0)}`" in text
     assert remainder(printed, TEMPERATURE, 0) != remainder(meant, TEMPERATURE, 0)
@@ -159,7 +159,7 @@ def test_zeros_before_a_negative_position_are_zeros(device: Device) -> None:
 
 @pytest.mark.parametrize("code", ["TV62-S13-B1", "TV62-M17-B1", "TV62-M20-B1"])
 def test_every_crc_by_division_on_paper(device: Device, code: str) -> None:
-    """The CRC with a start value, for words that begin with zeros and with ones."""
+    """Return the CRC with a start value, for words that begin with zeros and with ones."""
     parameters = device.variant(code).parameters
     placed = device.layout("position_data").place(parameters)
     for fill in (0, 1):
@@ -224,7 +224,7 @@ def test_decode_names_another_channel(capsys: pytest.CaptureFixture[str]) -> Non
 
 
 def test_a_layout_of_bytes_can_be_named(capsys: pytest.CaptureFixture[str]) -> None:
-    """Where the frame tells its layout, a named one is taken instead, and the fault is that of the frame."""
+    """If the frame identifies its layout, that of a given name is used instead, and the error is that of the frame."""
     assert main(["decode", "AMM5A23/65KJP1", "--layout", "multiturn_reply", "02 20 C7 D1 6A 5E", "--json"]) == 1
     found = json.loads(capsys.readouterr().out)
     assert found["layout"] == "multiturn_reply"

@@ -80,7 +80,7 @@ def test_python_refuses_what_is_wrong(tv62: ModuleType) -> None:
         encoder.decode(POSITION ^ 1)
     with pytest.raises(ValueError, match="CRC"):
         tv62.TemperatureData.decode(0b111111110110100110001)
-    with pytest.raises(ValueError):  # zeros stand before a negative position, not copies of its sign
+    with pytest.raises(ValueError):  # A negative position is preceded by zeros, not by copies of its sign.
         tv62.lookup("TV62-M13-S1").decode(-1000 & 0x7FFFFFFF)
     with pytest.raises(ValueError, match="-400"):
         tv62.LowerLimit(-401).encode()

@@ -1,4 +1,4 @@
-"""The page on transcribing: what it quotes from the manual, from the spec and from the tool is what they say."""
+"""The page on transcribing: its quotations of the manual, of the spec and of the tool are right."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PAGE = (DOCS / "how-to-transcribe.md").read_text(encoding="utf-8")
 MANUAL = (EXAMPLE / "manual.md").read_text(encoding="utf-8")
 SPEC = (EXAMPLE / "tolvarn" / "tv62.yaml").read_text(encoding="utf-8")
 
-#: Slips that the page speaks of: what stands in the spec, what is typed instead, and what the tool says.
+#: Mistakes described on the page: text of the spec, typed text, and message of the tool.
 SLIPS = {
     "padding": (
         "padded_to: 31",
@@ -65,7 +65,7 @@ SLIPS = {
 
 
 def fences(word: str) -> list[str]:
-    """The fenced blocks that are marked with this word, or with none."""
+    """Return the fenced blocks with this info string, or without one."""
     return [
         text for found, text in re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL) if found == word
     ]
@@ -88,7 +88,7 @@ def test_yaml_is_that_of_the_spec(snippet: str) -> None:
     for start, line in enumerate(lines):
         depth = len(line) - len(line.lstrip())
         piece = [item[depth:] if not item[:depth].strip() else item for item in lines[start : start + len(wanted)]]
-        # An item of a list or a map may be shown without what stands before it on its line.
+        # An item of a list or a map may be shown without the text before it on its line.
         if piece == wanted or (len(wanted) == 1 and line.strip().endswith(wanted[0])):
             return
     pytest.fail(f"not in the spec:\n{snippet}")
@@ -117,7 +117,7 @@ def test_what_the_tool_says_is_what_it_says(tmp_path: Path, capsys: pytest.Captu
     assert main(["diff", str(EXAMPLE / "tolvarn" / "tv62.yaml"), str(revised)]) == 1
     said.append(capsys.readouterr().out)
     for text in fences("text"):
-        if "readings-disagree" not in text:  # Those are looked at one by one, in test_revision.py.
+        if "readings-disagree" not in text:  # Those are tested one by one in test_revision.py.
             assert any(text.rstrip("\n") in item for item in said), text
 
 
@@ -132,7 +132,7 @@ def test_slips_are_found_in_the_words_shown(slip: str, tmp_path: Path) -> None:
     if message:
         assert any(message in item for item in found), found
     else:
-        assert not found  # The page says so: no program can see it.
+        assert not found  # The page says that no program can find it.
 
 
 def test_commands_of_the_page_work(

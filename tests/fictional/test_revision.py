@@ -1,4 +1,4 @@
-"""The revision described on the page on transcribing: one register moves, in one reading after the other."""
+"""The revision described on the page on transcribing: one register moves, first in one reading, then in the other."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def revised(path: Path, old: str, new: str, address: str) -> None:
-    """Another revision of the manual, in which the correction lies elsewhere."""
+    """Another revision of the manual, in which the correction has another address."""
     text = path.read_text(encoding="utf-8").replace(f'revision: "{old}"', f'revision: "{new}"')
     before, correction, after = text.partition("  - name: correction\n")
     after = re.sub(r"address: 0x0\d", f"address: {address}", after, count=1)
@@ -70,7 +70,7 @@ def test_what_is_new_in_the_spec_alone_is_missed_by_the_coverage(folder: Path) -
 
 
 def test_a_mistake_that_the_new_manual_prints_is_an_erratum(folder: Path) -> None:
-    """The second reading has what the table still prints."""
+    """The second reading has the value that is still in the table."""
     spec, second = folder / "tv62.yaml", folder / "tv62.second.yaml"
     revised(spec, "1.1", "1.2", "0x06")
     revised(second, "1.1", "1.2", "0x04")

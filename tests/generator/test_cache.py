@@ -1,4 +1,4 @@
-"""The cache: the same bytes with and without it, after kills, with damaged or foreign entries, and without room."""
+"""The cache: the same bytes with and without it, after kills, with damaged or foreign entries, and on a full disk."""
 
 from __future__ import annotations
 

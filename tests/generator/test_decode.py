@@ -68,7 +68,7 @@ def names(data: dict[str, Any]) -> list[str]:
     return [item["field"] for item in data["reports"]]
 
 
-# --------------------------------------------------------------------------------------------- what the encoder reports
+# --------------------------------------------------------------------------------------------- reports of the encoder
 
 
 @pytest.mark.parametrize(
@@ -146,7 +146,7 @@ def test_the_remedy_of_an_alarm_is_told(capsys: Capture) -> None:
 @pytest.mark.parametrize(
     ("code", "frame", "verdict"),
     [
-        # A singleturn model has no battery (4.3), and no manual says what its battery bits mean.
+        # A singleturn model has no battery (4.3), and no manual gives the meaning of its battery bits.
         ("AMM5A17/1JP1", reply(0x1A, 0x20, 1, 0, 0, 0x23, 0, 0, 0, 0x80), "usable_with_warning"),
         ("AMM5A17/1JP1", reply(0x1A, 0x20, 1, 0, 0, 0x23, 0, 0, 0, 0x40), "usable_with_warning"),
         # EE_1 alone may be BUSY, with a position of 0 (7.4.1).
@@ -193,7 +193,7 @@ def test_alarms_of_sma21(capsys: Capture, status: int, alarms: int, reported: li
         (("AMM5A23/65KJP1", *AS_PRINTED, reply(0xEA, 0x03, 0x00)), ["mem_busy"], None),
         (("AMM5A23/65KJP1", *AS_T_FORMAT, reply(0xEA, 0x81, 0x00)), ["mem_busy"], None),
         (("AMM5A23/65KJP1", reply(0x8A, 0x00, 5, 0, 0)), [], "usable"),  # multiturn data are part of the position
-        (("AMM5A23/1JP1", reply(0x8A, 0x00, 0, 0, 0)), [], "usable"),  # though a singleturn encoder has but 0 there
+        (("AMM5A23/1JP1", reply(0x8A, 0x00, 0, 0, 0)), [], "usable"),  # though a singleturn encoder has only 0 there
         (("AMM5A23/65KJP1", "--from", "master", "02"), [], None),
         (("ASC8525/SC1", "--as", "status", "01"), [], None),  # position data valid: no alarm
         (("ASC8525/SC1", "--as", "error_register", "01"), ["control_error"], None),
@@ -249,7 +249,7 @@ def test_the_only_reply_to_data_id_5_that_the_manual_prints(capsys: Capture) -> 
 def test_status_bits_that_the_manual_does_not_use(
     capsys: Capture, status: str, reported: list[str], verdict: str, unused: int
 ) -> None:
-    """AM36 manual, 6.3.1 p.21: nE and nW are always 1; at 0 they are what the BiSS protocol says."""
+    """AM36 manual, 6.3.1 p.21: nE and nW are always 1. A 0 has its meaning in the BiSS protocol."""
     code, data = decode(capsys, "AM3616/4096-I7", "0b" + "0" * 36 + status + CRCS[status])
     assert (code, names(data), data["verdict"]) == (3 if verdict == "not_usable" else 0, reported, verdict)
     assert [item["makes_position"] for item in data["reports"]] == [
@@ -262,7 +262,7 @@ def test_status_bits_that_the_manual_does_not_use(
 @pytest.mark.parametrize(
     ("frame", "reported", "verdict", "unused"),
     [
-        # SF: EI_3 to EI_0 and bits 7:6. ALMC: bits 4:3 and 0; a byte of the number for each byte of the frame.
+        # SF: EI_3 to EI_0 and bits 7:6. ALMC: bits 4:3 and 0. Each byte of the frame has a byte of the number.
         (reply(0x02, 0xC5, 0, 0, 0), ["status_info", "status_zero"], "usable_with_warning", 0xC5),
         (reply(0x02, 0xCF | 0x20, 0, 0, 0), ["status_info", "status_other_error", "status_zero"], "not_usable", 0xCF),
         (
@@ -288,7 +288,7 @@ def test_the_number_of_unused_bits_is_no_line_of_the_text(capsys: Capture) -> No
     assert "unused " not in text(capsys, "AMM5A23/65KJP1", reply(0x02, 0, 0, 0, 0))[1]
 
 
-# ------------------------------------------------------------------------------------------ what the manual leaves open
+# --------------------------------------------------------------------------------------- open questions of the manual
 
 
 @pytest.mark.parametrize(

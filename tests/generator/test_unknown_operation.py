@@ -82,7 +82,7 @@ def rendered(output: str) -> None:
     target = target_of(output)
     options = {item.name: item.default for item in target.options}
     for spec in SPECS:
-        # Targets remember what they have made from a family, so each rendering needs its own families.
+        # Targets remember their results for a family, so each rendering needs its own families.
         assert target.files(Library(tuple(map(replace, library(spec).devices))), options)
 
 
@@ -151,7 +151,7 @@ def test_an_unknown_check_is_refused(output: str, monkeypatch: pytest.MonkeyPatc
 
 @pytest.mark.parametrize("output", ["c"])
 def test_an_unknown_refusal_is_refused(output: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """By what prints it. What depends on the order code is asked of the plan first, which refuses it as well."""
+    """By the code that prints it. A limit that depends on the order code is refused earlier, by the plan."""
 
     def unknown(layout: Layout, field: Field) -> Iterator[UnknownCheck]:
         yield UnknownCheck(field, bits_of(layout, field))

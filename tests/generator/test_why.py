@@ -327,7 +327,7 @@ def test_the_published_word_with_a_wrong_crc(
     """The word that TI misprints: CTS, ID and address, 1 000 1100000b, with CRC 9 instead of Bh.
     A frame of bits like any other.
 
-    No mistake was planted, so whatever is listed is a coincidence; 11 bits and 4 of CRC, one try in 16 fits.
+    No mistake was planted, so whatever is listed is a coincidence: 11 bits and 4 of CRC, one try in 16 fits.
     """
     (row,) = [row for row in vectors if str(row.get("evidence_class")).startswith("negative")]
     text = (SPECS / "bits22.yaml").read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Readers of the files for masters, which stand in for the tools. They refuse whatever the tools do not know.
+"""Readers of the files for masters, which replace the tools. They refuse everything that the tools do not know.
 
 ======================  ============================================================================================
 ethercat_driver_ros2    ec_sdo_manager.hpp: a list under the key sdo of index, sub_index, type and value, an int
@@ -51,7 +51,7 @@ _ECMC = re.compile(
 
 
 class Refused(ValueError):
-    """A tool would not know this."""
+    """The tool would not know the content."""
 
 
 def _known(found: Iterable[str], known: Iterable[str]) -> None:

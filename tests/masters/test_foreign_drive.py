@@ -1,4 +1,4 @@
-"""Configuration files in the hands of the drive's own software: ``ingenialink`` loads them into a ``virtual-drive``."""
+"""Configuration files in the drive's own software: ``ingenialink`` loads them into a ``virtual-drive``."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from codewheel.targets.masters.files import file_text
 pytestmark = pytest.mark.slow
 
 
-#: Dictionary of the drive, its most position bits, and the registers that it lacks.
+#: Dictionary of the drive, its maximum of position bits, and the registers that it lacks.
 DRIVES = [("virtual_drive.xdf", 32, set[str]()), ("virtual_drive_v3.0.xdf", 40, {"FBK_BISS1_SSI1_WAIT_CYCLES"})]
 
 
 @pytest.fixture(scope="module", params=[item[0] for item in DRIVES])
 def servo(request: pytest.FixtureRequest) -> Iterator[Any]:
-    """A drive with a dictionary that its package ships, on a free port."""
+    """A drive with a dictionary from its package, on a free port."""
     network = pytest.importorskip("ingenialink.ethernet.network", reason="ingenialink is not installed")
     drive = pytest.importorskip("virtual_drive.core", reason="virtual-drive is not installed")
     dictionary = str(resources.files("virtual_drive") / "resources" / request.param)

@@ -18,7 +18,7 @@ def told(capsys: pytest.CaptureFixture[str], code: str, master: str, *more: str)
 
 @pytest.mark.parametrize(
     ("code", "metres", "below"),
-    # 5.3: below 50 m less than 400 kHz, 100 m 300 kHz, 200 m 200 kHz; a cable of exactly 50 m is not below 50 m.
+    # 5.3: below 50 m less than 400 kHz, 100 m 300 kHz, 200 m 200 kHz. A cable of exactly 50 m is not below 50 m.
     [
         ("AMM5A21/65KBG1", "1", 400),
         ("AMM5A21/65KBG1", "49", 400),
@@ -35,7 +35,7 @@ def test_ssi(capsys: pytest.CaptureFixture[str], code: str, metres: str, below: 
 @pytest.mark.parametrize(
     ("code", "metres", "kilohertz"),
     # 10 MHz to 10 m, 5 MHz to 25 m, 2 MHz to 60 m, 200 kHz to 500 m;
-    # AM36 takes 2 MHz at most (6.1), whatever the cable.
+    # AM36 allows at most 2 MHz (6.1), with any cable.
     [
         ("AMM5A21/65KSC1", "10", 10_000),
         ("AMM5A21/65KSC1", "10.1", 5_000),

@@ -1,6 +1,6 @@
 """Descriptions of masters: broken ones are rejected with exact messages, and adding a master needs no code.
 
-Each file in ``broken`` says in its first lines what is wrong with it, as those of ``tests/check`` do.
+Each file in ``broken`` begins with the exact messages about it, as those of ``tests/check`` do.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def test_no_code_knows_a_master(masters: dict[str, Master]) -> None:
         for path in (ROOT / folder).rglob(pattern):
             text = path.read_text(encoding="utf-8")
             if path.suffix == ".py" and named.search(text):
-                # A comment may cite a document; and a public test vector has its source, which is the firmware of one.
+                # A comment may cite a document. A public test vector has its source, which is the firmware of one.
                 text = ast.unparse(ast.parse(text)).replace("mjbots/moteus: fw/test", "")
             assert named.findall(text) == [], path
 

@@ -1,4 +1,4 @@
-"""Where and how a program writes the settings of masters, with numbers typed from the masters' documents.
+"""Addresses and formats of the settings of masters, with numbers typed from the masters' documents.
 
 =======================  ==============================================================================================
 EL5042                   infosys el5042/4216721675: 80p8 with p = 0 and 1, types and defaults of 02 to 15
@@ -71,7 +71,7 @@ AKD2G: list[Row] = [
     for number in (1, 2, 3, 4, 5)
 ]
 
-#: The manual of the AKD gives an object for FB1.ENCRES alone, without a width: 2 to the power of 32 - 16 is 65536.
+#: The manual of the AKD has an object only for FB1.ENCRES, and gives no width. 2 to the power of 32 - 16 is 65536.
 AKD: list[Row] = [
     ("FB1.SELECT", "Kollmorgen AKD", "", None, None, "", "", None, "none", None, 34),
     ("FB1.BISSBITS", "Kollmorgen AKD", "", None, None, "", "", None, "bits", None, 37),

@@ -1,4 +1,4 @@
-"""What masters are told, worked out on paper: frames from the encoders' manuals, rules from the masters' documents.
+"""Settings of masters, computed on paper: frames from the encoders' manuals, rules from the masters' documents.
 
 The frames, first bit sent first:
 
@@ -10,7 +10,7 @@ SMA21-GG1-0010         SSI: position 22 in Gray code, error bit 1               
 AMM5A17/1SC1           position 17, nE, nW, CRC 6                                          6.2, bits n + 7 to 8
 AMM5A23/65KSC1         turns 16, position 23, nE, nW, CRC 6                                6.2, bits n + 7 to 8, n = 39
 AMM5A21/65KBG1         SSI: turns 16, position 21, binary                                  5.2
-AM3616/4096-I7         turns 16, position 20 as delivered (57h = 10h, 56h = 14h), 1, 1, CRC 6    6.2, bits 43 to 8
+AM3616/4096-I7         turns 16, position 20 by default (57h = 10h, 56h = 14h), 1, 1, CRC 6      6.2, bits 43 to 8
 AM3619/4096-GG         SSI: turns 12, position 19, in Gray code as one word                5.2
 ASC8525/SC1            position 25, one zero bit, nE, nW, CRC 6                            6.2, bits n + 8 to 9, n = 25
 =====================  ==================================================================  ======================
@@ -51,7 +51,7 @@ BECKHOFF_SSI = {"Mode": 1, "Disable Status Bits": True, "CRC Polynomial": 0}
 )
 def test_beckhoff_biss(told: Told, code: str, multiturn: int, singleturn: int, offset: int) -> None:
     bits = {"Multiturn [Bit]": multiturn, "Singleturn [Bit]": singleturn, "Offset LSB Bit [Bit]": offset}
-    # AM36 needs 10 V at least; all others here take 5 V.
+    # AM36 needs at least 10 V. All others here take 5 V.
     supply = {} if code.startswith("AM36") else {"Supply Voltage": 50}
     assert told("beckhoff_el5042", code) == {**BECKHOFF_BISS, **BECKHOFF_CLOCKS, **bits, **supply}
 
@@ -59,7 +59,7 @@ def test_beckhoff_biss(told: Told, code: str, multiturn: int, singleturn: int, o
 @pytest.mark.parametrize(
     ("code", "coding", "clock", "multiturn", "singleturn", "offset"),
     [
-        ("SMA21-GG1-0010", 1, 9, 0, 22, 1),  # 1 MHz at most; the error bit after the position is blended out
+        ("SMA21-GG1-0010", 1, 9, 0, 22, 1),  # 1 MHz at most. The error bit after the position is masked out.
         ("AMM5A21/65KBG1", 0, 4, 16, 21, 0),  # 4 MHz at most, of which the terminal has 2
         ("AM3619/4096-GG", 1, 4, 12, 19, 0),  # 3 MHz at most
     ],
@@ -212,7 +212,7 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
 @pytest.mark.parametrize(
     ("master", "code", "expected"),
     [
-        # 24 + 2 bits, less 1 as in the code example: 29 for 28 + 2. The length 6 selects the polynomial.
+        # 24 + 2 bits, less 1 as in the code example, and 29 for 28 + 2. The length 6 selects the polynomial.
         (
             "microchip_dspic33a",
             "SMA21-SC1-0002",
@@ -228,7 +228,7 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
                 "aux[12].bissc.crc_bits": 6,
             },
         ),
-        # Payload 4 + 20; the position begins after 4 bits. 67 is 0x43.
+        # Payload 4 + 20. The position begins after 4 bits. 67 is 0x43.
         (
             "synapticon",
             "SMA21-SC1-0050",
@@ -250,14 +250,14 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
             "AMM5A23/65KSC1",
             {"Frame size": 39, "Multiturn first bit position": 0, "Singleturn first bit position": 16},
         ),
-        # 1.5 periods of 50 kHz are 30 µs; ASC85 prints a time-out for 10 MHz alone.
+        # 1.5 periods of 50 kHz are 30 µs. ASC85 prints a time-out for 10 MHz alone.
         ("synapticon", "AMM5A23/65KSC1", {"Timeout, in µs": 30}),
         (
             "synapticon",
             "ASC8525/SC1 as_printed",
             {"Timeout, in µs": None, "Frame size": 26, "Singleturn bits": 25},
         ),
-        # SSI: the whole frame, 22 + 1; a pause of 16 µs.
+        # SSI: the whole frame, 22 + 1, and a pause of 16 µs.
         (
             "synapticon",
             "SMA21-GG1-0010",
@@ -295,7 +295,7 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
             "AM3616/4096-I7",
             {"Singleturn resolution": 20, "Multiturn resolution": 16, "SSI data format": None, "SSI clock freq.": None},
         ),
-        # 2^20 steps, 65536 turns, no fill bits; a linear encoder has 4 on the left, ASC85 1 on the right.
+        # 2^20 steps, 65536 turns, no fill bits. A linear encoder has 4 on the left, ASC85 1 on the right.
         (
             "beckhoff_ax8000",
             "AM3616/4096-I7",
@@ -372,7 +372,7 @@ def test_novanta(told: Told, code: str, size: int, position: int, single: int, s
             "AM3619/4096-BG",
             {"Single-turn Data Start Bit": 12, "Single-turn Data Length": 19, "Coding Method": "binary code"},
         ),
-        # The position lies above the error bit, bit 0: 1 to 22.
+        # The position is above the error bit, bit 0: 1 to 22.
         (
             "siemens_posinput",
             "SMA21-GG1-0010",
@@ -391,7 +391,7 @@ def test_other_masters(told: Told, master: str, code: str, expected: dict[str, A
 
 
 def test_example_of_siemens(told: Told) -> None:
-    """13 + 12 bits in a frame of 25 have MSB 24 and LSB 0; 16 + 21 bits in one of 37 have 36 and 0."""
+    """13 + 12 bits in a frame of 25 have MSB 24 and LSB 0. 16 + 21 bits in one of 37 have 36 and 0."""
     found = told("siemens_posinput", "AMM5A21/65KBG1")
     assert (
         found["Frame length"],
@@ -415,7 +415,7 @@ def test_example_of_siemens(told: Told) -> None:
             "ASC8525/SC1 as_printed",
             "The data word is | MT | ST | ERR | WARN | CRC |, without further bits. For this encoder: padding right 1.",
         ),
-        # 16 + 23 bits; 16 + 17 are one too many.
+        # 16 + 23 bits. 16 + 17 are one too many.
         ("omron_nx", "AMM5A23/65KBG1", "A frame has at most 32 data bits in total. For this encoder: frame bits 39."),
         ("omron_nx", "AMM5A17/65KBG1", "A frame has at most 32 data bits in total. For this encoder: frame bits 33."),
         (
@@ -433,7 +433,7 @@ def test_refusals(sheet_of: Callable[[str, str], Sheet], master: str, code: str,
 
 
 def test_the_example_of_omron(told: Told) -> None:
-    """p. 249, 12 bits of turns, 13 of one: valid 25, single-turn 12 and 13, multi-turn 0 and 12; ours 12 and 16."""
+    """p. 249, 12 bits of turns, 13 of one: valid 25, single-turn 12 and 13, multi-turn 0 and 12. Ours has 12 and 16."""
     found = told("omron_nx", "AM3616/4096-BG")
     names = (
         "Valid Data Length",

@@ -44,7 +44,7 @@ def test_mode_of_el5042_comes_first(sheet_of: SheetOf) -> None:
 @pytest.mark.parametrize(
     ("master", "code", "name", "effect"),
     [
-        # W524, A-28: Y is effective after restart; A-49: 5005 hex has Y.
+        # W524, A-28: Y is effective after restart. A-49: 5005 hex has Y.
         ("omron_nx", "AM3619/4096-GG", "Valid Data Length", Effect(restart_of="the NX Unit")),
         ("ti_c2000", "AMM5A21/65KSC1", "positionSTBits", Effect(by_call="PM_bissc_initParams")),
         ("ti_motor_control_sdk", "AMM5A21/65KSC1", "Clock, in MHz", Effect(by_call="bissc_clock_config")),
@@ -69,7 +69,7 @@ def test_of_all_settings(sheet_of: SheetOf) -> None:
 
 
 def test_an_order_names_only_settings_of_the_sheet(sheet_of: SheetOf) -> None:
-    """CRCPOLYx is no setting for a polynomial that CRCLENx selects."""
+    """CRCPOLYx is not a setting for a polynomial that CRCLENx selects."""
     rules = about(sheet_of("microchip_dspic33a", "AMM5A21/65KSC1"), "SCDENx")
     assert [item.after for item in rules] == [("SCDLENx", "CRCSELx", "CRCLENx")]
 

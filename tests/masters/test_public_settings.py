@@ -19,7 +19,7 @@ SUPPLY = "choice: 50 is the factory default of 12. Writing it needs a code word 
 POLYNOMIAL = "theirs: it leaves 11 at its factory default, which is 67"
 
 Values = dict[int, int]
-#: Order code, name of their file, its values, and why ours has other values.
+#: Order code, name of their file, its values, and the reason why ours has other values.
 FILES: list[tuple[str, str, Values, dict[int, str]]] = [
     (
         "KCD-BC03B-1617",

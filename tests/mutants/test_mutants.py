@@ -18,7 +18,7 @@ from mutation.trial import Trial
 
 pytestmark = pytest.mark.slow
 
-#: Of each class in which nothing may pass, in each of the four specs.
+#: Number of mutants of each class in which none may pass, in each of the four specs.
 OF_EACH = 3
 SPECS = ("am36", "amm5", "asc85", "sma21")
 
@@ -89,7 +89,7 @@ def made_up(tmp_path: pathlib.Path) -> Document:
 
 
 def mistakes_of(document: Document, *path: str | int) -> dict[str, list[object]]:
-    """Return the values that mistakes leave at a place, by mistake: the first change of each."""
+    """Return the values that mistakes leave at a place, by mistake. It is the first change of each."""
     made: dict[str, list[object]] = {}
     for mutant in mutants(document):
         if mutant.place.path == path:

@@ -1,6 +1,6 @@
 """Type plates for OPC UA, read by asyncua.
 
-``powertrain.xml`` stands in for the nodesets of the OPC Foundation, which are not part of this repository. To read the
+``powertrain.xml`` replaces the nodesets of the OPC Foundation, which are not part of this repository. To read the
 plates on the real ones, check out the repository OPCFoundation/UA-Nodeset and set ``UA_NODESETS`` to its folder.
 """
 
@@ -19,7 +19,7 @@ from codewheel.targets import Library
 from codewheel.targets.opcua.files import generate
 
 POWERTRAIN, DI = "http://opcfoundation.org/UA/Powertrain/", "http://opcfoundation.org/UA/DI/"
-#: Nodesets in the order in which they need each other, in the folder ``UA_NODESETS``.
+#: Nodesets in the order of their dependencies, in the folder ``UA_NODESETS``.
 REAL = (
     "DI/Opc.Ua.Di.NodeSet2.xml",
     "Machinery/Opc.Ua.Machinery.NodeSet2.xml",
@@ -58,7 +58,7 @@ def test_each_order_code_has_a_plate(library: Library) -> None:
 
 
 def test_a_number_that_its_type_cannot_hold_is_left_out(amm5: Device) -> None:
-    """UInt32 ends below 2^32: an encoder with 32 bits in a revolution has no such attribute."""
+    """UInt32 ends below 2^32, so an encoder with 32 bits per revolution has no such attribute."""
     only = tuple(item for item in amm5.variants if item.code == "AMM5A23/65KSC1")
     for bits, has_it in ((31, True), (32, False)):
         variant = dataclasses.replace(only[0], parameters={**only[0].parameters, "singleturn_bits": bits})
@@ -86,7 +86,7 @@ def test_a_server_reads_the_plates(library: Library, tmp_path: Path) -> None:
 
 
 async def _read(plates: list[Path]) -> dict[str, Any]:
-    """Return what a server knows of each plate after loading it, by its product code."""
+    """Return the content of each plate after a server has loaded it, by its product code."""
     from asyncua import Server
 
     server = Server()
@@ -94,7 +94,7 @@ async def _read(plates: list[Path]) -> dict[str, Any]:
     folder = os.environ.get("UA_NODESETS")
     if folder:
         for name in REAL:
-            # Two of these nodesets have nodes that asyncua does not accept in its strict mode.
+            # Two of these nodesets have nodes that asyncua rejects in its strict mode.
             await server.import_xml(str(Path(folder, name)), strict_mode=False, auto_load_definitions=False)
     else:
         await server.import_xml(str(Path(__file__).with_name("powertrain.xml")))

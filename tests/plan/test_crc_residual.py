@@ -1,4 +1,4 @@
-"""What a CRC misses: against published figures, and against every error of a short frame."""
+"""Errors that a CRC misses, compared with published figures and with every error of a short frame."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from codewheel.plan.crc_residual import residual
 
 
 def crc(poly: int) -> Crc:
-    """A CRC by its polynomial with all its terms."""
+    """Return a CRC by its polynomial with all its terms."""
     width = poly.bit_length() - 1
     return Crc("tested", width, poly & (1 << width) - 1, 0, False, False, 0, "", ())
 
@@ -19,8 +19,8 @@ def crc(poly: int) -> Crc:
 @pytest.mark.parametrize(
     ("poly", "data", "distance"),
     [
-        # Koopman, "CRC Polynomial Zoo": the longest data for which a polynomial has a Hamming distance, written there
-        # without its last term: 9 is 13h, 21 is 43h, 2c is 59h, 97 is 12Fh, 83 is 107h, a6 is 14Dh.
+        # Koopman, "CRC Polynomial Zoo": the longest data for which a polynomial has a Hamming distance, in a notation
+        # without the last term: 9 is 13h, 21 is 43h, 2c is 59h, 97 is 12Fh, 83 is 107h, a6 is 14Dh.
         (0x13, 11, 3),
         (0x43, 57, 3),
         (0x59, 25, 4),
@@ -47,14 +47,14 @@ def test_words_of_hamming_codes() -> None:
 
 
 def test_the_exclusive_or_of_bytes() -> None:
-    """Two wrong bits at the same place in two of the bytes: 8 places for each pair."""
+    """Two wrong bits at the same position in two of the bytes: 8 positions for each pair."""
     for count in (3, 7, 11):
         found = residual(crc(0x101), 8 * count)
         assert (found.distance, found.missed) == (2, 8 * comb(count, 2))
 
 
 def test_a_distance_beyond_what_is_counted() -> None:
-    """x^16 + x^12 + x^5 + 1 has even weights only, and a distance of 4; a CRC-32 of Ethernet detects more."""
+    """x^16 + x^12 + x^5 + 1 has only even weights, and a distance of 4. A CRC-32 of Ethernet detects more."""
     found = residual(crc(0x104C11DB7), 60)
     assert (found.distance, found.missed) == (5, 0)
 
@@ -62,7 +62,7 @@ def test_a_distance_beyond_what_is_counted() -> None:
 @pytest.mark.parametrize("poly", [0x43, 0x59, 0x13, 0x12F, 0x101])
 @pytest.mark.parametrize("bits", [12, 18])
 def test_every_error_of_a_short_frame(poly: int, bits: int) -> None:
-    """Divides every error of up to four bits by the polynomial, bit by bit."""
+    """Divide every error of up to four bits by the polynomial, bit by bit."""
 
     def divides(error: int) -> bool:
         while error.bit_length() >= poly.bit_length():

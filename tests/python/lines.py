@@ -1,4 +1,4 @@
-"""Lines of encoders as samples, made bit by bit and sample by sample, without the code that reads them."""
+"""Lines of encoders as samples, generated bit by bit and sample by sample, without the code that reads them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from math import ceil
 
 
 def crc6(value: int, bits: int) -> int:
-    """The inverted CRC x^6 + x + 1 of BiSS by long division."""
+    """Return the inverted CRC x^6 + x + 1 of BiSS, by long division."""
     number = value << 6
     for place in range(bits - 1, -1, -1):
         if number >> place + 6 & 1:
@@ -17,7 +17,7 @@ def crc6(value: int, bits: int) -> int:
 
 
 def biss_word(position: int, bits: int = 32, error: bool = False, warning: bool = False) -> int:
-    """The bits of a frame: position, nE, nW, CRC."""
+    """Return the bits of a frame: position, nE, nW, CRC."""
     body = (position << 2) | (not error) << 1 | (not warning)
     return body << 6 | crc6(body, bits + 2)
 
@@ -31,7 +31,7 @@ class Wave:
     now: float = 0.0
 
     def samples(self, rate: float, shift: float = 0.0) -> list[tuple[int, int]]:
-        """The levels of both lines at the times of the samples. ``shift`` is the phase of the analyser, 0 to 1."""
+        """Return the levels of both lines at the sample times. ``shift`` is the phase of the analyser, 0 to 1."""
         count = ceil(self.now * rate)
         lines = (_levels([(at, None) for at in self.clock], count, rate, shift), _levels(self.data, count, rate, shift))
         return list(zip(*lines, strict=True))
@@ -58,7 +58,7 @@ class Biss:
     extra: int = 0
 
     def cycle(self, word: int, bits: int, cds: int = 0, cdm: int = 0, clocks: int | None = None) -> None:
-        """One cycle. The last clock may be followed by ``extra`` ones, or there are only ``clocks``."""
+        """Append one cycle. The last clock may be followed by ``extra`` ones, or there are only ``clocks``."""
         wave, begin = self.wave, self.wave.now + self.rest
         sent = [0] * self.acknowledge + [1, cds] + [word >> place & 1 for place in range(bits - 1, -1, -1)] + [0]
         wanted = len(sent) + 1 + self.extra
@@ -76,7 +76,7 @@ class Biss:
                 level = bit
         end = rises[-1] + 12
         if cdm:
-            # The clock rests low during the time-out.
+            # The clock is low during the time-out.
             wave.clock.append(rises[-1] + 0.5)
             wave.clock.append(end + 1)
         if not level:

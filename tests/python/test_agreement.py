@@ -1,4 +1,4 @@
-"""The generated package against the model's codec: every order code of every family, frames sound and damaged."""
+"""The generated package against the model's codec: every order code of every family, valid and damaged frames."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ FAMILIES = sorted(
     for path in SPECS.glob("*/*.yaml")
     if path.stem != "manufacturer" and path.parent.name != "masters" and not is_second(path)
 )
-#: These are made up of what no device has.
+#: Specs with features that no device has.
 MADE_UP = {"words": TESTS / "specs", "odd_shapes": TESTS / "python" / "specs", "shapes": TESTS / "c" / "specs"}
 MADE_UP |= dict.fromkeys(("banks", "ring", "ring_turns", "wide"), TESTS / "specs")
 MADE_UP |= {"as5047p": TESTS.parent / "examples" / "encoders" / "ams"}
@@ -66,7 +66,7 @@ ALL = [*FAMILIES, *MADE_UP]
 
 @dataclasses.dataclass(frozen=True)
 class Family:
-    """A family as the model knows it and as the generated module does."""
+    """A family in the model and in the generated module."""
 
     device: Device
     module: Any
@@ -82,7 +82,7 @@ class Family:
 
 @dataclasses.dataclass(frozen=True)
 class Case:
-    """One layout of one order code, its registers holding what they hold."""
+    """One layout of one order code, with the present values of its registers."""
 
     family: Family
     variant: Variant
@@ -97,7 +97,7 @@ class Case:
         return self.family.view(self.layout, self.register)
 
     def carried(self, number: int) -> Any:
-        """The frame as a line or a register has it."""
+        """Return the frame as it is on the line or in a register."""
         if self.layout.carried_as == "bytes":
             return number_to_bytes(self.layout, number, self.placed.bits)
         return number
@@ -115,7 +115,7 @@ def families(
         found, report = load_library([folder / f"{name}.yaml", folder / "manufacturer.yaml"])
         assert not report, "\n".join(problem.format() for problem in report.problems)
         device = next(item for item in found if item.name == name)
-        # A package of its own, since its modules find one another by their names.
+        # The package has a name of its own, because its modules find each other by their names.
         maker = dataclasses.replace(device.manufacturer, python_package=f"{name}_encoders")
         device = dataclasses.replace(device, manufacturer=maker)
         other: Any = import_generated(Library((device,)), maker.python_package)[1]
@@ -129,7 +129,7 @@ def family(request: pytest.FixtureRequest, families: dict[str, Family]) -> Famil
 
 
 def states(family: Family, variant: Variant) -> Iterator[tuple[Variant, Any]]:
-    """The order code as delivered, and with its run-time parameters at their bounds and in between."""
+    """Return the order code with its defaults, and with its run-time parameters at and between their bounds."""
     device, made = family.device, family.module.VARIANTS[variant.code]
     yield variant, made
     here = [
@@ -160,7 +160,7 @@ def states(family: Family, variant: Variant) -> Iterator[tuple[Variant, Any]]:
 
 
 def cases(family: Family) -> Iterator[Case]:
-    """Every layout of every order code; a register that lies just like one before is left out."""
+    """Return every layout of every order code, without a register that has the same places as an earlier one."""
     seen = set()
     for variant in family.device.variants:
         for state, made in states(family, variant):
@@ -186,7 +186,7 @@ def cases(family: Family) -> Iterator[Case]:
 def _decided(
     family: Family, state: Variant, layouts: list[tuple[Layout, Register | None]]
 ) -> Iterator[tuple[Layout, Register | None, Variant, tuple[Any, ...]]]:
-    """Each layout with each answer to what the manual leaves open of it."""
+    """Return each layout with each answer to its open questions."""
     for layout, register in layouts:
         asked = family.device.alternatives_of(layout)
         for answers in itertools.product(*(item.answers for item in asked)):
@@ -197,7 +197,7 @@ def _decided(
 
 
 def value_of(case: Case, field: Field, width: int, kind: str, source: random.Random) -> int | str | bool:
-    """A value that the field can have; ``kind`` says which."""
+    """Return a value of this kind that the field can have."""
     if field.name == case.layout.selector:
         return source.choice(case.layout.selects)
     if isinstance(field.kind, Flag):
@@ -238,7 +238,7 @@ def value_of(case: Case, field: Field, width: int, kind: str, source: random.Ran
 
 
 def allowed(case: Case, number: int) -> bool:
-    """Whether the register's limits allow the joined number that they bound, if it is one."""
+    """Return True if the limits of the register allow the joined number to which they apply."""
     register = case.register
     join = next((item for item in case.layout.joins if register is not None and item.name == bounded(register)), None)
     if register is None or join is None:
@@ -260,18 +260,18 @@ def values_of(case: Case, kind: str, source: random.Random) -> dict[str, int | s
 
 
 def unused_bits(placed: PlacedLayout) -> int:
-    """Ones for all unused bits that this order code has, at their places in ``unused``."""
+    """Return ones for all unused bits of this order code, at their places in ``unused``."""
     masks = {item.name: item.mask for item in placed.fields}
     return sum(masks.get(field.name, 0) << place for field, place in placed.layout.unused)
 
 
 def given(case: Case) -> list[Any]:
-    """What belongs to a frame besides its fields."""
+    """Return the members of a frame that are not fields."""
     return [*([case.made] if "variant" in getattr(case.view, "_fields", ()) else []), *case.answers]
 
 
 def decode_generated(case: Case, number: int) -> Any:
-    """The decoded object, or the kind of its fault as the model calls it."""
+    """Return the decoded object, or the kind of its error as the model calls it."""
     try:
         return case.view.decode(case.carried(number), *given(case))
     except ValueError as error:
@@ -279,12 +279,12 @@ def decode_generated(case: Case, number: int) -> Any:
 
 
 def told(report: Any) -> tuple[str, str, str]:
-    """What a report says, of the package or of the model; its printed name and source are those of one frame."""
+    """Return the facts of a report of the package or the model. Printed name and source belong to one frame."""
     return report.meaning, report.remedy, report.makes_position.value if report.makes_position is not None else ""
 
 
 def compare_reports(family: Family, variant: Variant, expected: codec.Decoded, found: Any) -> None:
-    """Whether both say the same of the encoder."""
+    """Compare the reports and the verdict of both."""
     assert expected.layout is not None
     layout, said = expected.layout.layout, findings(family.device, variant, expected)
     if layout.sender == "encoder":
@@ -298,7 +298,7 @@ def compare_reports(family: Family, variant: Variant, expected: codec.Decoded, f
 
 
 def compare(expected: codec.Decoded, found: Any, layout: Layout) -> None:
-    """Whether both read the same values."""
+    """Compare the values that both read."""
     if not hasattr(found, "_fields"):
         assert found.name.lower() == expected.fields[0].value
         return
@@ -314,7 +314,7 @@ def compare(expected: codec.Decoded, found: Any, layout: Layout) -> None:
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
 def test_round_trip_of_every_order_code(family: Family) -> None:
-    """What the model encodes, the package decodes to the same values and encodes again, at and between the bounds."""
+    """The package decodes frames of the model to the same values and encodes them again, at and between the bounds."""
     source = random.Random(family.device.name)
     for case in cases(family):
         for kind in ["zero", "one", "ones", "top", *["random"] * ROUNDS]:
@@ -376,7 +376,7 @@ def test_an_encoder_whose_family_sends_bytes_alone(import_generated: Callable[..
 
 
 def damaged(case: Case, source: random.Random) -> Iterator[int]:
-    """Frames with bits changed, some of them with a CRC that fits the change, and numbers out of the air."""
+    """Frames with changed bits, some with a CRC that matches the change, and random numbers."""
     device, placed = case.family.device, case.placed
     sound = codec.encode(device, placed, values_of(case, "random", source))
     crc = placed.layout.crc_field
@@ -418,7 +418,7 @@ def test_any_bytes_are_told_as_the_model_tells_them(family: Family) -> None:
             for frame in frames
             if len(frame) > size
         ]
-        # The model has the first answer to what the manual leaves open.
+        # The model uses the first answer to an open question.
         answers = {
             asked.name: getattr(family.module, asked.kind)[asked.alternative.answers[0].name.upper()]
             for asked in family.names.asked.values()
@@ -443,7 +443,7 @@ def test_any_bytes_are_told_as_the_model_tells_them(family: Family) -> None:
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
 def test_procedures_write_what_they_write_on_paper(family: Family) -> None:
-    """For arguments at their limits and beyond."""
+    """Arguments at their limits and beyond."""
     source = random.Random(family.device.name)
     for procedure in family.device.procedures:
         build = getattr(family.module, family.names.procedures[procedure.name])
@@ -468,7 +468,7 @@ def test_procedures_write_what_they_write_on_paper(family: Family) -> None:
 
 
 def on_paper(device: Device, steps: Any) -> tuple[Write, ...]:
-    """The writes of generated steps; a register that is read before holds its default or what was written."""
+    """Return the writes of generated steps. A register that is read first has its default or the written value."""
     held = {
         item.address + index: byte
         for item in device.registers
@@ -492,7 +492,7 @@ def on_paper(device: Device, steps: Any) -> tuple[Write, ...]:
 
 
 def test_a_field_that_the_order_code_does_not_have(families: dict[str, Family]) -> None:
-    """Zero is what such a field holds; anything else is refused, by the model and by the package."""
+    """Zero is the content of such a field. The model and the package refuse anything else."""
     family = families["amm5"]
     variant = family.device.variant("AMM5A21/1SC1")
     placed = family.device.layout("single_cycle_data").place(variant.parameters)

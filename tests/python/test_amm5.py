@@ -1,4 +1,4 @@
-"""The generated package against the manual's worked examples and against what others have published."""
+"""The generated package against the manual's worked examples and published vectors."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_resets_are_sent_ten_times(amm5: Any, lika: Any) -> None:
     ):
         send = getattr(amm5, name)()[0]
         # 7.4.2 p.45: ten times in succession, at intervals of 40 µs or more.
-        # 7.2.1 p.41 and 7.4.2: each is answered by a reply of six bytes, whose last is the XOR of the others.
+        # 7.2.1 p.41 and 7.4.2: each is answered by a reply of six bytes, of which the last is the XOR of the others.
         expected = lika.Send(bytes([byte]), times=10, every_us=40, in_succession=True, reply=6, is_xor=True)
         assert send == expected
         assert "Stop polling" in " ".join((getattr(amm5, name).__doc__ or "").split())
@@ -152,7 +152,7 @@ def test_published_reply(amm5: Any, vectors: list[dict[str, Any]]) -> None:
 
 
 def test_the_eeprom_address_has_two_forms(amm5: Any, lika: Any, vectors: list[dict[str, Any]]) -> None:
-    """HPMicro's three frames have the plain address; the manual prints EA 0A E0 for address 5 (7.5 p.46)."""
+    """HPMicro's three frames have the plain address. The manual prints EA 0A E0 for address 5 (7.5 p.46)."""
     printed, plain = amm5.EepromAddress
     assert (printed.name, plain.name) == ("AS_PRINTED", "AS_T_FORMAT")
     encoder = amm5.lookup("AMM5A23/65KJP1")
@@ -188,7 +188,7 @@ def test_the_form_of_the_eeprom_address_has_no_default(amm5: Any, wrong: Any) ->
     ):
         with pytest.raises(TypeError, match=r"expected EepromAddress.AS_PRINTED or EepromAddress.AS_T_FORMAT, got"):
             call()
-    # Nor do what is no sound frame, and frames that do not depend on it.
+    # Neither do invalid frames, nor frames that do not depend on it.
     for damaged, error in ((reply.encode()[:-1], "LengthError"), (reply.encode()[:-1] + b"\x00", "CrcError")):
         with pytest.raises(ValueError) as caught:
             encoder.decode(damaged, eeprom_address=wrong)
@@ -210,10 +210,10 @@ def test_another_encoder_id_is_reported_and_the_frame_decoded(amm5: Any, lika: A
     assert encoder.decode(documented.encode()) == documented
     alone = encoder.decode(bytes.fromhex("92 00 17 85"))
     assert (alone.encoder_id, alone.is_as_documented) == (0x17, False)
-    # What a simulator sends unless told otherwise is what the manual prints.
+    # By default, a simulator sends the printed values.
     assert amm5.EncoderIdReply().encode() == bytes.fromhex("92 00 23 B1")
     assert amm5.CompleteReply.from_position(encoder, 5).encoder_id == 0x23
-    # Sync code and data ID still prove the frame.
+    # Sync code and data ID are still checked.
     for wrong, error in ((0x1B, lika.ConstantError), (0x9A, lika.ConstantError), (0x12, lika.FrameError)):
         with pytest.raises(error):
             encoder.decode(bytes([wrong]) + data[1:-1] + bytes([data[-1] ^ 0x1A ^ wrong]))

@@ -1,4 +1,4 @@
-"""What the generated package takes for a number, for bytes, for an encoder and for a label: the right one, or none."""
+"""Numbers, bytes, encoders and labels that the generated package accepts, and those that it refuses."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ import pytest
 from codewheel.model import Device
 from python_path import python_path
 
-#: A reply of an AMM5 that is published: control field, status, 7,000,519, CRC (tests/vectors.json).
+#: A published reply of an AMM5: control field, status, 7,000,519, CRC (tests/vectors.json).
 REPLY, SINGLETURN = bytes.fromhex("02 20 C7 D1 6A 5E"), 7_000_519
 #: The manual's reply of an SMA21.
 LONG_REPLY, LONG_POSITION = bytes.fromhex("A2 00 10 32 54 00 D4"), 0x543210
-#: A BiSS frame that is published, of 22 bits, with two zeros of padding before it (tests/vectors.json).
+#: A published BiSS frame of 22 bits, with two zeros of padding before it (tests/vectors.json).
 BITS, POSITION = "00" + "000010111011111100101011011100", 192_458
 
 
@@ -158,7 +158,7 @@ def test_a_negative_word_is_told_as_such(lika: Any, biss: Any) -> None:
         biss.decode(-5)
 
 
-# ------------------------------------------------------------ a word has a length
+# ------------------------------------------------------------ length of a word
 
 
 def test_text_of_bits_has_every_bit(lika: Any, biss: Any) -> None:
@@ -176,7 +176,7 @@ def test_text_of_bits_has_every_bit(lika: Any, biss: Any) -> None:
 
 
 def test_a_count_of_bits_that_is_wrong_is_refused(lika: Any) -> None:
-    """A word of 39 bits, read with 40 clocks, or with the last 7 lost: no CRC tells."""
+    """A word of 39 bits, read with 40 clocks, or without the last 7. No CRC detects it."""
     encoder = lika.lookup("AMM5A23/65KBG1")
     word = 358_337_813
     assert encoder.frame_bits == 39
@@ -213,7 +213,7 @@ def test_every_encoder_knows_the_length_of_its_frame(lika: Any, devices: Mapping
     assert encoder.frame_bits - encoder.with_registers({0x56: 16}).frame_bits == 4
     amm5 = lika.lookup("AMM5A21/65KSC1")
     assert lika.amm5.SingleCycleData.frame_bits(amm5) == amm5.frame_bits == 37 + 8
-    # ASC85 6.2.1 with the 0 bit, and as OnStepX reads it.
+    # ASC85 6.2.1 with the 0 bit, and as read by OnStepX.
     asc85, zero_bit = lika.lookup("ASC8525/SC1"), lika.asc85.ZeroBit
     assert lika.asc85.SingleCycleData.frame_bits(asc85, zero_bit.AS_PRINTED) == 34
     assert lika.asc85.SingleCycleData.frame_bits(asc85, zero_bit.LEFT_OUT) == 33
@@ -363,7 +363,7 @@ def test_the_package_does_not_import_numpy(generated_python: tuple[Path, ModuleT
 
 
 def functions(module: Any) -> list[tuple[str, Any]]:
-    """Everything public of a family module that takes an encoder, with a name."""
+    """Return everything public of a family module that takes an encoder, with a name."""
     found = []
     for name in module.__all__:
         item = getattr(module, name)
@@ -376,7 +376,7 @@ def functions(module: Any) -> list[tuple[str, Any]]:
 
 
 def test_an_encoder_of_another_family_or_interface_is_refused(lika: Any, devices: Mapping[str, Device]) -> None:
-    """Every function of every module, with the encoders of all the others; before any other argument is looked at."""
+    """Every function of every module refuses the encoders of all others, before any other argument is checked."""
     for device in devices.values():
         module = getattr(lika, device.name)
         taking = functions(module)
@@ -403,7 +403,7 @@ def test_an_encoder_of_another_family_or_interface_is_refused(lika: Any, devices
 
 
 def _call(function: Any, encoder: Any) -> object:
-    """Calls a function with the encoder by name, and with 0 for all else that it needs."""
+    """Call a function with the encoder by name, and with 0 for all other required arguments."""
     parameters = inspect.signature(function).parameters
     needed = [key for key, item in parameters.items() if key != "variant" and item.default is inspect.Parameter.empty]
     return function(**dict.fromkeys(needed, 0), variant=encoder)
@@ -423,7 +423,7 @@ def test_what_was_accepted_before_is_refused(lika: Any) -> None:
     ):
         with pytest.raises(lika.FamilyError):
             call()
-    # What exists over the interface of the encoder is named.
+    # The message lists what exists over the interface of the encoder.
     with pytest.raises(lika.InterfaceError) as caught:
         lika.amm5.set_preset(lika.lookup("AMM5A23/65KJP1"), 1)
     begin = "AMM5A23/65KJP1 has the interface RS-485, but this needs BiSS. Procedures over RS-485: "
@@ -565,7 +565,7 @@ def test_no_fact_can_be_changed(lika: Any) -> None:
 
 
 def test_only_their_own_names_are_offered(lika: Any, devices: Mapping[str, Device]) -> None:
-    """Every class, function and constant of a module, and nothing that it imports."""
+    """Return every class, function and constant of a module, except imported ones."""
     for device in devices.values():
         module = getattr(lika, device.name)
         public = {name: item for name, item in vars(module).items() if not name.startswith("_")}
@@ -595,7 +595,7 @@ def test_a_reply_does_not_ask(lika: Any) -> None:
         assert "What is asked for" not in (reply.__doc__ or "")
 
 
-# ------------------------------------------------------------ what is copied
+# ------------------------------------------------------------ copies
 
 
 def test_the_examples_look_at_the_verdict_first(
@@ -623,7 +623,7 @@ def test_the_first_example_prints_no_position_of_a_frame_with_an_error(
     code = "\n".join(line[4:] for line in block.splitlines() if line.startswith((">>> ", "... ")))
     exec(code, {})
     assert capsys.readouterr().out == "42 1821973 89902357\n"
-    # The same frame with the error bit of BiSS active, which is 0 then, and the CRC of that.
+    # The same frame with the error bit of BiSS active, which is then 0, and with the matching CRC.
     assert "0x55bcd15e2" in code
     exec(code.replace("0x55bcd15e2", "0x55bcd1564"), {})
     assert capsys.readouterr().out == ""

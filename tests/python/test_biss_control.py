@@ -35,7 +35,7 @@ REMAINDERS = {
 
 
 def remainder(value: int, bits: int) -> int:
-    """The CRC of up to 11 bits by that table."""
+    """Return the CRC of up to 11 bits from that table."""
     found = 0b1111
     for bit in range(bits):
         found ^= REMAINDERS[bit + 4] if value >> bit & 1 else 0
@@ -83,7 +83,7 @@ def test_the_published_word_that_is_wrong(biss: Any, lika: Any, vectors: list[di
     with pytest.raises(lika.CrcError) as caught:
         biss.Request.decode(0x8C13C194)
     assert (caught.value.received, caught.value.computed) == (0x9, 0xB)
-    # With its CRC put right there is still R W S = 111.
+    # With a corrected CRC, R W S is still 111.
     with pytest.raises(lika.ConstantError):
         biss.Request.decode(0x8C17C194)
     assert biss.Request(0, 0x60, 6).encode() == 0x8C16C194
@@ -125,7 +125,7 @@ def test_the_crc_is_that_of_the_manuals(library: Library, biss: Any) -> None:
         if crc.name == "biss_4"
     }
     assert found == {(4, 0x3, 0, False, False, 0xF)}
-    # Start value 0 and XOR 15: the CRC of nothing but zeros; polynomial 3: that of a single 1.
+    # Start value 0 and XOR 15: the CRC of only zeros. Polynomial 3: that of a single 1.
     assert biss.crc(0, 8) == 0xF
     assert biss.crc(1, 8) ^ 0xF == 0x3
 
@@ -166,7 +166,7 @@ def test_what_is_no_request(biss: Any, lika: Any) -> None:
     for bits in (-1, 1 << 12):
         with pytest.raises(lika.LengthError):
             biss.decode_byte(bits)
-    # A command: CTS is 0, and its CRC fits.
+    # A command: CTS is 0, and its CRC is correct.
     with pytest.raises(lika.ConstantError):
         biss.Request.decode(0xF << 17 | 0b101 << 14)
 
@@ -217,11 +217,11 @@ def test_a_read_written_out(biss: Any) -> None:
     assert line.cdm[:46] == bits_of(sent)
     assert not any(line.cdm[46:])
     assert biss.Request(0, 0x44).bits() == (*line.cdm[:46], 0)
-    #              the frames of the zeros and of S; the answers follow a frame later: IDL, R W S, DATA, CRC, P
+    # The frames of the zeros and of S. The answers follow a frame later: IDL, R W S, DATA, CRC, P
     answered = "00000000000000 0   1000000000000000 1 0 1 01000000 1000 0"
     assert line.cds[:47] == bits_of(answered)
     assert not any(line.cds[47:])
-    # The frames in which the word went out hold what Answer reads.
+    # Answer reads the frames in which the word was sent.
     assert line.cds[15:47] == bits_of(READ_40)
 
 
@@ -253,7 +253,7 @@ def test_a_busy_slave_is_waited_for(biss: Any) -> None:
     for delay in range(6):
         line = line_of(biss, {0x44: 0x40}, delay)
         line.master.read(0x44, 1, 0, 4)
-        # A byte is wanted one frame before S is answered, so that a delay of one frame costs one.
+        # A byte is requested one frame before S is answered, so that a delay of one frame costs one.
         if delay <= 4:
             assert line.run() == "DONE"
             assert line.master.data == b"\x40"
@@ -263,7 +263,7 @@ def test_a_busy_slave_is_waited_for(biss: Any) -> None:
             assert line.run() == "BUSY"
             assert line.master.data == b""
             assert line.cdm[32:39] == [1] * 5 + [0] * 2
-        # Whatever it was, the next access works.
+        # The next access works in any case.
         line.memories[0].delay = 0
         line.master.read(0x44, 1, 0, 4)
         assert line.run() == "DONE"
@@ -276,7 +276,7 @@ def test_a_slave_that_stores_slowly(biss: Any) -> None:
     for _ in range(10):
         line.frame()
     assert line.memories[0].writes == [(0x10 + index, index) for index in range(8)]
-    # One that has not stored yet keeps the next access waiting, and then gives what was stored.
+    # A slave that has not finished storing makes the next access wait, and then returns the stored value.
     slow = line_of(biss, delay=60)
     slow.master.write(0x10, b"\x77", 0, 0)
     assert slow.run() == "DONE"
@@ -308,7 +308,7 @@ def test_refusals(biss: Any, write: bool) -> None:
     # Read: R W come back as 11, write: as 00.
     last = len(line.cdm) - 1 - line.cdm[::-1].index(1)
     assert line.cds[last + (0 if write else 1)] == (0 if write else 1)
-    # In a sequence P says it.
+    # In a sequence, P reports it.
     assert access(0x44, 4) == "REFUSED"
     assert line.master.done == 2
     assert line.memories[0].writes == ([(0x44, 0), (0x45, 0)] if write else [])
@@ -317,7 +317,7 @@ def test_refusals(biss: Any, write: bool) -> None:
 
 
 def test_the_slave_at_the_end_of_its_registers(biss: Any) -> None:
-    """A master of others that goes on past 3Fh or 7Fh is told so by P."""
+    """A foreign master that continues past 3Fh or 7Fh is refused by P."""
     for start in (0x3F, 0x7F):
         slave = PythonSlave(biss)
         stream = biss.Request(0, start).bits()[:46] + (1,) + (0,) * 20
@@ -386,7 +386,7 @@ def test_14_zeros_before_every_access_and_no_more(biss: Any) -> None:
     assert line.cdm.index(1) == 14
     line.master.read(0x44, 1, 0, 0)
     assert line.run() == "DONE"
-    # The last 1 of the first access is its second S, in frame 32; 12 zeros, P and one more follow.
+    # The last 1 of the first access is its second S, in frame 32. 12 zeros, P and one more follow.
     assert line.cdm[33:48] == [0] * 14 + [1]
 
 
@@ -412,7 +412,7 @@ def test_id_lock(biss: Any, count: int) -> None:
         assert line.master.data == (bytes([0x10 + count - 1 - slave_id] * 2) if slave_id < count else b"")
         line.master.write(0x20, bytes([slave_id]), slave_id, 0)
         line.run()
-    # The one whose SLI is 0, the last in the list, sees the first free bit first and has ID 0; those above 8 have none.
+    # The slave with SLI = 0, the last in the list, sees the first free bit first and has ID 0. Those above 8 have none.
     assert [slave.slave_id for slave in reversed(line.slaves)] == [*range(min(count, 8)), *[None] * (count - 8)]
     assert [memory.writes for memory in reversed(memories)] == [
         [(0x20, number)] if number < 8 else [] for number in range(count)
@@ -420,7 +420,7 @@ def test_id_lock(biss: Any, count: int) -> None:
 
 
 def test_id_lock_written_out(biss: Any) -> None:
-    # Three slaves: the last takes IDL0, the next IDL1, the one at the master IDL2; the one in the middle answers.
+    # Three slaves: the last takes IDL0, the next IDL1, the one at the master IDL2. The one in the middle answers.
     line = Line(
         PythonMaster(biss), [PythonSlave(biss) for _ in range(3)], [Memory({0x44: 0x40, 0x45: 0}) for _ in range(3)]
     )
@@ -430,7 +430,7 @@ def test_id_lock_written_out(biss: Any) -> None:
 
 
 def test_a_slave_behind_others_that_know_no_control_frames(biss: Any) -> None:
-    """Upstream bits pass through a slave that is not meant."""
+    """Upstream bits pass through a slave that is not addressed."""
     slave = PythonSlave(biss)
     for bit in biss.Request(2, 0x44).bits()[:32]:
         slave.next(bit, 0)
@@ -450,7 +450,7 @@ def test_a_line_that_never_changes(biss: Any, stuck: int) -> None:
 
 
 def test_commands_pass(biss: Any) -> None:
-    """CTS = 0: the slave takes its ID and nothing else happens, whatever follows."""
+    """CTS = 0: the slave takes its ID and ignores everything that follows."""
     slave = PythonSlave(biss)
     header = 0b0_00000001_01
     stream = (
@@ -464,7 +464,7 @@ def test_commands_pass(biss: Any) -> None:
 
 # --------------------------------------------------------------------------------------------------------- disturbances
 
-#: What one flipped bit does, by the number of the bit, S being 0: CTS 1, ID and ADR 2 to 11, CRC 12 to 15, R 16, W 17,
+#: Effect of one flipped bit, by the number of the bit, S being 0: CTS 1, ID and ADR 2 to 11, CRC 12 to 15, R 16, W 17,
 #: S 18, the byte 19 to 30, P 31.
 HEAD, BYTE = range(1, 16), range(19, 31)
 
@@ -486,12 +486,12 @@ def disturbed(biss: Any, write: bool, bit: int, of_cds: bool, value: int = 0x40)
 @pytest.mark.parametrize("bit", range(-14, 32))
 def test_a_flipped_bit_on_its_way_to_the_slave(biss: Any, bit: int) -> None:
     outcome, line = disturbed(biss, False, bit, False)
-    # Read. Twelve zeros and P say nothing; 11 in place of 10 is sent back as it came; without S the slave is gone.
+    # Read. Twelve zeros and P have no effect, 11 in place of 10 is sent back, and without S the slave is lost.
     expected = "DONE" if bit in BYTE or bit == 31 else {17: "REFUSED", 18: "BUSY"}.get(bit, "NO_ANSWER")
     assert outcome == expected
     assert line.master.data == (b"\x40" if expected == "DONE" else b"")
     outcome, line = disturbed(biss, True, bit, False)
-    # Write. A header that no slave understands looks refused, 00.
+    # Write. A header that no slave understands looks like a refusal, 00.
     if bit < 1:
         expected = "NO_ANSWER"
     elif bit in HEAD:
@@ -505,7 +505,7 @@ def test_a_flipped_bit_on_its_way_to_the_slave(biss: Any, bit: int) -> None:
 @pytest.mark.parametrize("bit", [*range(18), *range(19, 32)])
 def test_a_flipped_bit_on_its_way_to_the_master(biss: Any, bit: int) -> None:
     outcome, line = disturbed(biss, False, bit, True)
-    # Other slaves' IDL bits only change how many there seem to be.
+    # IDL bits of other slaves change only their apparent number.
     expected = (
         "DONE" if bit in HEAD or bit == 31 else {0: "NO_ANSWER", 16: "NO_ANSWER", 17: "REFUSED"}.get(bit, "BAD_CRC")
     )
@@ -514,15 +514,15 @@ def test_a_flipped_bit_on_its_way_to_the_master(biss: Any, bit: int) -> None:
     outcome, line = disturbed(biss, True, bit, True)
     expected = "DONE" if bit in HEAD or bit == 31 else {0: "NO_ANSWER", 17: "REFUSED"}.get(bit, "BAD_ECHO")
     assert outcome == expected
-    # The master notices a bad echo of the byte when the slave has it already.
+    # The master notices a wrong echo of the byte when the slave already has it.
     assert line.memories[0].writes == ([(0x44, 0x40)] if expected == "DONE" or bit in BYTE else [])
 
 
 def test_a_start_bit_of_the_slave_that_is_lost(biss: Any) -> None:
-    """S is in no CRC: master and slave go on one bit apart. No value survives, but half of those written seem to."""
+    """No CRC covers S: master and slave continue one bit apart. No value survives, but half of the writes seem to."""
     for value in range(256):
         sent = value << 4 | remainder(value, 8)
-        # Read: the first 1 of the byte is taken as S, what follows it as the byte, and zeros fill it up.
+        # Read: the first 1 of the byte is taken as S, the bits after it as the byte, and zeros fill it up.
         follows = sent << 13 - sent.bit_length() & 0xFFF
         assert remainder(follows >> 4, 8) != follows & 0xF
         outcome, line = disturbed(biss, False, 18, True, value)

@@ -1,4 +1,4 @@
-"""Files of logic analysers: each format gives the same frames, and hostile files one line."""
+"""Files of logic analysers: each format gives the same frames, and a hostile file gives a one-line error."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def table(path: Path, line: Wave) -> Sequence[Path]:
 
 
 def changes(line: Wave) -> list[tuple[float, int, int]]:
-    """Time in seconds and level of each change: of the clock (0) and the data line (1)."""
+    """Return time in seconds and level of each change: of the clock (0) and the data line (1)."""
     clock = [(at, 0, place & 1) for place, at in enumerate(line.clock)]
     return sorted(
         (at * RATE / HERTZ, channel, level) for at, channel, level in [*clock, *((t, 1, v) for t, v in line.data)]
@@ -150,7 +150,7 @@ FORMATS: dict[str, tuple[Writer, dict[str, Any]]] = {
 }
 
 
-# In blocks of 500 bytes, the header of a VCD file is not read.
+# The header of a VCD file is not read in blocks of 500 bytes.
 @pytest.mark.parametrize(
     ("form", "block"),
     [(form, block) for form in FORMATS for block in (1 << 20, 4096, 500) if (form, block) != ("VCD", 500)],
@@ -241,7 +241,7 @@ def test_absurd_headers_take_no_memory(tmp_path: Path) -> None:
 
 
 def mutated(data: bytes, chosen: random.Random) -> bytes:
-    """Some bytes changed, removed or added, more often near the beginning."""
+    """Return the data with some bytes changed, removed or added, more often near the beginning."""
     found = bytearray(data)
     for _ in range(chosen.choice((1, 1, 2, 5, 20))):
         place = chosen.randrange(len(found) if chosen.random() < 0.5 else min(len(found), 200))

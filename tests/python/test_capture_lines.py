@@ -26,7 +26,7 @@ LAYOUT = biss_layout("position=32,error,warning,crc=6:0x43")
 
 
 def reply(head: int, *data: int) -> bytes:
-    """A reply over RS-485: its bytes, and the XOR of them."""
+    """Return a reply over RS-485: its bytes, and their XOR."""
     found = 0
     for byte in (head, *data):
         found ^= byte
@@ -34,7 +34,7 @@ def reply(head: int, *data: int) -> bytes:
 
 
 def singleturn(position: int) -> bytes:
-    """The request 02 and its reply: control field, status, 23 bits of position, CRC."""
+    """Return the request 02 and its reply: control field, status, 23 bits of position, CRC."""
     return b"\x02" + reply(0x02, 0x00, *position.to_bytes(3, "little"))
 
 
@@ -121,7 +121,7 @@ def test_a_long_serial_capture_in_pieces(lika: Any, monkeypatch: pytest.MonkeyPa
 
 
 def line_with_accesses(accesses: Callable[[biss.Master], None], memory: dict[int, int], wait: int = 0) -> Biss:
-    """A BiSS line on which a master reads and writes registers while positions are sent."""
+    """Return a BiSS line on which a master reads and writes registers while positions are sent."""
     master, slave, line, cdm, waited = biss.Master(), biss.Slave(memory, memory), Biss(), 0, 0
     accesses(master)
     for cycle in range(90):

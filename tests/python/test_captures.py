@@ -50,7 +50,7 @@ DELAYS = (0.0, 0.1, 0.26, 0.5, 0.77, 0.99, 1.0, 1.5, 3.3, 7.0)
 def test_biss_at_every_rate_with_every_delay(rate: float) -> None:
     words = [biss_word(position) for position in positions(3)]
     for delay, shift in itertools.product(DELAYS, (0.0, 0.3, 0.7)):
-        # The last bits of a delayed line come after the clock.
+        # The last bits of a delayed line come after the last clock.
         found = read(biss(words, delay=delay), rate, shift=shift)
         assert found == (words, []), (rate, delay, shift)
 
@@ -75,7 +75,7 @@ def test_clocks_after_the_frame_do_not_matter(extra: int) -> None:
     assert read(biss(words, extra=extra), 10) == (words, [])
 
 
-# Planted faults: each gives exactly one message, and the other frames are found.
+# Planted errors: each gives exactly one message, and the other frames are found.
 
 
 def spike(wave: Wave, at: float) -> Wave:

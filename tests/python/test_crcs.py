@@ -1,4 +1,4 @@
-"""CRCs in Python, also those that no frame ends in: carried over bytes or bits as the plan says, for C as well."""
+"""CRCs in Python, also those of no frame, computed over bytes or bits as the plan says, as in C."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files of frames as columns: what comes out is what decode_many makes of them, and nothing stays half-written."""
+"""Files of frames as columns: the output equals that of decode_many, and no file is left incomplete."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ from hypothesis import strategies as st
 from python_path import python_path
 
 CODE = "AMM5A21/65KSC1"
-#: The frame of AMM5's manual page: 42 revolutions, 1821973 counts; its last bits are the CRC.
+#: The frame of AMM5's manual page: 42 revolutions, 1821973 counts. Its last bits are the CRC.
 GOOD = 0x55BCD15E2
 POSITION = 89902357
 REPLY = bytes.fromhex("02 00 15 CD 5B 81")
-#: A frame whose error bit is active, with a right CRC.
+#: A frame whose error bit is active, with a correct CRC.
 SPOILT = 0x55BCD1564
 
 
@@ -54,7 +54,7 @@ def decode(
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> Command:
-    """The command, in this process and in a folder of its own."""
+    """Run the command in this process, in a folder of its own."""
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments: str) -> Done:
@@ -72,7 +72,7 @@ def packed(words: Sequence[int], length: int = 6) -> bytes:
     return b"".join(word.to_bytes(length, "big") for word in words)
 
 
-# What goes in
+# Input
 
 
 @pytest.mark.parametrize(
@@ -143,7 +143,7 @@ def test_rows_of_bytes(decode: Command, tmp_path: Path) -> None:
 def test_frames_that_follow_a_register(
     decode: Command, tmp_path: Path, generated_python: tuple[Path, ModuleType]
 ) -> None:
-    """AM36 sends as many bits as its registers say: 44 as delivered, 40 with 16 for a revolution."""
+    """The number of bits that AM36 sends depends on its registers: 44 by default, 40 with 16 for a revolution."""
     (tmp_path / "it.bin").write_bytes(packed([0x2ABCD15EF]))
     usual = rows(decode("AM3616/4096-I7", "it.bin").out)
     assert (usual[0]["multiturn"], usual[0]["singleturn"], usual[0]["fault"]) == ("42", "773397", "none")
@@ -157,7 +157,7 @@ def test_frames_that_follow_a_register(
 
 
 def test_what_the_manual_leaves_open(decode: Command, tmp_path: Path) -> None:
-    """Where AMM5 has the address of its EEPROM, as its erratum has it: EA 0A E0 or EA 05 EF for address 5."""
+    """The address of AMM5's EEPROM, according to its erratum: EA 0A E0 or EA 05 EF for address 5."""
     (tmp_path / "it.bin").write_bytes(bytes.fromhex("EA 0A E0"))
     arguments = ("AMM5A23/65KJP1", "it.bin", "--layout", "eeprom_read_request")
     done = decode(*arguments)
@@ -179,7 +179,7 @@ def test_a_frame_whose_length_is_left_open(decode: Command, tmp_path: Path) -> N
         assert (row["position"], row["fault"]) == ("1", "none")
 
 
-# What comes out
+# Output
 
 
 def test_files_hold_the_same(decode: Command, tmp_path: Path) -> None:
@@ -204,7 +204,7 @@ def test_files_hold_the_same(decode: Command, tmp_path: Path) -> None:
 def test_parts_make_the_whole(
     generated_python: tuple[Path, ModuleType], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Whatever falls on the edge of what is read at once."""
+    """Frames at the borders of the blocks that are read at once."""
     lika = generated_python[1]
     source = random.Random(5)
     words = [GOOD ^ (source.getrandbits(45) if source.random() < 0.3 else 0) for _ in range(1000)]
@@ -246,7 +246,7 @@ def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
     assert pyarrow.ipc.open_file(tmp_path / "it.arrow").read_all().num_rows == 0
 
 
-# What is wrong
+# Errors
 
 
 @pytest.mark.parametrize(
@@ -342,7 +342,7 @@ def test_help_is_80_wide(decode: Command) -> None:
     assert all(word in done.out for word in ("--columns", "--interface", "--force", "--limit"))
 
 
-# What nobody would write
+# Unusual input
 
 ODD = st.one_of(st.binary(max_size=200), st.text(max_size=60).map(lambda text: text.encode("utf-8", "surrogatepass")))
 OPTIONS = st.lists(
@@ -370,7 +370,7 @@ CODES = st.sampled_from([CODE, "AMM5A23/65KJP1", "AM3616/4096-I7", "SMA21-JP1-00
 def test_nothing_crashes_it(
     decode: Command, tmp_path: Path, code: str, options: list[str], content: bytes, name: str
 ) -> None:
-    """No option and no content ends otherwise than by an exit code and a line that says why."""
+    """Any option and any content results in an exit code, and an error in one line with the reason."""
     for path in tmp_path.iterdir():
         path.unlink()
     (tmp_path / name).write_bytes(content)
@@ -394,7 +394,7 @@ def test_no_damaged_parquet_crashes_it(decode: Command, tmp_path: Path, data: st
     assert decode(CODE, "in.parquet").code in (0, 1)
 
 
-# As a process of its own
+# In a process of its own
 
 
 @pytest.fixture(scope="module")
@@ -403,7 +403,7 @@ def start(generated_python: tuple[Path, ModuleType]) -> Callable[..., subprocess
         environment = {**os.environ, "PYTHONPATH": python_path(generated_python[0]), "PYTHONDONTWRITEBYTECODE": "1"}
         command = [sys.executable, "-m", "lika_encoders", "decode", *arguments]
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **how}
-        # Whoever runs the tests in the background has interrupts ignored, and hands that down.
+        # In the background, interrupts are ignored, and tests inherit this.
         pipes.setdefault("preexec_fn", partial(signal.signal, signal.SIGINT, signal.default_int_handler))
         return subprocess.Popen(command, cwd=cwd, env=environment, text=True, **pipes)
 
@@ -522,7 +522,7 @@ def test_partitions(generated_python: tuple[Path, ModuleType]) -> None:
 
 @pytest.mark.slow
 def test_memory_is_bounded(generated_python: tuple[Path, ModuleType], tmp_path: Path) -> None:
-    """50 MB in; ``benchmarks/stream.py`` does the same with as many gigabytes as one likes."""
+    """50 MB of input. ``benchmarks/stream.py`` does the same with any number of gigabytes."""
     from stream import measured
 
     done = measured(generated_python[0], tmp_path, 50_000_000, CODE)
@@ -533,7 +533,7 @@ def test_memory_is_bounded(generated_python: tuple[Path, ModuleType], tmp_path: 
 
 @pytest.mark.slow
 def test_memory_is_bounded_however_long_a_column_is(generated_python: tuple[Path, ModuleType], tmp_path: Path) -> None:
-    """A file of Parquet may have all of its rows in one group."""
+    """All rows of a Parquet file may be in one group."""
     from stream import run
 
     words = numpy.random.default_rng(1).integers(0, 1 << 45, 8_000_000, numpy.uint64)
@@ -560,7 +560,7 @@ def test_bytes_that_are_left_over_are_told_before_anything_is_done(
     monkeypatch: pytest.MonkeyPatch,
     decode: Command,
 ) -> None:
-    """Of a pipe nobody knows the length: there it is told at the end, and nothing is written either."""
+    """The length of a pipe is unknown. An error there is reported at the end, and nothing is written either."""
     monkeypatch.setattr(inputs, "CHUNK", 1)
     (tmp_path / "it.bin").write_bytes(packed([GOOD] * 9) + b"x")
     steps: list[tuple[object, ...]] = []

@@ -1,4 +1,4 @@
-"""What the package holds of every family: worked examples, order codes, meanings of counts, identification, data."""
+"""The content of the package for every family: examples, order codes, meanings of counts, identification, data."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def lika(generated_python: tuple[Path, ModuleType]) -> Any:
 def examples(
     lika: Any, devices: Mapping[str, Device], kind: type[_Kind]
 ) -> Iterator[tuple[Device, Any, Context, _Kind]]:
-    """The worked examples of a kind in all families, each with the family, its module and the names in it."""
+    """Return the worked examples of a kind in all families, each with the family, its module and the names in it."""
     found = False
     for device in devices.values():
         names = Context(device)
@@ -53,7 +53,7 @@ def examples(
 
 
 def values(found: Any, names: Mapping[str, object], layout: Layout) -> dict[str, object]:
-    """Attributes as the specs write them: a named value by its name, and unused bits by those of their field."""
+    """Return attributes as the specs write them: a named value by its name, and unused bits by those of their field."""
     unused = {field.name: (field, place) for field, place in layout.unused}
     made = {name: getattr(found, attribute(name, CLASS_NAMES)) for name in names if name not in unused}
     for field, place in (unused[name] for name in names if name in unused):
@@ -107,7 +107,7 @@ def test_frame_examples(lika: Any, devices: Mapping[str, Device]) -> None:
     for device, module, names, example in examples(lika, devices, FrameExample):
         variant = lika.lookup(example.order_code)
         frame = int(example.bits, 2) if example.bits else example.bytes
-        # One that says nothing of what the manual leaves open has the first answer.
+        # An example without an answer to an open question has the first answer.
         first = (
             {item.name: item.answers[0].name for item in device.alternatives}
             if variant.interface.name == "RS485"
@@ -152,7 +152,7 @@ def test_measure_examples(lika: Any, devices: Mapping[str, Device]) -> None:
 
 @pytest.mark.slow
 def test_the_order_codes_of_all_families(lika: Any, devices: Mapping[str, Device]) -> None:
-    """Each is found in any case and with a tail, with the model's values, and refused with a part wrong or missing."""
+    """Each is found in any case and with a suffix, with the model's values. A wrong or missing part is refused."""
     assert {item.name for item in lika.FAMILIES} == set(devices)
     for device in devices.values():
         module = getattr(lika, device.name)
@@ -189,13 +189,13 @@ def test_the_order_codes_of_all_families(lika: Any, devices: Mapping[str, Device
 
 
 def spelled(device: Device, parts: Mapping[str, str]) -> str:
-    """The order code with these texts in its parts."""
+    """Return the order code with these texts in its parts."""
     return re.sub(r"\{(\w+)\}", lambda brace: parts[brace[1]], device.order_code.pattern)
 
 
 @pytest.mark.slow
 def test_labels_are_read_as_the_model_reads_them(lika: Any, devices: Mapping[str, Device]) -> None:
-    """Every combination of listed and open values, with what may follow."""
+    """Return every combination of listed and open values, with allowed suffixes."""
     for device in devices.values():
         module = getattr(lika, device.name)
         labels = []
@@ -233,7 +233,9 @@ def test_labels_are_read_as_the_model_reads_them(lika: Any, devices: Mapping[str
 )
 def test_labels_of_edition_1_1(lika: Any, label: str, code: str) -> None:
     """AM36 manual, edition 1.1 p.21: AMx36xx/4096SCx-...
-    The code is that of edition 1.0, and the label says where it is written so."""
+
+    The code is that of edition 1.0, and the label says where this spelling is used.
+    """
     made = lika.lookup(label)
     assert made.code == code
     assert "edition 1.1" in made.written_as_in
@@ -299,7 +301,9 @@ def test_frames_follow_registers(lika: Any) -> None:
 
 def test_an_offset_takes_the_whole_position_field(lika: Any) -> None:
     """F0 00 00h is the highest offset at 50 µm (6.4 p.32).
-    The position 123 is sent as F0 00 7Bh then, in all 24 bits of the field."""
+
+    The position 123 is then sent as F0 00 7Bh, in all 24 bits of the field.
+    """
     encoder = lika.lookup("SMA21-SC1-0050")
     word = 0xF0007BE4
     with pytest.raises(lika.ConstantError, match="padding"):
@@ -308,7 +312,7 @@ def test_an_offset_takes_the_whole_position_field(lika: Any) -> None:
     frame = shifted.decode(word)
     assert (frame.position, frame.error, frame.warning, frame.encode()) == (0xF0007B, False, False, word)
     assert (encoder.highest, shifted.highest, shifted.modulus) == (0xFFFFF, 0xFFFFFF, 0x100000)
-    # As many positions as before, from the offset on: past the highest of them the count goes on.
+    # As many positions as before, starting at the offset. After the highest of them, the count continues.
     assert shifted.unwrap(0xFFFFFF, 0xF00000) == 0x1000000
     assert shifted.unwrap(0xF0007B, 0xF0007A) == 0xF0007A
     with pytest.raises(lika.RangeError):
@@ -346,7 +350,7 @@ def test_a_register_given_whole(lika: Any) -> None:
 
 
 def test_a_preset_is_below_the_product_of_the_resolution(lika: Any) -> None:
-    """Information per revolution x Number of revolutions - 1 (6.5 p.29), as the encoder has them, or gets them."""
+    """Information per revolution x Number of revolutions - 1 (6.5 p.29), with the present or the new values."""
     am36, encoder = lika.am36, lika.lookup("AM3616/4096-I7")
     small = encoder.with_registers({0x4B: 0, 0x4C: 0x10, 0x4D: 0, 0x4E: 0, 0x4F: 10})
     assert (am36.Preset.limits(encoder), am36.Preset.limits(small)) == ((0, (1 << 36) - 1), (0, 40_959))
@@ -359,7 +363,7 @@ def test_a_preset_is_below_the_product_of_the_resolution(lika: Any) -> None:
     ):
         with pytest.raises(lika.RangeError, match="position must be 0 to "):
             call()
-    # The new resolution holds for the preset that is written after it, also where the old one is smaller.
+    # The new resolution applies to the preset that is written after it, even if the old one is smaller.
     steps = am36.set_resolution(small, 8192, 10, 40_960)
     assert steps[:5] == am36.set_resolution(encoder, 8192, 10, 40_960)[:5]
     written = bytes(step.value for step in steps if isinstance(step, lika.Write))
@@ -405,7 +409,7 @@ def test_powers_of_two(lika: Any) -> None:
             lika.am36.InformationPerRevolution(wrong).encode()
 
 
-# ----------------------------------------------------------------------------------------------------- what counts mean
+# ----------------------------------------------------------------------------------------------- meanings of counts
 
 
 def test_every_position_has_a_meaning(lika: Any, devices: Mapping[str, Device]) -> None:
@@ -455,7 +459,7 @@ def test_counts_go_on_where_the_position_starts_again(lika: Any, devices: Mappin
 
 
 def test_encoders_are_known_by_their_registers(lika: Any, devices: Mapping[str, Device]) -> None:
-    """What an encoder is documented to hold names it, and whatever holds the same."""
+    """The documented content of an encoder identifies it, and so does anything with the same content."""
     for device in devices.values():
         for variant in device.variants:
             if not any(register.interface == variant.interface for register, _ in device.identity):
@@ -497,7 +501,7 @@ def test_identification(lika: Any) -> None:
 
 
 def test_registers_encode_what_they_decoded(lika: Any, devices: Mapping[str, Device]) -> None:
-    """All bits come back, known or not: of every register that takes any bits, with each of its order codes."""
+    """All bits are preserved, known or not, for every register that accepts any bits, with each of its order codes."""
     assert lika.asc85.ErrorRegister.decode(b"\x97").encode() == b"\x97"
     assert lika.asc85.ErrorRegister.decode(b"\x97").unused == 0x84
     assert lika.amm5.ManufacturerId.decode(b"\xff\xfe") != lika.amm5.ManufacturerId.decode(b"\x80\x81")
@@ -518,7 +522,7 @@ def test_registers_encode_what_they_decoded(lika: Any, devices: Mapping[str, Dev
                     found = kind.decode(data, *([variant] if takes else []))
                     made = found.encode()
                 except lika.FrameError:
-                    continue  # It has no such value, or may not be written.
+                    continue  # There is no such value, or it may not be written.
                 assert made == data, (register.name, data)
                 tried += 1
     assert tried > 50
@@ -606,7 +610,7 @@ def test_bit_fields_are_those_of_the_model(lika: Any, devices: Mapping[str, Devi
                 if not hasattr(view, "bit_fields"):
                     continue
                 given = [module.VARIANTS[variant.code]] if "variant" in view._fields else []
-                # The model has the first answer to what the manual leaves open.
+                # The model uses the first answer to an open question.
                 given += [next(iter(getattr(module, item.kind))) for item in names.asked_of(layout)]
                 fields = view.bit_fields(*given)
                 assert {item.name: (item.low, item.width) for item in fields if item.width} == {

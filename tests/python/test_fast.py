@@ -1,4 +1,4 @@
-"""All methods that decode one frame of an encoder say the same of it."""
+"""All methods that decode one frame of an encoder give the same result."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 from test_agreement import ALL, FAMILIES, Family, cases, families, family, given
 from test_many import numbers
 
-#: What `try_decode` returns. Each package has its own FrameError.
+#: Result of `try_decode`. Each package has its own FrameError.
 FrameErrors = ValueError
 
 __all__ = ["families", "family"]
@@ -21,7 +21,7 @@ pytestmark = pytest.mark.slow
 
 
 def told(decode: Any, frame: object, **more: object) -> object:
-    """The frame, or the error: its class, what it says and which frame it was."""
+    """Return the frame, or the error: its class, its text and its frame."""
     try:
         return decode(frame, **more)
     except (ValueError, TypeError) as error:
@@ -30,7 +30,7 @@ def told(decode: Any, frame: object, **more: object) -> object:
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
 def test_it_says_the_same(family: Family) -> None:
-    """The method that raises, the one that returns errors and the one of the class are one program."""
+    """The method that raises, the one that returns errors and the one of the class share their code."""
     source = random.Random(family.device.name)
     seen = 0
     for case in cases(family):
@@ -71,7 +71,7 @@ def test_a_bound_encoder_can_still_be_copied(families: dict[str, Family]) -> Non
 
 
 def test_other_registers_make_another_decoder(families: dict[str, Family]) -> None:
-    """What was bound for an encoder as delivered is not used for one whose registers hold something else."""
+    """A decoder that is bound to an encoder with its defaults is not used if its registers differ."""
     encoder = families["am36"].module.lookup("AM3616/4096-I7")
     before = encoder.decode(0x2ABCD15EF)
     other = encoder.with_registers({0x56: 0x10})
@@ -90,7 +90,7 @@ def test_an_error_says_which_frame_it_was(families: dict[str, Family]) -> None:
 
 
 def test_an_answer_left_out_is_told_with_the_answers(families: dict[str, Family]) -> None:
-    """Also where the answer decides how long a frame is: no attribute of None is looked for."""
+    """This also holds if the answer determines the length of a frame: no attribute of None is accessed."""
     module = families["odd_shapes"].module
     encoder, kind, cycle = module.lookup("OBSC"), module.Open, module.Cycle
     said = r"expected Form\.NARROW or Form\.WIDE, got .*: the manual leaves this open$"

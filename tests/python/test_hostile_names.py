@@ -22,22 +22,22 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parents[2]
 NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
-#: Names of the made-up spec itself, which have to stay apart from the words.
+#: Names of the made-up spec itself, which must differ from the words.
 _OWN = re.compile(r"own_\w+|crc_own|from_own_position|own")
 
 
 def words() -> list[str]:
-    """Every word in the templates, every word of Python, and what the spec below makes out of its own names."""
+    """Return every word in the templates, every word of Python, and every name derived from the spec below."""
     found = {*keyword.kwlist, *dir(builtins), *dir(tuple)}
     for path in (ROOT / "templates" / "python").glob("*.jinja"):
         found |= set(re.findall(r"\b[a-z]\w*\b", path.read_text(encoding="utf-8")))
-    # BiSS lays down what error and warning are.
+    # BiSS defines the meaning of error and warning.
     kept = {name for name in found - {"error", "warning"} if NAME.fullmatch(name) and not _OWN.fullmatch(name)}
     return sorted(kept | {"from_own_position", "own_preset_limits", "crc_own", "crc_own_of_bits"})
 
 
 def hostile(words: list[str]) -> Item:
-    """A spec with each word as the name of a field in every role, of a joined number, a parameter and an argument."""
+    """Return a spec with each word as a field in every role, a joined number, a parameter and an argument."""
     layouts = [item for index, word in enumerate(words) for item in _layouts(index, word)]
     sets = {size: {"own_bits": size, **dict.fromkeys(words[::2], size)} for size in (3, 5)}
     sizes = {str(size): {"interface": "biss", "sets": given} for size, given in sets.items()}
@@ -63,7 +63,7 @@ def hostile(words: list[str]) -> Item:
 
 
 def _layouts(index: int, word: str) -> Iterator[Item]:
-    """A layout for each role that a field of this name can have."""
+    """Return a layout for each role that a field of this name can have."""
     check = {"name": "own_crc", "crc": "own"}
     high, low = {"name": "own_high", "bits": 4}, {"name": "own_low", "bits": 4}
     wide = {"name": word, "bits": "own_bits"}
@@ -81,7 +81,7 @@ def _layouts(index: int, word: str) -> Iterator[Item]:
     yield layout_of(f"own_beside_{index}", high, low, {"name": word, "bits": 6}, join=join)
     fields = ({**wide, "padded_to": 16}, {"name": "own_crc", "crc": "own_8"})
     yield layout_of(f"own_bytes_{index}", *fields, carried_as="bytes", byte_order="low_byte_first")
-    # The first word is what is measured, and no flag; no field may have the name of the number of all unused bits.
+    # The first word is a measurement and not a flag. No field may have the name of the number of all unused bits.
     told = {"name": word if index else "own_told", "active": "low", "makes_position": "not_usable"}
     summed = {"name": "own_flag", "active": "high", "makes_position": "usable_with_warning", "sums_up": [told["name"]]}
     spare = [] if word == "unused" else [{"name": "own_spare", "bits": 3, "unused": 5}]
@@ -163,8 +163,10 @@ def _works(given: list[str], folder: Path, import_generated: Callable[..., Any])
 
 
 def _goes_there_and_back(device: Device, layout: Layout, variant: Variant, module: Any, encoder: Any) -> None:
-    """A frame of the model decodes to the model's numbers and encodes to the same frame;
-    so does one made of a joined number."""
+    """A frame of the model decodes to the model's numbers and encodes to the same frame.
+
+    This also holds for one made from a joined number.
+    """
     given: dict[type, int | str | bool] = {Choice: "two", Flag: True, Decimal: 1234}
     values: dict[str, int | str | bool] = {}
     for field in layout.data_fields:
@@ -196,5 +198,5 @@ def _spelled(build: Any, name: str) -> str:
 
 
 def _of(frame: Any, name: str) -> Any:
-    """The attribute, under its name or with an underscore behind it."""
+    """Return the attribute with this name, or with a trailing underscore."""
     return getattr(frame, f"{name}_") if f"{name}_" in dir(frame) else getattr(frame, name)

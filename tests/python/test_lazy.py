@@ -1,4 +1,4 @@
-"""What is loaded when: one family, no facts, and nothing that a decoder does not need."""
+"""Modules are loaded on first use: one family, no facts, and nothing that a decoder does not need."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FAMILIES = ("am36", "amm5", "asc85", "sma21")
 
 
 def loaded(generated_python: tuple[Path, ModuleType], code: str) -> set[str]:
-    """The modules that are loaded after ``code`` and were not before."""
+    """Return the modules that ``code`` loads."""
     script = f"import sys\nbefore = set(sys.modules)\n{code}\nprint(*sorted(set(sys.modules) - before))"
     environment = {**os.environ, "PYTHONPATH": python_path(generated_python[0])}
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=environment, check=True)
@@ -52,7 +52,7 @@ def test_families_are_there_when_asked_for(generated_python: tuple[Path, ModuleT
 
 @pytest.mark.parametrize("label", ["AM3616/4096-I7", "AMM5A21/65KSC1", "ASC8525/SC1", "SMA21-SC1-0050"])
 def test_lookup_takes_no_longer_for_the_last_family(generated_python: tuple[Path, ModuleType], label: str) -> None:
-    """The best of some runs, in CPU time: 50 µs, where a tenth of that is usual."""
+    """The best of some runs, in CPU time, takes at most 50 µs. A tenth of that is usual."""
     lika: Any = generated_python[1]
     lika.lookup(label)
     best = float("inf")

@@ -1,4 +1,4 @@
-"""Frames made of columns are what each of them is by itself; what one frame refuses, columns refuse with the row."""
+"""Columns are encoded like single frames. Values that one frame refuses are refused with their row."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FRAMES = 1_000
 
 
 def sound_columns(case: Case, source: random.Random) -> tuple[list[Any], list[Any], dict[str, Any]]:
-    """Sound frames that can be encoded again: as they are sent, as objects, and as columns."""
+    """Return valid frames that can be encoded again: as they are sent, as objects, and as columns."""
     wire = [case.carried(number) for number in numbers(case, max(40, FRAMES // 10), source)]
     frames, _ = one_by_one(case, wire)
     table = case.view.decode_many(wire, *given(case))
@@ -28,7 +28,7 @@ def sound_columns(case: Case, source: random.Random) -> tuple[list[Any], list[An
 
 
 def can_be_encoded(frame: Any) -> bool:
-    """Text that is no ASCII shows a mark, which is refused; so are numbers that are read though they should not be."""
+    """Text that is not ASCII is decoded with a mark, which is refused. So are some invalid numbers that are decoded."""
     try:
         frame.encode()
     except ValueError:
@@ -37,7 +37,7 @@ def can_be_encoded(frame: Any) -> bool:
 
 
 def plain(made: Any) -> list[Any]:
-    """Frames as one frame is encoded."""
+    """Encode the frames one by one."""
     return [bytes(row) for row in made] if made.ndim == 2 else made.tolist()
 
 
@@ -72,7 +72,7 @@ def test_what_one_frame_refuses_columns_refuse(family: Family) -> None:
 
 
 def values_around(column: Any) -> list[Any]:
-    """Values at and beyond the bounds of what a field may have."""
+    """Return values at and beyond the bounds of a field."""
     if column.dtype.kind == "S":
         length = column.dtype.itemsize
         return ["\u00e9" * length, "\u0100" * length, "x" * (length + 1), "x" * length]
@@ -82,7 +82,7 @@ def values_around(column: Any) -> list[Any]:
 
 
 def refuses_alike(case: Case, frame: Any, columns: dict[str, Any], name: str, row: int) -> bool:
-    """Whether a frame is refused; columns that have it in a row have to be, or to make what it makes."""
+    """Return True if a frame is refused. Columns with it in a row must be refused too, or give the same frame."""
     column = columns[name]
     if column.dtype.kind == "S":
         column = numpy.char.decode(column, "latin-1")
@@ -104,7 +104,7 @@ def refuses_alike(case: Case, frame: Any, columns: dict[str, Any], name: str, ro
         found: Any = caught.value
         assert type(alone).__name__ in {item.__name__ for item in type(found).__mro__}
         assert (found.row, found.value) == (row, alone.value), case.layout.name
-        # A name that Python needs itself has another in columns and attributes.
+        # A keyword of Python has another name in columns and attributes.
         assert found.field in (alone.field, f"{alone.field}_")
         return True
     assert plain(case.view.encode_many(given_columns, *given(case)))[row] == expected, (case.layout.name, name, value)
@@ -112,7 +112,7 @@ def refuses_alike(case: Case, frame: Any, columns: dict[str, Any], name: str, ro
 
 
 def test_what_is_left_out(families: dict[str, Family]) -> None:
-    """Flags and unused bits may be; a single value stands for all rows; a name that is none is a slip."""
+    """Flags and unused bits are optional, a single value applies to all rows, and an unknown name is an error."""
     amm5 = families["amm5"].module
     encoder = amm5.lookup("AMM5A21/65KSC1")
     words = encoder.encode_many({"position": numpy.array([89902357, 5]), "warning": True})
@@ -124,7 +124,7 @@ def test_what_is_left_out(families: dict[str, Family]) -> None:
     with pytest.raises(ValueError, match="2 rows"):
         encoder.encode_many({"singleturn": [1, 2], "multiturn": [1]})
     assert encoder.encode_many({"position": numpy.zeros(0, int)}).tolist() == []
-    # What has a fault has no values, and what contradicts itself is refused.
+    # A frame with an error has no values, and contradictory values are refused.
     with pytest.raises(ValueError, match=r"row 1: fault must be 0 \(a frame with an error has no values\), got 2"):
         encoder.encode_many(encoder.decode_many([frames[0].encode(), frames[0].encode() ^ 1]))
     with pytest.raises(ValueError, match="row 1: position must be equal to its fields, got 7"):

@@ -1,4 +1,4 @@
-"""What one expects of any package: frames are values, errors say which frame it was, modules begin with a list."""
+"""Conventions of Python packages: frames are values, errors name their frame, and modules begin with a list."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from test_agreement import FAMILIES, Case, Family, cases, families, family, give
 
 __all__ = ["families", "family"]
 
-#: So many lines stand on a screen.
+#: Number of lines of a screen.
 SCREEN = 40
 
 
@@ -36,7 +36,7 @@ def modules(files: Mapping[str, str]) -> dict[str, str]:
 
 
 def names_in(text: str) -> set[str]:
-    """What the contents of a module name, all of it on its first screen."""
+    """Return the names in the contents of a module, which must fit on its first screen."""
     screen = "\n".join(text.splitlines()[:SCREEN])
     listed = re.search(r"\nContents:\n(.*?)\n\n", screen, re.DOTALL)
     assert listed is not None
@@ -45,7 +45,7 @@ def names_in(text: str) -> set[str]:
 
 
 def test_the_first_screen_names_all_that_a_module_holds(files: Mapping[str, str]) -> None:
-    """Not by ``__all__``, which comes of the same list, but by what stands in the module."""
+    """This does not use ``__all__``, which comes from the same list, but the names in the module."""
     assert set(modules(files)) == {"am36", "amm5", "asc85", "sma21"}
     for name, text in modules(files).items():
         tree = ast.parse(text)
@@ -61,7 +61,7 @@ def test_the_first_screen_names_all_that_a_module_holds(files: Mapping[str, str]
 
 
 def one_of_each(family: Family) -> list[tuple[Case, Any]]:
-    """A frame or register of each class."""
+    """Return a frame or register of each class."""
     source = random.Random(family.device.name)
     found: dict[str, tuple[Case, Any]] = {}
     for case in cases(family):
@@ -80,14 +80,14 @@ def test_frames_are_values(family: Family) -> None:
         for again in (pickle.loads(pickle.dumps(frame)), copy.copy(frame), copy.deepcopy(frame)):
             assert (again, type(again), hash(again)) == (frame, type(frame), hash(frame))
         if not hasattr(type(frame), "_fields"):
-            # One choice is an enumeration, which shows as such.
+            # A single choice is an enumeration, and is shown as one.
             assert repr(frame).startswith(f"<{type(frame).__name__}.")
             continue
         names = frame._fields
         shown = ", ".join(f"{name}={getattr(frame, name)!r}" for name in names)
         assert repr(frame) == f"{type(frame).__name__}({shown})"
         assert case.variant.code in repr(frame) or "variant" not in names
-        # Equal values do not make the frame of another class.
+        # Frames of different classes with equal values are not equal.
         other = type("Other", (type(frame),), {})(*frame)
         assert frame not in (tuple(frame), other)
         assert len({frame, tuple(frame), type(frame)(*frame)}) == 2
@@ -113,13 +113,13 @@ def test_match_takes_a_frame_by_class_and_keyword(families: dict[str, Family]) -
     assert told(tuple(encoder.decode(bytes.fromhex("02 00 15 CD 5B 81")))) is None
 
 
-# Errors say which frame
+# Errors name their frame
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("family", FAMILIES, indirect=True)
 def test_errors_say_which_frame_of_which_encoder(family: Family) -> None:
-    """Of each interface; also after they went through another process."""
+    """For each interface, and also after passing through another process."""
     seen = set()
     for case in cases(family):
         in_bytes = case.layout.carried_as == "bytes"
@@ -139,18 +139,18 @@ def test_errors_say_which_frame_of_which_encoder(family: Family) -> None:
 
 @pytest.mark.slow
 def test_a_hint_names_the_mistake(families: dict[str, Family]) -> None:
-    """A frame whose wires are swapped arrives with each bit turned: its CRC is right once they are turned back."""
+    """A frame with swapped wires arrives with each bit inverted. Its CRC is correct once they are inverted again."""
     encoder = families["amm5"].module.lookup("AMM5A21/65KSC1")
     with pytest.raises(ValueError) as caught:
         encoder.decode(0x55BCD15E2 ^ (1 << 45) - 1)
     assert "inverted" in caught.value.hint or "swapped" in caught.value.hint
 
 
-# What the package says of itself
+# Documentation of the package
 
 
 def test_importing_it_says_nothing(families: dict[str, Family], capsys: pytest.CaptureFixture[str]) -> None:
-    """A library speaks by its logger, and leaves it to the program what is done with that."""
+    """A library writes to its logger, and leaves the output to the program."""
     import logging
 
     assert logging.getLogger("codewheel_runtime").handlers == []

@@ -1,4 +1,4 @@
-"""Many frames at once are what each of them is by itself: every layout, frames sound and disturbed."""
+"""Many frames at once give the same results as one by one: every layout, valid and disturbed frames."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from test_agreement import ALL, KINDS, Case, Family, cases, families, family, gi
 __all__ = ["families", "family"]
 pytestmark = pytest.mark.slow
 
-#: So many frames of each layout, of all order codes together; and so many against the model, which takes its time.
+#: Number of frames of each layout, over all order codes, and of those compared with the model, which is slow.
 FRAMES, FRAMES_OF_THE_MODEL = 10_000, 1_000
 FAULTS = {"length": 1, "crc": 2, "constant": 3, "range": 4}
 
 
 def numbers(case: Case, count: int, source: random.Random) -> list[int]:
-    """Frames as numbers: sound ones, ones with a bit or more turned, ones with a right CRC over anything, and noise."""
+    """Return frames as numbers: valid ones, ones with flipped bits, random ones with a correct CRC, and noise."""
     bits = case.placed.bits
     kinds = ("zero", "ones", *["random"] * min(count // 8, 30))
     made = [codec.encode(case.family.device, case.placed, values_of(case, kind, source)) for kind in kinds]
@@ -37,7 +37,7 @@ def numbers(case: Case, count: int, source: random.Random) -> list[int]:
 
 
 def one_by_one(case: Case, wire: list[Any]) -> tuple[list[Any], list[int]]:
-    """The frames, None where there is a fault, and the faults."""
+    """Return the frames, with None for errors, and the errors."""
     found, faults = [], []
     for item in wire:
         try:
@@ -50,7 +50,7 @@ def one_by_one(case: Case, wire: list[Any]) -> tuple[list[Any], list[int]]:
 
 
 def agree(case: Case, table: Any, frames: list[Any], faults: list[int]) -> None:
-    """Whether the columns are what the frames are one by one."""
+    """Compare the columns with the frames one by one."""
     assert table.fault.tolist() == faults, case.layout.name
     sound = [place for place, frame in enumerate(frames) if frame is not None]
     for name in table:
@@ -76,7 +76,7 @@ def agree(case: Case, table: Any, frames: list[Any], faults: list[int]) -> None:
 
 
 def by_layout(family: Family) -> dict[str, list[Case]]:
-    """The cases of each frame of a family; registers are left out."""
+    """Return the cases of each frame of a family, without registers."""
     found: dict[str, list[Case]] = defaultdict(list)
     for case in cases(family):
         if case.register is None:
@@ -104,7 +104,7 @@ def test_columns_are_what_each_frame_is(family: Family) -> None:
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
 def test_columns_are_what_the_model_says(family: Family) -> None:
-    """Straight against the model, without the decoder of one frame between."""
+    """Compared directly with the model, without the decoder of one frame."""
     source = random.Random(f"model {family.device.name}")
     for found in by_layout(family).values():
         for case in found:
@@ -125,23 +125,23 @@ def agree_with_the_model(case: Case, table: Any, made: list[int]) -> None:
             continue
         raw = {item.name: item for item in said.fields}
         for name, column in columns.items():
-            # What an order code does not have is 0 in a column, and nothing in the model.
+            # A field that an order code lacks is 0 in a column, and missing in the model.
             expected = plain(raw[name], column[place]) if name in raw else 0
             assert column[place] == expected, (case.layout.name, name, hex(number))
         told = findings(device, case.variant, said)
-        # Reports of the same words are told apart by their names alone, which the model takes from the field.
+        # Reports with the same words differ only in their names, which the model takes from the field.
         assert sum(column[place] for column in reports.values()) == len(told.reports), hex(number)
         if judged is not None:
             assert told.verdict is [*Verdict][judged[place]], hex(number)
 
 
 def model_names(case: Case) -> list[str]:
-    """What the model calls the columns."""
+    """Return the names of the columns in the model."""
     return [*(item.name for item in case.layout.fields), *(item.name for item in case.layout.joins), codec.UNUSED]
 
 
 def plain(field: codec.DecodedField, column: object) -> object:
-    """The value of a field as a column has it: a choice by its number, text as bytes without zeros at its end."""
+    """Return the value of a field in a column: a choice by its number, text as bytes without trailing zeros."""
     if isinstance(column, bytes) and isinstance(field.value, str):
         return field.value.encode("ascii", "replace").rstrip(b"\0") if field.value.isascii() else column
     return field.raw if isinstance(field.value, str) else field.value
@@ -189,7 +189,7 @@ def test_rows_of_every_count(families: dict[str, Family], count: int) -> None:
 
 
 def test_numbers_of_any_kind(families: dict[str, Family]) -> None:
-    """What would overflow, or stand for something else, is refused; what is the same number is taken."""
+    """Values that would overflow or mean something else are refused. Other forms of the same number are accepted."""
     encoder = families["amm5"].module.lookup("AMM5A17/1BG1")
     for kind in (numpy.uint32, numpy.int64, numpy.uint64, ">u4", "<i8"):
         assert encoder.decode_many(numpy.array([5, 70_000], kind)).position.tolist() == [5, 70_000]
@@ -227,7 +227,7 @@ def test_counts_go_on_where_the_position_starts_again(families: dict[str, Family
     assert found.tolist() == expected
 
 
-#: What is left to the user of an order code's frames.
+#: Open questions about the frames of an order code.
 ANSWERS = {"ASC8525/SC1": {"zero_bit": "LEFT_OUT"}}
 UNITS = {
     "AMM5A21/65KSC1": ("turns", "degrees", "radians"),
@@ -237,14 +237,14 @@ UNITS = {
 
 
 def answers_of(encoder: Any) -> dict[str, Any]:
-    """What the user decides of the manual's open questions, as arguments."""
+    """Return the user's answers to the manual's open questions as arguments."""
     module = import_module(type(encoder).__module__)
     return {name: module.ZeroBit[value] for name, value in ANSWERS.get(encoder.code, {}).items()}
 
 
 @pytest.mark.parametrize("label", UNITS)
 def test_units_are_those_of_one_position(families: dict[str, Family], label: str) -> None:
-    """Every number is just that of the encoder's own method, for a position and for a count that went on."""
+    """Every number equals that of the encoder's own method, for a position and for an unwrapped count."""
     encoder, source = lookup_of(families, label), random.Random(5)
     positions = [source.randrange(encoder.modulus) for _ in range(2_000)]
     answers = answers_of(encoder)
@@ -262,7 +262,7 @@ def test_units_are_those_of_one_position(families: dict[str, Family], label: str
 
 @pytest.mark.parametrize("label", UNITS)
 def test_velocity_is_the_way_by_the_time(families: dict[str, Family], label: str) -> None:
-    """Counted with unwrap from one usable frame to the next, over the place where the position starts again."""
+    """Unwrapped from one usable frame to the next, across the wrap."""
     encoder, source = lookup_of(families, label), random.Random(6)
     unit, per_count = UNITS[label][0], getattr(encoder, UNITS[label][0])(1)
     at, time, counts, times = encoder.modulus - 50, 0.0, [], []
@@ -291,7 +291,7 @@ def test_velocity_is_the_way_by_the_time(families: dict[str, Family], label: str
 
 
 def test_counts_go_on_from_table_to_table(families: dict[str, Family]) -> None:
-    """In pieces they are what they are in one, also where a piece begins with faults or is nothing else."""
+    """In pieces, the results are the same as in one, even if a piece begins with errors or has only errors."""
     encoder, source = lookup_of(families, "AMM5A17/1SC1"), random.Random(7)
     counts = numpy.cumsum([source.randint(-30_000, 60_000) for _ in range(300)])
     words = encoder.encode_many({"position": counts % encoder.modulus})
@@ -335,7 +335,7 @@ def test_arrow_takes_the_columns(families: dict[str, Family]) -> None:
 
 @pytest.mark.parametrize("family", ["amm5"], indirect=True)
 def test_what_is_no_frame_and_no_kind_is_refused(family: Family) -> None:
-    """A list that holds something else than frames is a slip in a program, and no frame with a fault."""
+    """A list that contains something other than frames is a mistake in a program, not a frame with an error."""
     amm5 = family.module
     bits, serial = amm5.lookup("AMM5A21/65KSC1"), amm5.lookup("AMM5A23/65KJP1")
     for wrong in (["1"], [5.9], [True]):
@@ -354,6 +354,6 @@ def test_what_is_no_frame_and_no_kind_is_refused(family: Family) -> None:
 
 @pytest.mark.parametrize("family", ["amm5"], indirect=True)
 def test_nothing_explains_a_frame_that_cannot_be_told_from_another(family: Family) -> None:
-    """Every word of 39 bits is a sound one here, so that none of them being sound explains a word of 40."""
+    """Every word of 39 bits is valid here, so valid words of 39 bits do not explain a word of 40."""
     fault = family.module.lookup("AMM5A23/65KBG1").try_decode(1 << 39)
     assert (type(fault).__name__, fault.hint) == ("LengthError", "")

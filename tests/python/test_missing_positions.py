@@ -1,4 +1,4 @@
-"""Positions that mean nothing are null, other columns are kept, and a cell without a frame is a row with an error."""
+"""Meaningless positions are null, other columns are kept, and a cell without a frame is a row with an error."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from codewheel_runtime.command import main
 from codewheel_runtime.inputs import InputError
 
 CODE = "AMM5A21/65KSC1"
-#: The frame of AMM5's manual page, 42 revolutions and 1821973 counts; with a wrong bit; with an active error bit.
+#: The frame of AMM5's manual page, 42 revolutions and 1821973 counts, also with a wrong bit and with an error bit.
 GOOD, POSITION = 0x55BCD15E2, 89902357
 WRONG, SPOILT = GOOD ^ 1 << 40, 0x55BCD1564
 PARTS = ("position", "singleturn", "multiturn")
@@ -34,7 +34,7 @@ def lika(generated_python: tuple[Path, ModuleType]) -> Any:
 def decode(
     lika: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> Callable[..., tuple[int, str, str]]:
-    """The command, in this process and in a folder of its own: exit code, standard output and standard error."""
+    """Run the command in this process, in a folder of its own. Return exit code, standard output and standard error."""
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments: str) -> tuple[int, str, str]:
@@ -48,7 +48,7 @@ def column(text: str, name: str) -> list[str]:
     return [row[name] for row in csv.DictReader(io.StringIO(text))]
 
 
-# Positions that mean nothing
+# Positions without meaning
 
 
 def test_a_table_masks_and_gives_null(lika: Any) -> None:
@@ -92,7 +92,7 @@ def test_where_nothing_tells_the_position_stays(lika: Any) -> None:
 
 
 def test_a_reply_with_a_part_of_the_position(lika: Any) -> None:
-    """The singleturn reply has no ``position``, but what it says of one means as little."""
+    """The singleturn reply has no ``position``, but its fields of a position are also meaningless."""
     encoder = lika.lookup("AMM5A23/65KJP1")
     good = lika.amm5.SingleturnReply(encoder, lika.amm5.DataId.SINGLETURN, False, False, 5)
     spoilt = good._replace(status_st_error=True)
@@ -139,7 +139,7 @@ def test_other_columns_come_first_and_as_they_are(decode: Any, tmp_path: Path) -
 
 @pytest.mark.parametrize("source", ["it.csv", "it.parquet"])
 def test_si_units_of_a_file_with_a_time(lika: Any, decode: Any, tmp_path: Path, source: str) -> None:
-    """A quarter of a turn in each second is pi / 2 rad/s."""
+    """A quarter of a turn per second is pi / 2 rad/s."""
     encoder = lika.lookup(CODE)
     quarter = encoder.counts_per_turn // 4
     words = encoder.encode_many({"position": [0, quarter, 2 * quarter]}).tolist()
@@ -206,7 +206,7 @@ def test_columns_without_a_name(decode: Any, tmp_path: Path) -> None:
 def test_a_cell_that_is_no_number_is_counted(
     lika: Any, decode: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The type of a column follows from its first part; nothing that is left out later is left out silently."""
+    """The first block determines the type of a column. Later cells that do not fit are counted."""
     monkeypatch.setattr(fast_csv, "BLOCK", 50)
     (tmp_path / "it.csv").write_text("time,word\n" + "".join(f"{time},{GOOD:#x}\n" for time in (1, 2, 3, "x", "", 4.5)))
     code, out, _ = decode(CODE, "it.csv", "-o", "it.parquet")
@@ -230,7 +230,7 @@ def test_names_that_clash(decode: Any, tmp_path: Path, header: str, said: str) -
     assert (code, out) == (0, "singleturn,fault\n1821973,none\n")
 
 
-# Frames in another form than is said
+# Frames in a form other than the stated one
 
 
 @pytest.mark.parametrize(
@@ -328,7 +328,7 @@ def test_unknown_units_of_speed_list_rpm(lika: Any) -> None:
     ],
 )
 def test_a_cell_without_a_frame_does_not_end_the_run(decode: Any, tmp_path: Path, end: str, faults: list[str]) -> None:
-    """A last line that has no end and is shorter than the one before may be cut, so that its number is not taken."""
+    """A last line without an end that is shorter than the one before may be cut, so its number is not used."""
     good = f"{GOOD:#x}"
     (tmp_path / "it.csv").write_text(f"time,word\n0,{good}\n" + end.format(good, good[:-1]))
     _, out, _ = decode(CODE, "it.csv")

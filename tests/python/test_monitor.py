@@ -1,4 +1,4 @@
-"""The live view of an encoder: what a terminal shows, and one line per reading elsewhere."""
+"""The live view of an encoder: the display on a terminal, and one line per reading elsewhere."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The generated source as source: typed, the same every time, and closed against what stands in a spec."""
+"""The generated source: typed, reproducible, and safe against any text in a spec."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from python_path import python_path
 
 SPECS = Path(__file__).resolve().parents[2] / "specs" / "lika"
 
-#: Texts that would end a string, a docstring or a comment, if they could.
+#: Texts that would end a string, a docstring or a comment if they could.
 HOSTILE = [
     '"""\nimport os\nBROKEN = 1\n"""',
     "'''\nBROKEN = 1\n'''",
@@ -108,7 +108,7 @@ def test_lines_are_of_a_length_to_read(files: Mapping[str, str]) -> None:
 
 @pytest.mark.slow
 def test_a_linter_finds_nothing(files: Mapping[str, str], tmp_path: Path) -> None:
-    """Python's own style and pyflakes, as the tools of users have them before they choose anything."""
+    """Python's own style and pyflakes, with the default settings of users' tools."""
     shapes, _ = load_library([Path(__file__).parent / "specs"])
     for folder, made in (("ours", files), ("shapes", generate(Library(shapes)))):
         for path, text in made.items():
@@ -132,7 +132,7 @@ def _assigns_all(node: ast.stmt) -> bool:
 
 @pytest.mark.slow
 def test_imports_are_all_used(files: Mapping[str, str]) -> None:
-    """Also where a field has the name of a function."""
+    """This also holds if a field has the name of a function."""
     shapes, _ = load_library([Path(__file__).parent / "specs"])
     for path, source in {**files, **generate(Library(shapes))}.items():
         tree = (
@@ -154,7 +154,7 @@ def test_imports_are_all_used(files: Mapping[str, str]) -> None:
 
 @pytest.fixture(scope="module")
 def shape(files: Mapping[str, str]) -> list[str]:
-    """What is left of the module of AMM5 without its texts."""
+    """The rest of the module of AMM5 without its texts."""
     return _shape(files["python/lika_encoders/amm5.py"])
 
 
@@ -185,14 +185,14 @@ def test_text_of_a_spec_stays_text(
 
 
 def _parsed(name: str) -> dict[str, Any]:
-    """The data of one of our specs, to be changed."""
+    """Return the data of one of our specs, to be changed."""
     document = read_document(SPECS / name, Report())
     assert document is not None
     return copy.deepcopy(document.data)
 
 
 def _poison(data: Any, text: str) -> None:
-    """Puts ``text`` wherever running text stands."""
+    """Put ``text`` into every running text."""
     texts = {
         "title",
         "meaning",
@@ -225,7 +225,7 @@ def _poison(data: Any, text: str) -> None:
             del data["values"]  # The text must give them.
         for key, value in data.items():
             if key in texts and isinstance(value, str) and not (key == "value" and "register" in data):
-                # What counts steps still does: remedies name it.
+                # Numbers of steps stay, because remedies refer to them.
                 poison = f"1. {text} 2. {text} 3. {text}" if has_steps(value) else text
                 # Neighbours must not have the same name or meaning.
                 data[key] = f"{value} {poison}" if key in ("printed_name", "meaning") else poison
@@ -237,7 +237,7 @@ def _poison(data: Any, text: str) -> None:
 
 
 def _shape(source: str) -> list[str]:
-    """The program without its texts."""
+    """Return the program without its texts."""
     tree = ast.parse(source)
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and isinstance(node.value, str):

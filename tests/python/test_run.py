@@ -1,4 +1,4 @@
-"""Procedures carried out: on a made-up memory, over the register access of BiSS, and with each step failing."""
+"""Procedures on a made-up memory, over the register access of BiSS, and with each step failing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 
 
 class Memory:
-    """Registers that hold what is written; the access ``fails_at`` fails, and none after it if ``lost``."""
+    """Registers that keep written values. The access ``fails_at`` fails, and so do all after it if ``lost``."""
 
     def __init__(self, held: dict[int, int] | None = None, fails_at: int = -1, lost: bool = False) -> None:
         self.held = dict(held or {})
@@ -61,7 +61,7 @@ def test_what_was_opened_is_closed_when_a_step_fails(lika: Any, at: int) -> None
     assert isinstance(caught.value.__cause__, OSError)
     assert caught.value.left_open == ()
     assert caught.value.done == steps[: caught.value.at]
-    # Closed in any case, and no command was given that was not due.
+    # It is closed in any case, and no command was sent too early.
     assert memory.held.get(0x40, 0) == 0
     assert [data for address, data in memory.written if address == 0x77] == [b"\x01", b"\x02"][: max(0, at - 10)]
     assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
@@ -90,7 +90,7 @@ def test_an_interrupted_run_closes_too(lika: Any) -> None:
 
 
 def test_bits_that_were_changed_are_put_back(lika: Any) -> None:
-    """AM36 opens its preset by a bit of the configuration, whose other bits stay."""
+    """AM36 opens its preset with a bit of the configuration, whose other bits stay the same."""
     steps = lika.am36.set_preset(lika.lookup("AM3616/4096-I7"), 100_000)
     change = next(step for step in steps if isinstance(step, lika.Modify))
     before = 0xFF & ~change.mask
@@ -122,7 +122,7 @@ def test_what_is_read_is_given(lika: Any) -> None:
 
 
 class Encoder485:
-    """An encoder at the other end of a serial line: what it answers waits until it is read, or discarded."""
+    """An encoder at the other end of a serial line. Its replies wait until they are read or discarded."""
 
     def __init__(self, *answers: bytes) -> None:
         self.answers, self.sent, self.waiting = list(answers), 0, b""
@@ -140,7 +140,7 @@ class Encoder485:
 
 
 def test_a_request_owns_its_reply(lika: Any) -> None:
-    """A reply that is left from before is not taken for one, and none is left behind."""
+    """An old reply is not taken as the answer, and no reply is left behind."""
     line, waited = Encoder485(), []
     line.waiting = bytes.fromhex("02 00 01 02 03 02")
     steps = lika.amm5.reset_errors(lika.lookup("AMM5A23/65KJP1"))
@@ -180,7 +180,7 @@ def test_a_line_that_cannot_receive_is_refused(lika: Any) -> None:
 
 
 def test_over_the_registers_of_biss(lika: Any) -> None:
-    """The bits of each frame, between a master and a slave of the package."""
+    """Exchange the bits of each frame between a master and a slave of the package."""
     from importlib import import_module
 
     biss = import_module("lika_encoders.biss")
@@ -209,7 +209,7 @@ def test_over_the_registers_of_biss(lika: Any) -> None:
 @pytest.mark.parametrize("register", range(0x11, 0x18))
 @pytest.mark.parametrize("bit", range(8))
 def test_a_disturbed_preset_is_never_saved(lika: Any, register: int, bit: int) -> None:
-    """AMM5 6.4: a bit of one of the seven registers is stored wrong. It is closed, and no command is given."""
+    """AMM5 6.4: a bit of one of the seven registers is stored wrong. The preset is closed, and no command is sent."""
 
     class Disturbed(Memory):
         def write(self, address: int, data: bytes, /) -> None:
@@ -233,7 +233,7 @@ def test_a_disturbed_preset_is_never_saved(lika: Any, register: int, bit: int) -
 
 
 def test_bits_that_do_not_count_may_differ(lika: Any) -> None:
-    """The mask is that of the number; a field of a register that was changed is verified, too."""
+    """The mask covers the whole number. A field of a register that was changed is verified, too."""
     for order, mask in (("little", 0x00FF), ("big", 0xFF00)):
         steps = [lika.Write(5, 1, "it"), lika.Write(6, 2, "it"), lika.Verify(5, 2, "it", mask, order=order)]
         memory = Memory()
@@ -268,7 +268,7 @@ def test_each_byte_is_compared_with_its_last_value(lika: Any) -> None:
 
 @pytest.mark.parametrize("wrong", range(7))
 def test_a_disturbed_preset_is_never_saved_over_biss(lika: Any, wrong: int) -> None:
-    """The slave of the package stores another value than it was sent, as half of all can come back (biss.py)."""
+    """The slave of the package stores a value other than the sent one, as half of all can come back (biss.py)."""
     from importlib import import_module
 
     biss = import_module("lika_encoders.biss")

@@ -1,4 +1,4 @@
-"""Packages of two manufacturers in one program: they share the runtime, and refuse one that does not fit."""
+"""Packages of two manufacturers in one program share the runtime, and refuse one that does not match."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ def test_only_the_same_major_version_fits(needed: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("version", ["0.9.0", "1.0.1", "1.1.0", "2.0.0"])
 def test_a_runtime_that_does_not_fit_is_refused(both: Path, tmp_path: Path, version: str) -> None:
-    """By the import of the package, and by its build if the runtime lies next to it."""
+    """The import of the package checks it, and so does its build if the runtime is next to it."""
     place = doctored(tmp_path, version)
     done = run(sys.executable, "-c", "import tolvarn_encoders.tv62", folders=(both / NAMES[1], place))
     shutil.copytree(both / NAMES[1], tmp_path / "tree" / "it")
@@ -150,7 +150,7 @@ def test_a_runtime_that_does_not_fit_is_refused(both: Path, tmp_path: Path, vers
     assert built.stderr.splitlines()[-1] == f"ImportError: this package {REFUSED.format(version)}"
 
 
-# As they are installed
+# Installed packages
 
 
 @pytest.fixture(scope="module")

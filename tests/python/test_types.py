@@ -1,4 +1,4 @@
-"""What type checkers know of the package: its examples pass, and mistakes in programs that use it are found."""
+"""Type checkers accept the examples of the package, and find mistakes in programs that use it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 class Mistake(NamedTuple):
-    """A program with a mistake, and what mypy and pyright say of it; of a second mistake in it they are silent."""
+    """A program with a mistake, and the messages of mypy and pyright. They do not report a second mistake in it."""
 
     code: str
     mypy: str
@@ -119,7 +119,7 @@ frame = encoder.try_decode(encoder.decode(5).encode())
 if isinstance(frame, amm5.SingleCycleData) and frame.verdict is not Verdict.NOT_USABLE:
     print(frame.position, frame.error)
 """
-#: What pyright looks at. In examples a value that stands alone is shown, and what is imported may be for the next one.
+#: Settings of pyright. Examples may show a value that is not used, and import names for the next example.
 STRICT = {
     "typeCheckingMode": "strict",
     "pythonVersion": "3.10",
@@ -129,19 +129,19 @@ STRICT = {
 
 
 def strict(folder: Path, *files: Path) -> str:
-    """What mypy says of these files, which use the package in ``folder``."""
+    """Return the messages of mypy about these files, which use the package in ``folder``."""
     command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", "--python-version", "3.10"]
     done = subprocess.run([*command, *map(str, files)], capture_output=True, text=True, cwd=folder)
     return done.stdout + done.stderr
 
 
-#: In the package itself, modules use each other's names that are not for its users, and functions look at the types of
-#: what callers without a type checker give.
+#: Inside the package, modules use each other's private names, and functions check the types of arguments
+#: from callers without a type checker.
 INSIDE = {**STRICT, "reportPrivateUsage": False, "reportUnnecessaryIsInstance": False}
 
 
 def pyright(folder: Path, *files: Path, setting: Mapping[str, object] = STRICT) -> list[tuple[str, str]]:
-    """What pyright says of these files: their names and its messages. It needs Node, and fetches it where none is."""
+    """Return pyright's messages about these files, with their names. It needs Node, and fetches it if it is missing."""
     command = [sys.executable, "-m", "pyright", "--outputjson", "--pythonpath", sys.executable]
     (folder / "pyrightconfig.json").write_text(json.dumps(setting), encoding="utf-8")
     done = subprocess.run([*command, *map(str, files)], capture_output=True, text=True, cwd=folder)
@@ -158,7 +158,7 @@ def pyright(folder: Path, *files: Path, setting: Mapping[str, object] = STRICT) 
 
 
 def examples() -> dict[str, str]:
-    """The Python of each README of this repository that uses the package; every block is a program of its own."""
+    """Return the Python of each README of this repository that uses the package. Every block is its own program."""
     found = {}
     for folder in (ROOT, ROOT / "generated" / "python", ROOT / "runtime" / "python"):
         path = folder / "README.md"
@@ -173,13 +173,13 @@ def examples() -> dict[str, str]:
 
 
 def _imports(block: str) -> str:
-    """What the first block of a README imports and begins with."""
+    """Return the imports and the beginning of the first block of a README."""
     lines = [line[4:] for line in block.splitlines() if line.startswith((">>> from", ">>> encoder =", ">>> frame ="))]
     return "\n".join(lines)
 
 
 def stem(name: str) -> str:
-    """The name of a program's file."""
+    """Return the name of a program's file."""
     return re.sub("[^a-z0-9]", "_", name.lower())
 
 
@@ -215,7 +215,7 @@ def test_examples_of_every_readme_pass_pyright(package: Path) -> None:
 
 
 def found(said: Mapping[str, list[str]], of: Callable[[Mistake], str]) -> None:
-    """Whether each mistake is found by what is said of it, and the program without one passes."""
+    """Each mistake is found by its message, and the program without one passes."""
     for name, mistake in MISTAKES.items():
         lines = said.get(stem(name), [])
         assert any(of(mistake) in line for line in lines), (name, lines)
@@ -237,12 +237,12 @@ def test_pyright_finds_mistakes(package: Path) -> None:
 
 
 def wrong_programs(folder: Path) -> list[Path]:
-    """The programs with a mistake each, and one without."""
+    """Return the programs with a mistake each, and one without."""
     return programs(folder, {**{name: HEAD + item.code for name, item in MISTAKES.items()}, "sound": HEAD + SOUND})
 
 
 def test_every_listed_code_has_its_class(package: Path, generated_python: tuple[Path, ModuleType]) -> None:
-    """``lookup`` gives what a type checker takes it for."""
+    """A type checker infers the right type of ``lookup``."""
     lika = generated_python[1]
     lines = []
     for family in lika.FAMILIES:

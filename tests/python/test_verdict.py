@@ -1,4 +1,4 @@
-"""What the position of a frame is worth, what the encoder reports, and unused bits, in the generated package."""
+"""Verdicts on positions, reports of the encoder, and unused bits in the generated package."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from codewheel.say.report import alarm_of, meaning, remedy
 from codewheel.targets.python.context import Context
 from python_path import python_path
 
-#: The manual's only reply to data ID 5, with a bit in SF that the manual has at 0 (7.3.4).
+#: The manual's only reply to data ID 5, with a bit set in SF that is 0 in the manual (7.3.4).
 DATA_ID_5 = bytes.fromhex("2A 02 DA 04 00 43 25 00 90")
 WORDS = ["not_usable", "unknown", "usable_with_warning", "usable"]
 
@@ -38,7 +38,7 @@ def names(frame: Any) -> list[str]:
 
 
 def sent(devices: Mapping[str, Device]) -> Iterator[tuple[Device, Layout, Variant, PlacedLayout]]:
-    """Every frame of the encoders, each for one order code that has it."""
+    """Return every frame of the encoders, each for one order code that has it."""
     for device in devices.values():
         for interface, layout in device.layouts():
             variant = next(item for item in device.variants if item.interface == interface.name)
@@ -47,7 +47,7 @@ def sent(devices: Mapping[str, Device]) -> Iterator[tuple[Device, Layout, Varian
 
 
 def usual(placed: PlacedLayout) -> dict[str, int | str | bool]:
-    """Values of a frame that reports nothing."""
+    """Return values of a frame that reports nothing."""
     layout = placed.layout
     values: dict[str, int | str | bool] = {item.name: 0 for item in placed.fields if item.field.carries_data}
     values |= {item.name: False for item in layout.fields if isinstance(item.kind, Flag)}
@@ -55,7 +55,7 @@ def usual(placed: PlacedLayout) -> dict[str, int | str | bool]:
 
 
 def answers(view: Any, device: Device, layout: Layout) -> dict[str, Any]:
-    """The first answers to what the manual leaves open of a frame, which are those of the model."""
+    """Return the first answers to the open questions about a frame, which the model uses."""
     return {item.name: next(iter(getattr(view, item.kind))) for item in Context(device).asked_of(layout)}
 
 
@@ -63,7 +63,7 @@ def carried(placed: PlacedLayout, number: int) -> Any:
     return number_to_bytes(placed.layout, number, placed.bits) if placed.layout.in_bytes else number
 
 
-# ------------------------------------------------------------ by the manuals
+# ------------------------------------------------------------ from the manuals
 
 
 @pytest.mark.parametrize(
@@ -71,12 +71,12 @@ def carried(placed: PlacedLayout, number: int) -> Any:
     [
         # nE and nW of BiSS: 6.2.1 p.32-33.
         ("AMM5A21/65KSC1", {}, "usable", []),
-        # The warning bit also stands for an error in the magnetic multiturn system, which a singleturn model has not.
+        # The warning bit also reports an error in the magnetic multiturn system, which singleturn models lack.
         ("AMM5A21/65KSC1", {"warning": True}, "not_usable", ["warning"]),
         ("AMM5A21/1SC1", {"warning": True}, "usable_with_warning", ["warning_unexplained"]),
         ("AMM5A21/1SC1", {"error": True}, "not_usable", ["error"]),
         ("AMM5A21/65KSC1", {"warning": True, "error": True}, "not_usable", ["error", "warning"]),
-        # A low battery keeps the position, and EE_1 sums it up: 4.3.1 p.23, 7.3.2 p.42.
+        # With a low battery, the position is usable, and EE_1 sums it up: 4.3.1 p.23, 7.3.2 p.42.
         (
             "AMM5A21/65KJP1",
             {"battery_alarm": True, "status_other_error": True},
@@ -102,11 +102,11 @@ def carried(placed: PlacedLayout, number: int) -> Any:
         ),
         ("AMM5A21/65KJP1", {"unused": 0x800}, "usable_with_warning", ["alarm_zero_3_4"]),
         ("AMM5A21/65KJP1", {"unused": 0x1C1}, "usable_with_warning", ["status_info", "status_zero", "alarm_zero_0"]),
-        # Bits that stand for error and warning in the BiSS protocol, and that this encoder does not use: 6.3.1 p.21.
+        # Bits that report error and warning in the BiSS protocol, and that this encoder does not use: 6.3.1 p.21.
         ("AM3616/4096-I7", {}, "unknown", []),
         ("AM3616/4096-I7", {"unused": 1}, "unknown", ["warning"]),
         ("AM3616/4096-I7", {"unused": 2}, "not_usable", ["error"]),
-        # SSI words of the position alone, and with an error bit: 5.4 p.22.
+        # SSI words with only the position, and with an error bit: 5.4 p.22.
         ("AMM5A21/65KBG1", {}, "unknown", []),
         ("SMA21-BG1-0050", {}, "usable", []),
         ("SMA21-BG1-0050", {"error": True}, "not_usable", ["error"]),
@@ -134,7 +134,7 @@ def test_the_published_frames(lika: Any, vectors: list[dict[str, Any]]) -> None:
         error, warning = not row["fields"]["nE"], not row["fields"]["nW"]
         assert frame.verdict is lika.Verdict(WORDS[0 if error else 2 if warning else 3])
         assert names(frame) == [name for name, active in (("error", error), ("warning", warning)) if active]
-    # EE_1 is set in the reply of the T format, and data ID 0 does not tell which of four errors it is.
+    # EE_1 is set in the reply of the T-format, and data ID 0 does not show which of four errors it is.
     reply = next(row for row in vectors if row["protocol"].startswith("Tamagawa T-format response"))
     frame = lika.lookup("AMM5A23/65KJP1").decode(bytes.fromhex(reply["frame_hex_or_bits"]))
     assert (frame.singleturn, frame.verdict) == (reply["fields"]["ABS"], lika.Verdict.NOT_USABLE)
@@ -153,19 +153,19 @@ def test_the_only_printed_reply_to_data_id_5_decodes(lika: Any) -> None:
     assert not frame.is_as_documented
     assert frame._replace(unused=0).is_as_documented
     assert frame.encode() == DATA_ID_5
-    # What proves the frame stays a fault: its sync code, and the parity of its data ID.
+    # Checks of the frame still cause an error: its sync code, and the parity of its data ID.
     for bit in (0, 7):
         changed = bytes((DATA_ID_5[0] ^ 1 << bit, *DATA_ID_5[1:-1], DATA_ID_5[-1] ^ 1 << bit))
         with pytest.raises(lika.ConstantError):
             encoder.decode(changed)
 
 
-# ------------------------------------------------------------ by the model
+# ------------------------------------------------------------ from the model
 
 
 @pytest.mark.slow
 def test_every_state_of_the_flags(lika: Any, devices: Mapping[str, Device]) -> None:
-    """All of them together with no unused bit, with one, and with some."""
+    """All of them together with no unused bit, with one, and with several."""
     source = random.Random("flags")
     for device, layout, variant, placed in sent(devices):
         view = getattr(lika, device.name)
@@ -211,7 +211,7 @@ def test_a_report_says_what_the_manual_says_of_its_field(lika: Any, devices: Map
 
 
 def test_other_bits_than_the_unused_ones_are_refused(lika: Any, devices: Mapping[str, Device]) -> None:
-    """By the package as by the model."""
+    """The package and the model agree."""
     with_unused = 0
     for device, layout, variant, placed in sent(devices):
         ones = sum(((1 << field.widest) - 1) << place for field, place in layout.unused)

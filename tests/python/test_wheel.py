@@ -1,4 +1,4 @@
-"""The generated package as it is built and installed: its licence is in the metadata, and the file is in the wheel."""
+"""The generated package as built and installed: its licence is in the metadata, and the file is in the wheel."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def source(files: Mapping[str, str], tmp_path_factory: pytest.TempPathFactory) -
 
 @pytest.fixture(scope="module")
 def release(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder with a source archive and a wheel of the package and of the runtime, as a release has them."""
+    """A folder with a source archive and a wheel of the package and of the runtime, as in a release."""
     folder = tmp_path_factory.mktemp("release")
     for project in (source, source / "runtime"):
         done = run("build", "--quiet", "--no-isolation", "--outdir", folder, project)
@@ -46,7 +46,7 @@ def metadata_of(wheel: zipfile.ZipFile) -> Message:
 
 @pytest.mark.slow
 def test_the_runtime_is_all_that_is_needed(release: Path) -> None:
-    """By its versions: a release is for other machines, so it names no folder of this one."""
+    """It is required by version. A release is for other machines, so it names no folder of this one."""
     needed = metadata_of(zipfile.ZipFile(next(release.glob("lika_encoders-*.whl")))).get_all("Requires-Dist", [])
     assert [item for item in needed if "extra ==" not in item] == ["codewheel-runtime<2,>=1.0"]
     assert not metadata_of(zipfile.ZipFile(next(release.glob("codewheel_runtime-*.whl")))).get_all("Requires-Dist", [])
@@ -83,7 +83,7 @@ def test_the_wheel_names_its_licence(source: Path, release: Path) -> None:
     assert {"Typing :: Typed", "Programming Language :: Python :: 3", "Intended Audience :: Developers"} <= {
         *classifiers
     }
-    # One of a licence beside the expression is refused by the index.
+    # A licence classifier next to the expression is refused by the index.
     assert not [item for item in classifiers if item.startswith("License")]
     version = re.search(
         r'^__version__: Final = "(.+)"$', (source / "lika_encoders/__init__.py").read_text(), re.MULTILINE
@@ -96,7 +96,7 @@ def test_the_wheel_names_its_licence(source: Path, release: Path) -> None:
 
 
 def test_both_licences_are_spdx_words(source: Path) -> None:
-    """A table stops to build in 2027; the word needs setuptools 77."""
+    """Builds with a table fail from 2027 on. The expression needs setuptools 77."""
     root = Path(__file__).resolve().parents[2]
     for folder, licence in ((source, "0BSD"), (root, "MIT")):
         text = (folder / "pyproject.toml").read_text(encoding="utf-8")

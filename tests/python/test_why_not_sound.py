@@ -1,4 +1,4 @@
-"""What explains a frame with a fault, and counts out of degrees and millimetres."""
+"""Explanations of a frame with an error, and counts from degrees and millimetres."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-#: A sound frame of AMM5A21/65KSC1, of 45 bits, and a reply of AMM5A23/65KJP1, the example of the manual's frame.
+#: A valid frame of AMM5A21/65KSC1 of 45 bits, and a reply of AMM5A23/65KJP1, the example of the manual's frame.
 WORD, BITS = 0x55BCD15E2, 45
 REPLY = bytes.fromhex("02 00 C7 D1 6A 7E")
 
@@ -82,7 +82,7 @@ def test_a_dead_line_of_ssi_may_be_a_position(lika: Any) -> None:
 def test_a_disturbed_bit_comes_first(lika: Any) -> None:
     encoder = lika.lookup("AMM5A21/65KSC1")
     assert lika.why(encoder, WORD ^ 1 << 40)[0] == "with bit 40 inverted: a disturbed bit if only some frames fail"
-    # x^8 + 1 tells in which of eight places, not in which byte.
+    # x^8 + 1 reveals one of eight positions, but not the byte.
     reply = REPLY[:4] + bytes([REPLY[4] ^ 0x10]) + REPLY[5:]
     assert lika.why(lika.lookup("AMM5A23/65KJP1"), reply)[0].startswith("with one of 5 bits inverted: a disturbed bit")
 

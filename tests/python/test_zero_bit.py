@@ -1,6 +1,6 @@
-"""ASC85 with the 0 bit of its BiSS frame and without it: when a wrong decision shows, and when it does not.
+"""ASC85 with and without the 0 bit of its BiSS frame: when a wrong decision is detected, and when not.
 
-The frame is correct where it is 0x3F by the polynomial 0x43, since the CRC is sent inverted.
+A frame is correct if it is 0x3F modulo the polynomial 0x43, since the CRC is sent inverted.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ FRAMES = 1_000_000
 
 
 def remainder(number: int) -> int:
-    """Of ``number`` by the polynomial 0x43, bit by bit."""
+    """Return the remainder of ``number`` modulo the polynomial 0x43, bit by bit."""
     while number.bit_length() > 6:
         number ^= 0x43 << number.bit_length() - 7
     return number
@@ -28,7 +28,7 @@ def asc85(families: Mapping[str, Family]) -> Any:  # noqa: F811
 
 
 def random_frames(asc85: Any, code: str, answer: Any) -> tuple[Any, Any]:
-    """A million positions, some with error and warning, and their frames."""
+    """Return a million positions, some with error and warning, and their frames."""
     source, encoder = numpy.random.default_rng(85), asc85.lookup(code)
     columns = {
         "position": source.integers(0, encoder.modulus, FRAMES, dtype=numpy.uint64),
@@ -39,8 +39,10 @@ def random_frames(asc85: Any, code: str, answer: Any) -> tuple[Any, Any]:
 
 
 def test_a_frame_shifted_by_one_bit_never_fits() -> None:
-    """By arithmetic, for every frame of any length: a correct one is 0x3F + k * 0x43, and read a bit too long it is
-    twice that, plus the next bit; read a bit too short it is half of that."""
+    """By arithmetic, for every frame of any length: a correct one is 0x3F + k * 0x43.
+
+    Read a bit too long, it is twice that plus the next bit. Read a bit too short, it is half of that.
+    """
     assert [remainder(0x3F << 1 | after) for after in (0, 1)] == [0x3D, 0x3C]
     short = [half for half in range(64) for last in (0, 1) if remainder(half << 1 | last) == 0x3F]
     assert sorted(short) == [0x1F, 0x3E]
@@ -51,7 +53,7 @@ def test_a_frame_shifted_by_one_bit_never_fits() -> None:
 @pytest.mark.parametrize("code", ["ASC8520/SC1", "ASC8525/SC1"])
 @pytest.mark.parametrize("after", [0, 1])
 def test_a_receiver_that_shares_the_wrong_decision_rejects_every_frame(asc85: Any, code: str, after: int) -> None:
-    """It takes as many bits off the line as the wrong frame has: one too many, or one too few."""
+    """It reads as many bits as the wrong frame has: one too many, or one too few."""
     encoder, printed, left_out = asc85.lookup(code), asc85.ZeroBit.AS_PRINTED, asc85.ZeroBit.LEFT_OUT
     _, sent = random_frames(asc85, code, left_out)
     table = encoder.decode_many(sent << numpy.uint64(1) | numpy.uint64(after), zero_bit=printed)
@@ -64,8 +66,11 @@ def test_a_receiver_that_shares_the_wrong_decision_rejects_every_frame(asc85: An
 @pytest.mark.slow
 @pytest.mark.parametrize("code", ["ASC8520/SC1", "ASC8525/SC1"])
 def test_a_word_of_the_right_length_does_not_show_the_wrong_decision(asc85: Any, code: str) -> None:
-    """The CRC sees no zeros in front. So half of all words are accepted, with half or twice the position: why there is
-    no default. Without the 0 bit it is every even position; with it, every position of the lower half turn."""
+    """The CRC does not detect leading zeros, so half of all words are accepted, with half or twice the position.
+
+    This is why there is no default. Without the 0 bit, it is every even position. With it, it is every position of the
+    lower half turn.
+    """
     encoder, printed, left_out = asc85.lookup(code), asc85.ZeroBit.AS_PRINTED, asc85.ZeroBit.LEFT_OUT
     position, sent = random_frames(asc85, code, left_out)
     table = encoder.decode_many(sent, zero_bit=printed)
@@ -81,14 +86,14 @@ def test_a_word_of_the_right_length_does_not_show_the_wrong_decision(asc85: Any,
 
 @pytest.mark.slow
 def test_a_wrong_order_code_of_the_same_length_shows_in_half_of_all_frames(asc85: Any) -> None:
-    """24 bits with the 0 bit and 25 bits without it have 33 bits both: only the order code tells them apart."""
+    """24 bits with the 0 bit and 25 bits without it both have 33 bits. Only the order code distinguishes them."""
     position, sent = random_frames(asc85, "ASC8525/SC1", asc85.ZeroBit.LEFT_OUT)
     table = asc85.lookup("ASC8524/SC1").decode_many(sent, zero_bit=asc85.ZeroBit.AS_PRINTED)
     assert ((table.fault == 0) == (position % 2 == 0)).all()
 
 
 def test_both_decode_their_own(asc85: Any) -> None:
-    """Position 1, no error: 1, the 0 bit or none, 11, and the CRC; remainders of 1011b and 111b times x^6 by hand."""
+    """Position 1, no error: 1, the 0 bit or none, 11, and the CRC, from 1011b and 111b times x^6 by hand."""
     encoder = asc85.lookup("ASC8525/SC1")
     for answer, bits, length in ((asc85.ZeroBit.AS_PRINTED, 0b1011, 34), (asc85.ZeroBit.LEFT_OUT, 0b111, 33)):
         frame = bits << 6 | remainder(bits << 6) ^ 0x3F

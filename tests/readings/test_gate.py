@@ -1,4 +1,4 @@
-"""What ``check`` reports beyond a spec that can be built is not released: by ``generate``, by ``diff --record``."""
+"""``generate`` and ``diff --record`` refuse a spec with problems, even if it can be built."""
 
 from __future__ import annotations
 

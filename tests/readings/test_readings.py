@@ -1,4 +1,4 @@
-"""Second readings: what two readers have differently is told at both places, in these words."""
+"""Second readings: each difference between two readers is reported with both places, in these words."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from codewheel.language.read import read_document
 from codewheel.language.second_reading import is_left_out
 from codewheel.loading.library import load_families
 
-# Reads whole specs twice, which no wording and no rule of check touches.
+# Reads whole specs twice, which does not depend on wording or rules of check.
 pytestmark = pytest.mark.slow
 
 HERE = pathlib.Path(__file__).parent
@@ -40,13 +40,13 @@ def changed(path: pathlib.Path, old: str, new: str) -> None:
 
 
 def told() -> list[str]:
-    """The problems in this folder, each in one line."""
+    """Return the problems in this folder, each in one line."""
     report = check.run([pathlib.Path()], []).report
     return [problem.format().splitlines()[0] for problem in report.problems]
 
 
 def cases() -> Iterator[tuple[str, str, str, list[str]]]:
-    """What is changed in the second reading, and what is told then, from the file beside this one."""
+    """Return changes of the second reading, and the resulting messages, from the file next to this one."""
     for block in (HERE / "disagreements.txt").read_text(encoding="utf-8").strip().split("\n\n"):
         title, *lines = block.splitlines()
         old, new = ("\n".join(line[2:] for line in lines if line.startswith(sign)) for sign in ("- ", "+ "))
@@ -158,7 +158,7 @@ LEFT_OUT = "a second reading does not have this part; leave it out"
     ],
 )
 def test_a_second_reading_keeps_to_the_language(folder: pathlib.Path, old: str, new: str, expected: str) -> None:
-    """It is not compared then."""
+    """In this case it is not compared."""
     changed(folder / "twice.second.yaml", old, new)
     changed(folder / "twice.second.yaml", "baud: 2500000", "baud: 1")
     found = told()
@@ -265,7 +265,7 @@ def test_coverage_as_json(folder: pathlib.Path, capsys: pytest.CaptureFixture[st
 
 
 def test_counts_beside_the_spec(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """They are written when asked for, known to outputs, and told where they are old."""
+    """The counts are written on request, shown in outputs, and reported if they are out of date."""
     kept = folder / "twice.coverage.json"
     assert main(["check", "--write"]) == 2
     assert main(["check", "--coverage"]) == 0
@@ -294,7 +294,7 @@ def test_our_manuals_were_read_twice(capsys: pytest.CaptureFixture[str]) -> None
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
-        (  # The spec has them the other way round.
+        (  # The spec has them in the opposite order.
             "{binary_code: {value: 1, printed_name: binary}, gray_code: {value: 0, printed_name: gray}}",
             "{gray: {value: 1, printed_name: binary}, binary: {value: 0, printed_name: gray}}",
             ["name of value 0 of bit 5 of 'setting': 'gray'", "name of value 1 of bit 5 of 'setting': 'binary'"],
@@ -314,7 +314,7 @@ def test_names_that_must_be_slips_are_told(folder: pathlib.Path, old: str, new: 
 
 
 def test_names_count_once_the_second_reading_has_those_of_the_spec(folder: pathlib.Path) -> None:
-    """Here they are the spec's, because the second reading is the spec without its words for people."""
+    """Here they have the names of the spec, because the second reading is the spec without its texts."""
     write_facts_only(folder)
     assert told() == []
     changed(folder / "twice.yaml", "- name: function\n", "- name: task\n")

@@ -1,4 +1,4 @@
-"""The target installed as its user would install it, and a program over each family."""
+"""The target installed as its user would install it, and a program for each family."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def workshop(tmp_path_factory: pytest.TempPathFactory) -> Workshop:
 
 @pytest.fixture(scope="session")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where the package of the target is installed."""
+    """Return the folder where the package of the target is installed."""
     folder = tmp_path_factory.mktemp("site")
     shutil.copytree(PACKAGE, folder / "source", ignore=shutil.ignore_patterns("__pycache__", "build", "*.egg-info"))
     command = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps"]
@@ -36,7 +36,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def codewheel(site: Path) -> Callable[..., tuple[int, str, str]]:
-    """Runs the command with the target installed; gives its exit code and what it wrote."""
+    """Run the command with the target installed. Return its exit code and its output."""
 
     def run(*arguments: str | Path, cwd: Path = ROOT) -> tuple[int, str, str]:
         command = [sys.executable, "-m", "codewheel", *map(str, arguments)]

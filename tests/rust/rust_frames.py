@@ -1,4 +1,4 @@
-"""Frames and register contents, sound and disturbed, and what the model's own codec says of each."""
+"""Valid and disturbed frames and register contents, and the results of the model's own codec for each."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rust_harness import Program
 from test_c_codec import made, run_time_variants, samples, with_crc
 
 Values = Mapping[str, "int | str | bool"]
-#: The least number of frames for an order code, and how many of them are made one by one.
+#: Minimum number of frames for an order code, and how many of them are created one by one.
 _LEAST, _POOL = 100, 32
 
 
@@ -31,25 +31,25 @@ class Case:
 
     @property
     def set(self) -> str:
-        """The line that sets the variant."""
+        """Return the line that sets the variant."""
         names = (item.name for item in self.device.parameters if item.equals is None)
         return f"v {' '.join(str(self.variant.parameters[name]) for name in names)}"
 
     def wire(self, number: int, longer: int = 0) -> str:
-        """A word, or the bytes of a frame with so many more."""
+        """Return a word, or the bytes of a frame with this many more."""
         if not self.struct.codec.in_bytes:
             return f"{number:X}"
         data = number_to_bytes(self.placed.layout, number, self.placed.bits)
         return "x" + (data + bytes(longer) if longer >= 0 else data[:longer]).hex().upper()
 
     def wrong_lengths(self, number: int) -> list[str]:
-        """The same with too many bits, or too few or too many bytes."""
+        """Return the same with too many bits, or too few or too many bytes."""
         if self.struct.codec.in_bytes:
             return [self.wire(number, longer) for longer in (-1, 1, 2)]
         return [self.wire(number | 1 << bit) for bit in range(self.placed.bits, 64)]
 
     def decoding(self, number: int) -> str:
-        """What decoding has to answer."""
+        """Return the expected answer to decoding."""
         found = codec.decode(self.device, self.placed, number)
         if found.problems:
             return first_fault(found.problems)
@@ -59,7 +59,7 @@ class Case:
         return f"ok {self._row(found, {})} = {again}"
 
     def encoding(self, sound: int, name: str, value: int) -> tuple[str, str]:
-        """A sound frame with another value of one member, and what encoding it has to answer."""
+        """Return a valid frame with another value of one member, and the expected answer to encoding it."""
         found = codec.decode(self.device, self.placed, sound)
         assert not found.problems
         # A run of digits or a join would contradict the value that it repeats, and a text can be other than ASCII.
@@ -76,7 +76,7 @@ class Case:
             number = codec.encode(self.device, self.placed, values)
         except codec.EncodeError:
             return "range"
-        # The model encodes digits that it would not decode.
+        # The model encodes digits that it would refuse to decode.
         return "range" if codec.decode(self.device, self.placed, number).problems else self._limited(values, number)
 
     def _limited(self, values: Values, number: int) -> str:
@@ -91,7 +91,7 @@ class Case:
         return self.wire(number).removeprefix("x")
 
     def _row(self, found: codec.Decoded, other: Mapping[str, int], mark: str = "") -> str:
-        """The members; in an answer the runs of digits and the joins as well."""
+        """Return the members. In an answer, also return the runs of digits and the joins."""
         fields = {item.name: item for item in found.fields}
         parts = [part.field for part in self.struct.codec.parts]
         shown = [str(other[item.name]) if item.name in other else _shown(item, fields, mark) for item in parts]
@@ -104,7 +104,7 @@ class Case:
 
 
 def _shown(field: Field, fields: Mapping[str, codec.DecodedField], mark: str) -> str:
-    """A member; a field that this order code does not have is 0."""
+    """Return a member. A field that this order code lacks is 0."""
     found = fields.get(field.name)
     if found is None:
         return str(field.number.zero_means)
@@ -116,13 +116,13 @@ def _shown(field: Field, fields: Mapping[str, codec.DecodedField], mark: str) ->
 
 
 def first_fault(problems: Sequence[codec.Problem]) -> str:
-    """The first fault, and its field where that is told."""
+    """Return the first error, and its field if it is reported."""
     fault, field = problems[0].fault, problems[0].field
     return f"{fault.value} {field}" if fault in (Fault.CONSTANT, Fault.RANGE) else fault.value
 
 
 def cases(program: Program, index: int) -> list[Case]:
-    """A frame or register for the order codes that differ in something, and for some states of the registers."""
+    """Return a frame or register for the order codes that differ, and for some states of the registers."""
     device, struct = program.device, program.structs[index]
     names = [item.name for item, frame in program.family.frames if frame is struct]
     interface = struct.register.interface if struct.register is not None else names[0]
@@ -135,16 +135,16 @@ def cases(program: Program, index: int) -> list[Case]:
 
 
 def _answered(device: Device, variants: Iterable[Variant]) -> Iterator[Variant]:
-    """The variants with each answer to what the manual leaves open."""
+    """Return the variants with each answer to the open questions of the manual."""
     answers = [[(item.name, answer.name) for answer in item.answers] for item in device.alternatives]
     for variant, given in itertools.product(variants, itertools.product(*answers)):
         yield decided(device, variant, dict(given))
 
 
 def numbers(case: Case, count: int, random_: random.Random) -> Iterator[int]:
-    """So many numbers, half of them sound or nearly so.
+    """Return this many numbers, half of them valid or nearly valid.
 
-    CRCs, parities and constants are sums modulo 2 of bits, so that the sum of three sound numbers is mostly a fourth.
+    CRCs, parities and constants are sums modulo 2 of bits, so the sum of three valid numbers is usually also valid.
     """
     placed = case.placed
     data = [item for item in placed.fields if item.field.carries_data]
@@ -165,7 +165,7 @@ def _some_bits(bits: int, random_: random.Random) -> int:
 
 
 def decoding(program: Program, index: int, count: int) -> set[str]:
-    """Decodes so many frames of a layout, over all order codes; gives the kinds of answers."""
+    """Decode this many frames of a layout, over all order codes. Return the kinds of answers."""
     random_ = random.Random(f"{program.device.name} {index}")
     found = cases(program, index)
     pairs = []
@@ -179,7 +179,7 @@ def decoding(program: Program, index: int, count: int) -> set[str]:
 
 
 def check(program: Program, pairs: list[tuple[str, str]]) -> None:
-    """Asks each line, and compares the answer with what is expected; with nothing where that is empty."""
+    """Send each line, and compare the answer with the expected one, or with nothing if that is empty."""
     answers = program.run(line for line, _ in pairs)
     assert len(answers) == len(pairs)
     wrong = [
@@ -189,5 +189,5 @@ def check(program: Program, pairs: list[tuple[str, str]]) -> None:
 
 
 def _same(expected: str, answer: str) -> bool:
-    """Whether an answer is as expected; the model does not say which value it refuses."""
+    """Return True if an answer is as expected. The model does not say which value it refuses."""
     return answer.startswith(f"{expected} ") if expected.endswith("range") else expected == answer

@@ -1,16 +1,16 @@
-"""A program in Rust that calls everything in the module of a family, told by lines on standard input.
+"""A program in Rust that calls everything in the module of a family, controlled by lines on standard input.
 
 It answers each line with one line. Values are in decimal, words and bytes in hexadecimal, bytes after a mark:
 
     v NUMBER...     sets the parameters of the variant; answers all parameters
     d TYPE WIRE     decodes; answers the members, the runs of digits, the joins, and what encoding them again gives
     e TYPE VALUE... encodes
-    s INDEX WIRE    tells a frame and decodes it; answers its type
-    h INDEX WIRE    takes a register over into the variant; answers all parameters
-    c INDEX WIRE... the CRC of bytes, or of a number of so many bits
+    s INDEX WIRE    identifies a frame and decodes it; answers its type
+    h INDEX WIRE    updates the variant from a register; answers all parameters
+    c INDEX WIRE... the CRC of bytes, or of a number with this many bits
     o, f TEXT, r    all order codes; the one with this text; the constants of the registers
 
-A fault is answered by its name, and that of the field.
+An error is answered by its name and that of the field.
 """
 
 from __future__ import annotations
@@ -35,20 +35,20 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PACKAGE = ROOT / "examples" / "rust-target"
 
-#: The spec of every family; the made up ones use what others do not.
+#: The spec of every family. The made-up ones use features that others do not.
 SPECS = [
     path.relative_to(ROOT).as_posix()
     for folder in ("specs", "tests/specs", "tests/c/specs", "docs/example")
     for path in sorted((ROOT / folder).rglob("*.yaml"))
     if "\ndevice: " in path.read_text(encoding="utf-8") and not is_second(path)
 ]
-#: What a crate is made of: the families that are shipped, or a made up one.
+#: Content of a crate: the shipped families, or a made-up one.
 CRATES = ["specs", *(spec for spec in SPECS if not spec.startswith("specs/"))]
 LIBRARY = ("--crate-type", "rlib", "--crate-name", "encoders")
 
 
 def rust_tool(name: str) -> str:
-    """A tool of the version that a bare Debian has, else another one; skips the test where there is none."""
+    """Return a tool of the version in a plain Debian, or else another one. Skip the test if there is none."""
     found = shutil.which(name, path=os.pathsep.join(["/usr/bin", os.environ.get("PATH", "")]))
     if found:
         return found
@@ -59,13 +59,13 @@ def rust_tool(name: str) -> str:
 
 
 def compiled(*command: str | Path) -> None:
-    """Compile with any version. A newer one may warn of more, which is no error here: see tests/verify/test_rust.py."""
+    """Compile with any version. Further warnings of a newer one are not errors here, see tests/verify/test_rust.py."""
     done = subprocess.run([rust_tool("rustc"), *command], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[:4000]
 
 
 def write(devices: tuple[Device, ...], folder: Path, edition: str = "2021") -> Path:
-    """Writes the crate of families of one manufacturer; gives its main file."""
+    """Write the crate of families of one manufacturer. Return its main file."""
     for name, text in TARGET.files(Library(devices), {"edition": edition}).items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -74,14 +74,14 @@ def write(devices: tuple[Device, ...], folder: Path, edition: str = "2021") -> P
 
 
 class Workshop:
-    """Makes crates and programs, each once; a program panics where a number overflows."""
+    """Builds each crate and program once. A program panics if a number overflows."""
 
     def __init__(self, folder: Path, *options: str) -> None:
         self._folder, self._options = folder, (*options, "-C", "overflow-checks=on")
         self._programs: dict[str, Program] = {}
 
     def program(self, spec: str) -> Program:
-        """The program over the family of a spec."""
+        """Return the program for the family of a spec."""
         if spec not in self._programs:
             folder = self._folder / str(len(self._programs))
             devices, report = load_library([ROOT / spec])
@@ -93,7 +93,7 @@ class Workshop:
 
 
 class Program:
-    """The program over a family, and the types of its frames and registers."""
+    """The program for a family, and the types of its frames and registers."""
 
     def __init__(self, device: Device, folder: Path, options: Iterable[str]) -> None:
         self.device, self.family = device, Family(device)
@@ -104,7 +104,7 @@ class Program:
         compiled("--edition", "2018", *options, "--extern", f"encoders={library}", "-o", self._program, text)
 
     def run(self, lines: Iterable[str]) -> list[str]:
-        """The answer to each line."""
+        """Return the answer to each line."""
         text = "".join(f"{line}\n" for line in lines)
         done = subprocess.run([self._program], input=text, capture_output=True, text=True, timeout=900, check=False)
         assert done.returncode == 0, done.stderr[:2000]
@@ -138,7 +138,7 @@ class Program:
         return text
 
     def senders(self) -> Iterator[tuple[str, list[Layout]]]:
-        """The types that hold any frame of one side, and what they can hold."""
+        """Return the types that hold any frame of one side, and their content."""
         for interface, told in self.family.dispatches:
             layouts = [branch.layout for branch in told.branches]
             layouts += [told.fallback] if told.fallback is not None else []
@@ -187,7 +187,7 @@ def _constants(struct: Struct) -> str:
 
 
 def masks(struct: Struct) -> dict[str, int]:
-    """The masks of the fields of a register that always lie at the same place in a word."""
+    """Return the masks of the fields of a register whose place in a word never changes."""
     return {
         part.field.name: ((1 << part.field.widest) - 1) << part.field.low.constant
         for part in struct.codec.parts
@@ -196,7 +196,7 @@ def masks(struct: Struct) -> dict[str, int]:
 
 
 def _implementation(struct: Struct) -> str:
-    """How the members of a frame or register are read and shown."""
+    """Return code that reads and prints the members of a frame or register."""
     shown, given = [], []
     for field in (part.field for part in struct.codec.parts):
         name = snake(field.name)

@@ -1,4 +1,4 @@
-"""Rust and the model's own codec agree: value for value, fault for fault, for every layout, register and order code."""
+"""Rust and the model's own codec agree on each value and each error, for every layout, register and order code."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rust_frames import Case, cases, check, decoding, first_fault, numbers
 from rust_harness import SPECS, Program, Workshop, masks
 
 pytestmark = pytest.mark.slow
-#: Frames of a layout, over all of its order codes.
+#: Number of frames of a layout, over all of its order codes.
 FRAMES = 1000
 
 
@@ -32,7 +32,7 @@ def test_frames_and_registers(program: Program) -> None:
 
 
 def test_places_of_fields(program: Program) -> None:
-    """Fields that an order code does not have are left out."""
+    """Fields that an order code lacks are omitted."""
     pairs = []
     for index, _ in enumerate(program.structs):
         for case in cases(program, index):
@@ -42,7 +42,7 @@ def test_places_of_fields(program: Program) -> None:
 
 
 def test_what_does_not_fit_is_refused(program: Program) -> None:
-    """Each member in turn at the ends of its type and at random, the others sound."""
+    """Each member in turn has the limits of its type and random values, and the others are valid."""
     random_ = random.Random("refused")
     pairs = []
     for index, struct in enumerate(program.structs):
@@ -73,7 +73,7 @@ def _values(item: PlacedField, type_: str, random_: random.Random) -> list[int]:
 
 
 def test_what_the_manual_leaves_open_is_asked_for(program: Program) -> None:
-    """The order codes have no answer: no frame that depends on one is decoded or encoded before it is given."""
+    """Order codes have no answer, so frames that depend on one are not decoded or encoded before it is given."""
     asked = 0
     for index, struct in enumerate(program.structs):
         for case in cases(program, index)[: len(struct.codec.alternatives)]:
@@ -140,7 +140,7 @@ def test_registers_change_the_variant(program: Program) -> None:
 
 
 def _contents(item: HeldBy, random_: random.Random) -> Iterator[bytes]:
-    """A register with each parameter at its limits and beyond, with anything, and of a wrong length."""
+    """A register with each parameter at its limits and beyond, with any content, and with a wrong length."""
     length = item.register.length
     yield from (random_.randbytes(length) for _ in range(20))
     yield from (bytes(length - 1), bytes(length), bytes(length + 1))

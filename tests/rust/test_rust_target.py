@@ -1,4 +1,4 @@
-"""The target for Rust as its user installs it: commands, problems with their places, names and texts that try it."""
+"""The target for Rust as its user installs it: commands, problems with their places, hostile names and texts."""
 
 from __future__ import annotations
 
@@ -69,14 +69,14 @@ def test_it_is_installed_and_generates(codewheel: Run, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("specs", CRATES)
 def test_it_compiles_in_the_older_edition(specs: str, tmp_path: Path) -> None:
-    """The newer one is that of every other test."""
+    """Every other test uses the newer one."""
     devices, _ = load_library([ROOT / specs])
     main = write(devices, tmp_path, "2018")
     compiled("--edition", "2018", *LIBRARY, "--emit", "metadata", "--out-dir", tmp_path, main)
 
 
 def test_the_readme(codewheel: Run, tmp_path: Path) -> None:
-    """Its commands write the crate, its program compiles, and prints what is shown."""
+    """Its commands write the crate. Its program compiles, and its output is that of the page."""
     assert codewheel(*re.findall(r"^codewheel (.*)$", README, re.MULTILINE)[0].split(), "-o", tmp_path)[0] == 0
     crate = tmp_path / "rust" / "lika-encoders" / "src" / "lib.rs"
     compiled("--edition", "2021", "--crate-type", "rlib", "--crate-name", "lika_encoders", "--out-dir", tmp_path, crate)
@@ -93,7 +93,7 @@ def test_the_readme(codewheel: Run, tmp_path: Path) -> None:
 
 
 def problems(spec: Item, codewheel: Run, folder: Path) -> list[str]:
-    """What checking a spec for Rust says, without the name of the file."""
+    """Return the problems of a spec for Rust, without the name of the file."""
     shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", folder)
     (folder / "hostile.yaml").write_text(json.dumps(spec, indent=1), encoding="utf-8")
     out = codewheel("check", ".", "--target", "rust", cwd=folder)[1]
@@ -139,7 +139,7 @@ def test_a_layout_that_is_too_wide_has_its_place(codewheel: Run, tmp_path: Path)
 
 
 def hostile(words: list[str]) -> Item:
-    """A spec with each word as a parameter, as a field in every role, as a choice's value, and as a register."""
+    """Return a spec with each word as a parameter, as a field in every role, as a choice's value, and as a register."""
     fields = [{"name": word, "bits": 8} for word in words]
     values = {word: {"value": index} for index, word in enumerate(words)}
     sets = {size: {"own_bits": size, **dict.fromkeys(words[::2], size)} for size in (3, 5)}
@@ -172,7 +172,7 @@ def hostile(words: list[str]) -> Item:
 
 
 def _words(index: int, word: str) -> Item:
-    """A layout in which a word names digits, a joined number and its neighbour."""
+    """Return a layout in which a word names digits, a joined number and its neighbour."""
     low = {"name": f"own_low_{index}", "bits": "own_bits"}
     wide = {"name": f"raw_{word}", "bits": 4, "signed": True}
     runs = digits(f"own_number_{index}", word, "own_run")
@@ -182,12 +182,12 @@ def _words(index: int, word: str) -> Item:
 
 
 def words() -> list[str]:
-    """Every word of Rust, and of the statements of the templates, that can be a name in a spec."""
+    """Return every word of Rust, and of the statements of the templates, that can be a name in a spec."""
     found = set(names.KEYWORDS)
     for path in PACKAGE.rglob("*.jinja"):
         statements = re.sub(r"{[{%#].*?[}%#]}|//.*", " ", path.read_text(encoding="utf-8"))
         found.update(re.findall(r"\b[a-z]\w*\b", statements))
-    # Names of these would be those that every module or struct has, which the problems tell.
+    # Every module or struct has these names, so a spec that uses them has a problem.
     told = {item.lower() for item in names.OF_MODULE} | {*names.OF_STRUCT}
     return sorted(word for word in found - told if re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", word))
 

@@ -1,4 +1,4 @@
-"""Each fact of a spec is said in plain English, in the same words by every output."""
+"""Every output states each fact of a spec in plain English, in the same words."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def device() -> Device:
     return found
 
 
-#: What is said of each register of the spec that has one property of its own.
+#: Statements about each register of the spec that has one special property.
 REGISTERS = [
     ("banked", "First select bank 3 with bank."),
     ("wide", "Byte order: high byte first, at 60h."),
@@ -67,7 +67,7 @@ REGISTERS = [
     ("command", "Reading the same address accesses status instead."),
     ("status", "Writing to the same address accesses command instead."),
 ]
-#: The same of the fields of registers.
+#: Statements about the fields of registers.
 FIELDS = [
     ("settings.mode", "Default: 1."),
     ("fields.counted", "Unit: counts."),
@@ -142,7 +142,7 @@ def test_the_words(device: Device, statements: Statements, name: str, sentence: 
 
 
 def test_nothing_else_is_said(device: Device) -> None:
-    """The table above has every statement, but for facts that several registers share."""
+    """The table above has every statement, except for facts that several registers share."""
     known = {*REGISTERS, *FIELDS}
     common = re.compile(r"(Byte order|Default|Limits|Clock): |Active when |ASCII text")
     for item in device.registers:
@@ -163,7 +163,7 @@ def flat(text: str) -> str:
     return " ".join(text.split())
 
 
-#: What C says in code, and Python gives as data.
+#: Facts that C has as code, and Python as data.
 IN_CODE = {
     ("c", "wide", "Default: 12 34."): "#define ACME_SAID_BISS_REG_WIDE_DEFAULT 0x1234U",
     (
@@ -197,7 +197,7 @@ Phrase = Callable[[Said], str]
 
 @pytest.fixture(scope="module")
 def outputs(device: Device) -> dict[str, tuple[str, Phrase]]:
-    """Each output as one line of text, and how it writes a statement."""
+    """Return each output as one line of text, and its form of a statement."""
     shown = [device_text(device), *(variant_text(device, find(device, item.code)) for item in device.variants)]
     pages = " ".join(text for path, text in generate(Library((device,))).items() if path.startswith("docs/said"))
     headers = (text for path, text in generate_c(Library((device,))).items() if path.startswith("c/include/acme/said"))

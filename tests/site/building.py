@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def build(target: Path) -> None:
-    """Writes the site; a warning is a fault."""
+    """Build the site. A warning is an error."""
     command = [sys.executable, str(ROOT / "docs" / "site" / "build_site.py"), str(target)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")

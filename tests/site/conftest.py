@@ -1,4 +1,4 @@
-"""The site, made once, and a browser that looks at it."""
+"""The site, built once, and a browser that checks it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is wrong with a page of the site as a browser shows it."""
+"""Defects of a page of the site as a browser shows it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from chromium import Browser
 
 #: Width, and whether the reader prefers dark.
 LOOKS = [(375, False), (375, True), (1280, False), (1280, True)]
-#: What reaches over the right edge and does not scroll by itself, or is cut off where it stands.
+#: Elements that extend beyond the right edge without a scroll bar of their own, or that are cut off.
 _CUT = """[...document.querySelectorAll("body *:not(.skip)")].filter(item => {
   if (item.closest(".table-wrapper, pre, svg, .skip, .sidebar-drawer, .toc-drawer, table.stacks thead")) return false;
   const style = getComputedStyle(item), box = item.getBoundingClientRect();
@@ -17,7 +17,7 @@ _CUT = """[...document.querySelectorAll("body *:not(.skip)")].filter(item => {
   const hides = style.overflowX !== "visible" || style.overflowY !== "visible";
   return box.right > %d + 1 || (hides && (item.scrollWidth > item.clientWidth + 1));
 }).map(item => item.tagName + " " + item.className + ": " + item.textContent.trim().slice(0, 60)).slice(0, 3)"""
-#: Tables that are wider than their box, or with a cell whose text is cut; and the number of tables.
+#: Tables that are wider than their box, or have a cell with cut-off text, and the number of tables.
 _TABLES = """(() => {
   document.querySelectorAll("details").forEach((item) => { item.open = true; });
   const tables = [...document.querySelectorAll("article table")];

@@ -1,4 +1,4 @@
-"""The pages of questions are the first hits of what people type, in their words."""
+"""The pages of questions are the first hits for the words that people type."""
 
 from __future__ import annotations
 

@@ -224,7 +224,7 @@ def test_words_typed_on_a_page_are_about_its_encoder(site: Path, browser: Browse
 
 @pytest.mark.slow
 def test_by_the_keyboard_alone(site: Path, browser: Browser) -> None:
-    """A stroke of / and the box has the keyboard, on whatever page; Enter searches."""
+    """The key / puts the cursor into the box on every page, and Enter searches."""
     browser.look(375)
     browser.open((site / "generated/docs/amm5/AMM5A21-65KSC1.html").as_uri())
     for key in ("/", *"ALMC"):

@@ -1,4 +1,4 @@
-"""The site as a whole: every link and anchor, a sample of its pages in a browser, the box that decodes frames."""
+"""The site as a whole: every link and anchor, some of its pages in a browser, and the box that decodes frames."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ SAMPLE = (
 
 
 class Page(HTMLParser):
-    """The anchors of a page, what it links to, and what it loads."""
+    """Return the anchors of a page, its links, and the files that it loads."""
 
     def __init__(self, path: Path) -> None:
         super().__init__()

@@ -3,15 +3,14 @@
 It reads chunks until its input ends, and answers each record with one record of a fixed size:
 
     operation, codec, count, variant     one byte; two and two bytes; eight bytes for each member of the variant, and
-                                         for each answer to what the manual leaves open
+                                         for each answer to an open question of the manual
     count records                        of ``Batch.record`` bytes to be decoded, of ``Codec.size`` bytes to be encoded
 
-A record to be decoded is a length and so many bytes, or eight bytes with a word;
-the answer is the result, the members, and what encoding them again gives: a result and the bytes or the word;
-then what the frame tells: the verdict in one byte, 255 where there is none, and the mask of reports in eight.
-A record to be encoded is the members; the answer is a result and the bytes or the word.
-Numbers are low byte first, words and frames as they are sent. Where there is a fault, everything after the result is 0;
-the highest bit of the result tells of a struct that has changed nevertheless.
+A record to be decoded is a length and that many bytes, or eight bytes with a word. The answer is the result, the
+members, and the result of encoding them again with the bytes or the word. The verdict follows in one byte, 255 if there
+is none, and the mask of reports in eight. A record to be encoded consists of the members. The answer is a result and
+the bytes or the word. Numbers are low byte first, words and frames as they are sent. On an error, everything after the
+result is 0. The highest bit of the result is 1 if the struct has changed nevertheless.
 """
 
 from __future__ import annotations
@@ -45,13 +44,13 @@ _FORMATS = {
 
 
 def member_format(member: Member) -> str:
-    """How a member is written; an enumeration as a byte, which is all that some compilers give it."""
+    """Type in which a member is written. An enumeration is one byte, as some compilers store it."""
     return f"{member.characters}s" if member.characters else _FORMATS.get(member.type, "B")
 
 
 @dataclass(frozen=True)
 class Codec:
-    """A struct of the header: its layout, and how its members are written."""
+    """A struct of the header: its layout, and the types of its members."""
 
     number: int
     name: str
@@ -75,9 +74,9 @@ class Codec:
 
     @property
     def answer(self) -> str:
-        """The answer to a record to be decoded.
+        """Format of the answer to a record to be decoded.
 
-        Result, members, result of encoding them again, word or frame, verdict, reports.
+        It has the result, members, result of encoding them again, word or frame, verdict, reports.
         """
         return f"<B{self.format}B{self.sent}sBQ"
 
@@ -106,7 +105,7 @@ class Batch:
         self._parameters = [item.name for item in device.set_parameters]
 
     def chunk(self, operation: int, codec: Codec, variant: Variant, records: Sequence[bytes] | bytes) -> bytes:
-        """A chunk over at most 65,535 records."""
+        """Return a chunk of at most 65,535 records."""
         text = records if isinstance(records, bytes) else b"".join(records)
         size = self.record if operation == DECODE else codec.size
         values = [variant.parameters.get(name, 0) for name in self._parameters]
@@ -114,11 +113,11 @@ class Batch:
         return struct.pack(f"<BHH{len(values)}Q", operation, codec.number, len(text) // size, *values) + text
 
     def frame(self, placed: PlacedLayout, wire: bytes) -> bytes:
-        """The record for a word or frame."""
+        """Return the record for a word or frame."""
         return bytes([len(wire)]) + wire.ljust(self.record - 1, b"\0")
 
     def source(self, entry: str) -> str:
-        """The program; ``entry`` is the text of a ``main`` that calls ``work()``, ``feed`` and ``emit`` before it."""
+        """Return the program. ``entry`` has ``feed`` and ``emit``, and a ``main`` that calls ``work()``."""
         view, prefix = self.view, self.view.prefix
         pieces = "".join(self._codec(item, prefix) for item in self.codecs)
         rows = ",\n".join(
@@ -187,7 +186,7 @@ class Batch:
 
 
 def answer_of(alternative: Alternative, variant: Variant) -> int:
-    """Which answer a variant has, by its parameters."""
+    """Return the answer that a variant has, from its parameters."""
     return next(
         index
         for index, answer in enumerate(alternative.answers)
@@ -208,12 +207,12 @@ def _fill(text: str, values: Mapping[str, str]) -> str:
 
 
 def stdio_entry() -> str:
-    """The entry of a program of a system with standard input and output."""
+    """Return the entry of a program for a system with standard input and output."""
     return _STDIO
 
 
 def on_the_wire(layout: Layout, number: int, bits: int) -> bytes:
-    """A word as eight bytes, a frame as it is sent."""
+    """Return a word as eight bytes, or a frame as it is sent."""
     if layout.carried_as == "bits":
         return number.to_bytes(8, "big")
     return number.to_bytes(bits // 8, "little" if layout.byte_order == "low_byte_first" else "big")

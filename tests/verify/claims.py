@@ -1,4 +1,4 @@
-"""Claims in a C file of functions without arguments, each proved by CBMC over the headers, or refuted."""
+"""Claims in a C file of functions without arguments, each proved or refuted by CBMC with the headers."""
 
 from __future__ import annotations
 
@@ -14,15 +14,17 @@ OURS = str(Path(__file__).resolve().parents[2] / ".cbmc")
 
 
 def claims_of(harness: Path) -> list[str]:
-    """The functions of the file that are claims: those that are not static."""
+    """Return the functions of the file that are claims: those that are not static."""
     return re.findall(r"^void (\w+)\(void\)(?=$| \{)", harness.read_text(encoding="utf-8"), re.MULTILINE)
 
 
 def verdict(
     harness: Path, claim: str, include: Path, folder: Path, rounds: int, more: Iterable[str] = ()
 ) -> tuple[bool, str]:
-    """Whether the claim is proved, and what is said of it: REFUTED, or that there was no result.
-    ``rounds`` bounds each loop, ``more`` are further checks."""
+    """Return True if the claim is proved, and a text: REFUTED, or that there was no result.
+
+    ``rounds`` bounds each loop, and ``more`` are further checks.
+    """
     text = harness.read_text(encoding="utf-8")
     checker = Checker(tool("cbmc", (OURS,)), tool("cryptominisat5"))
     found = checker.prove(Proof(claim, text, claim, rounds, (*UNDEFINED, *more)), include, folder)
@@ -30,7 +32,7 @@ def verdict(
 
 
 def planted(include: Path, header: str, sound: str, instead: str, folder: Path) -> Path:
-    """A copy of the headers, one of the runtime's with a fault."""
+    """Return a copy of the headers with an error in one header of the runtime."""
     shutil.copytree(include, folder / "include")
     path = folder / "include" / "codewheel" / header
     text = path.read_text(encoding="ascii")

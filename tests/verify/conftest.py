@@ -1,4 +1,4 @@
-"""The evidence shares the harness of the C tests. What is proved is told at the end."""
+"""The evidence uses the harness of the C tests. The number of proofs is printed at the end."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _TOLD = pytest.StashKey[list[Told]]()
 
 @pytest.fixture(scope="session")
 def told(pytestconfig: pytest.Config) -> list[Told]:
-    """Where a test of proofs adds what it has to say at the end."""
+    """List to which a test of proofs adds its summary for the end of the run."""
     return pytestconfig.stash.setdefault(_TOLD, [])
 
 
 @pytest.fixture(scope="session")
 def headers(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str]]:
-    """All headers, of the families and of specs that use the language's other words, and how each is included."""
+    """All headers, of the families and of specs that use the other words of the language, with their includes."""
     groups: list[tuple[Device, ...]] = [devices_of(), *(devices_of(path) for path in MADE_UP.values())]
     folder = tmp_path_factory.mktemp("headers")
     include = write(folder, tuple(device for group in groups for device in group))

@@ -1,7 +1,7 @@
 /*
- * The smallest start of a Cortex-M under QEMU, and input and output by semihosting: the debugger
- * calls of Arm's "Semihosting for AArch32 and AArch64". What is run comes before this text, as
- * work(). The last functions are those that newlib's stdio stands on.
+ * The smallest start-up code of a Cortex-M under QEMU, with input and output by semihosting: the
+ * debugger calls of Arm's "Semihosting for AArch32 and AArch64". The program comes before this text,
+ * as work(). The last functions are those that newlib's stdio needs.
  */
 extern uint32_t stack_top;
 extern uint32_t data_start, data_end, data_image, bss_start, bss_end;
@@ -20,7 +20,7 @@ static uint32_t opened(uint32_t mode)
     return semihosting(0x01U, &file);
 }
 
-/* Reads or writes so many bytes of a file, and gives how many were left. */
+/* Read or write this many bytes of a file, and return how many were left. */
 static size_t moved(uint32_t operation, uint32_t file, const void *bytes, size_t count)
 {
     const struct { uint32_t file; const void *bytes; uint32_t count; } block = { file, bytes, count };
@@ -54,7 +54,7 @@ static void emit(const uint8_t *from, size_t count)
     (void)moved(0x05U, output, from, count);
 }
 
-/* Ends the machine: 0x20026 is a program that has come to its end, 0x20023 an error while it ran. */
+/* Stop the machine: 0x20026 is the end of a program, and 0x20023 an error while it ran. */
 static __attribute__((noreturn)) void leave(bool well)
 {
     (void)semihosting(0x18U, (const void *)(well ? 0x20026U : 0x20023U));

@@ -1,8 +1,8 @@
-"""Which lines and branches of the headers the tests of the C target reach, by the counters of clang.
+"""Lines and branches of the headers that the tests of the C target reach, counted by clang.
 
-The tests are run as they are; only ``gcc`` is another program for them, which compiles
-what they link with counters in place of sanitizers. A header is known by its bytes, wherever a test has written it.
-Counts of all programs are added up: a region or branch counts as reached when one has reached it.
+The tests run unchanged. Only ``gcc`` is replaced by a program that compiles with counters instead of sanitizers. A
+header is identified by its bytes, wherever a test has written it. The counts of all programs are added, so a region or
+branch counts as reached if one of them has reached it.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ Place = tuple[str, int, int, int, int]
 
 @dataclass
 class Coverage:
-    """How often each piece of code was reached, and each condition was true and false; by header, line and column."""
+    """Counts of each piece of code, and of true and false for each condition, by header, line and column."""
 
     regions: Counter[Place] = field(default_factory=Counter)
     true: Counter[Place] = field(default_factory=Counter)
@@ -46,7 +46,7 @@ class Coverage:
     functions: dict[Place, str] = field(default_factory=dict)
 
     def unreached(self) -> Iterable[tuple[Place, str, str]]:
-        """Place, function and what is missing."""
+        """Place, function and missing part."""
         for place in sorted(self.regions):
             if self.regions[place] == 0:
                 yield place, self.functions[place], "is not reached"
@@ -57,7 +57,7 @@ class Coverage:
 
 
 def run_tests(folder: Path, tests: Sequence[str], gcc: str, clang: str, root: Path) -> tuple[int, str]:
-    """Runs tests with counters; their programs are listed in ``folder``. Gives pytest's status and what it said."""
+    """Run tests with counters. Their programs are listed in ``folder``. Return pytest's exit status and output."""
     shims = folder / "shims"
     shims.mkdir(parents=True)
     (shims / "gcc").write_text(_SHIM.replace("@gcc@", gcc).replace("@clang@", clang), encoding="utf-8")
@@ -74,7 +74,7 @@ def run_tests(folder: Path, tests: Sequence[str], gcc: str, clang: str, root: Pa
 
 
 def measured(folders: Iterable[Path], headers: Iterable[Path], llvm_profdata: str, llvm_cov: str) -> Coverage:
-    """What the programs listed in ``folders`` have counted in these headers."""
+    """Return the counts of the programs listed in ``folders`` for these headers."""
     wanted = {_digest(path): path.name for path in headers}
     found = Coverage()
     for program in dict.fromkeys(
@@ -116,7 +116,7 @@ def _add(
 
 
 def _header(path: str, wanted: dict[str, str], known: dict[str, str]) -> str:
-    """The header that this file is; empty for all other files."""
+    """Return the header with the content of this file, or an empty text for any other file."""
     if path not in known:
         known[path] = wanted.get(_digest(Path(path)), "") if path.endswith(".h") and Path(path).is_file() else ""
     return known[path]

@@ -1,7 +1,7 @@
-"""Frames by the million: sound, disturbed and random ones, from few that the model makes.
+"""Millions of valid, disturbed and random frames from a few frames of the model.
 
-CRCs, parities and constants are sums modulo 2 of the bits of a frame. The sum of three sound frames is therefore a
-fourth one, so that from a small pool as many follow as are wanted, in bulk; what is added to them disturbs some.
+CRCs, parities and constants are sums modulo 2 of the bits of a frame. The sum of three valid frames is therefore a
+fourth one, so a small pool yields as many as needed. Some are disturbed by adding further bits.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ POOL = 256
 
 
 def variants(device: Device, codec: Codec) -> list[Variant]:
-    """The order codes that differ in something, and some states of the registers at run time."""
+    """Yield the order codes that differ, and some states of the registers at run time."""
     found = {
         tuple(sorted(item.parameters.items())): item
         for item in (*device.variants, *run_time_variants(device))
@@ -48,7 +48,7 @@ class Frames:
         return self.batch.frame(self.placed, on_the_wire(self.codec.layout, number, self.placed.bits))
 
     def _changes(self) -> Iterator[bytes]:
-        """What is added to sound frames: nothing, one to three bits, these with a good CRC, another length, all."""
+        """Return the bits added to valid frames: none, one to three, these with a matching CRC, another length, all."""
         bits, random_ = self.placed.bits, self.random
         nothing = self._record(0)
         sound = next(self._sound_numbers())
@@ -72,7 +72,7 @@ class Frames:
         return self.batch.frame(self.placed, bytes(length))
 
     def take(self, count: int) -> bytes:
-        """So many records, one after another."""
+        """Return this many records."""
         total = 0
         for pool in (self.sound, self.sound, self.sound, self.changes):
             total ^= int.from_bytes(b"".join(map(pool.__getitem__, self.random.randbytes(count))), "big")
@@ -88,7 +88,7 @@ def _added(one: bytes, other: bytes) -> bytes:
 
 
 def chunks(batch: Batch, codec: Codec, total: int, seed: str, size: int = CHUNK) -> Iterator[tuple[Variant, bytes]]:
-    """Order codes in turn, each with some records, until there were ``total``."""
+    """Yield each order code in turn with some records, up to ``total``."""
     random_ = random.Random(f"{seed} {batch.device.name} {codec.name}")
     sources = [Frames(batch, codec, item, random_) for item in variants(batch.device, codec)]
     left = total
@@ -101,7 +101,7 @@ def chunks(batch: Batch, codec: Codec, total: int, seed: str, size: int = CHUNK)
 
 
 def wires(batch: Batch, codec: Codec, records: bytes) -> list[int] | list[bytes]:
-    """The words or frames in records."""
+    """Return the words or frames in records."""
     size = batch.record
     if not codec.view.plan.in_bytes:
         return [int.from_bytes(records[at + 1 : at + 9], "big") for at in range(0, len(records), size)]

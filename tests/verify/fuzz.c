@@ -1,6 +1,6 @@
 /*
- * What libFuzzer calls. It comes after the text of the batch program (batch.py), with the calls of
- * the header's functions put in (fuzz.py).
+ * The functions that libFuzzer calls. This follows the text of the batch program (batch.py), with the
+ * calls of the header's functions inserted (fuzz.py).
  */
 #include "fuzz.h"
 #include <string.h>
@@ -65,7 +65,7 @@ static int32_t fuzzed_send(void *context, uint8_t request, uint8_t *reply, size_
         reply[at] = (uint8_t)take(1U);
     }
     if (length > 1U && (take(1U) & 3U) != 0U) {
-        /* A sound reply, as most are. */
+        /* A valid reply, as most are. */
         reply[0] = request;
         reply[length - 1U] = 0U;
         for (at = 0U; at + 1U < length; at++) {
@@ -105,7 +105,7 @@ static void require_of(int holds, const char *what, size_t number)
     }
 }
 
-/* Decodes a record of exactly its length; the answer is as long as that of the batch. */
+/* Decode a record of exactly its length. The answer has the same length as that of the batch. */
 static uint8_t *answer_of(const codec *chosen, const @prefix@ *variant, const uint8_t *bytes, size_t length, int bits)
 {
     uint8_t *const record = malloc(1U + (bits ? 8U : length));
@@ -147,7 +147,7 @@ static void check_codec(size_t number, const @prefix@ *variant)
     free(answer);
 }
 
-/* What can be encoded is decoded again as it was. */
+/* An encoded record is decoded to the same values. */
 static void check_members(size_t number, const @prefix@ *variant)
 {
     const codec *const chosen = &codecs[number];
@@ -180,7 +180,7 @@ static void check_label(void)
     const @prefix@_order_code *const codes = @prefix@_order_codes(&count);
     if (found != NULL) {
         require_of(found >= codes && found < codes + count, "an order code that is not in the table", 0U);
-        /* A label may have blanks anywhere, and in a family with other spellings it need not look like the code. */
+        /* A label may have spaces anywhere. In a family with other spellings, it need not look like the code. */
         if (unlisted == 0U && !@spelled@) {
             size_t at = 0U;
             size_t index;
@@ -196,7 +196,7 @@ static void check_label(void)
     free(label);
 }
 
-/* The variant of an order code; now and then with what its registers may hold. */
+/* The variant of an order code, sometimes with possible contents of its registers. */
 static void take_over(@prefix@ *variant)
 {
     (void)variant;

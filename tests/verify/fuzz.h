@@ -1,4 +1,4 @@
-/* What all that libFuzzer calls have in common: the input, taken from its beginning, and what has to hold. */
+/* Common parts of everything that libFuzzer calls: the input, read from its beginning, and the assertions. */
 #ifndef FUZZ_H
 #define FUZZ_H
 
@@ -11,7 +11,7 @@
 static const uint8_t *input;
 static size_t left;
 
-/* So many bytes as a number, or as many as are left. */
+/* Return this many bytes as a number, or as many as are left. */
 static inline uint64_t take(size_t count)
 {
     uint64_t value = 0U;

@@ -1,9 +1,9 @@
-"""A libFuzzer target over a header: byte 0 of an input chooses the call, byte 1 the order code, the rest are arguments.
+"""A libFuzzer target for a header: byte 0 of an input chooses the call, byte 1 the order code, the rest are arguments.
 
-Every struct is decoded, encoded and decoded again;
-every other function of the header is called with whatever its types allow, by a text made from its declaration,
-so that none can be forgotten. Buffers lie on the heap and are exactly as long as a function is told.
-Positions are of 56 bits, which is more than any encoder has: what they are in micrometres has to fit.
+Every struct is decoded, encoded and decoded again. Every other function of the header is called with anything that its
+types allow, by code generated from its declaration, so that none is forgotten. Buffers are on the heap and have exactly
+the length that a function receives. Positions have 56 bits, which is more than any encoder has, because their value in
+micrometres must fit.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _NUMBERS = {
     "double": 8,
 }
 
-#: Helpers of the runtime whose arguments have to fit each other; the functions that call them see to that.
+#: Helpers of the runtime whose arguments must match each other, which the functions that call them ensure.
 PRECONDITIONS = {
     "signed": "a value of no more than so many bits",
     "fits_signed": "1 to 64 bits",
@@ -55,19 +55,19 @@ PRECONDITIONS = {
 
 
 def folded(text: str) -> str:
-    """The code of a header without that of CRCs by table, which a macro chooses and the same frames on the host try."""
+    """Return the code of a header without CRCs by table, which a macro selects and the same frames on the host test."""
     return _TABLE.sub(lambda found: found[2] or "", without_texts(text))
 
 
 def texts_of(batch: Batch, include: Path) -> list[str]:
-    """The code of the headers of the runtime that an interface includes, and of its own."""
+    """Return the code of the included headers of the runtime and of the header of an interface."""
     paths = [include / "codewheel" / f"{name}.h" for name in SHARED if name != "receive"]  # has a target of its own
     paths += [include / header for header in batch.view.headers]
     return [folded(path.read_text(encoding="ascii")) for path in paths]
 
 
 class Header:
-    """The functions and structs that a header and those of the runtime that it includes declare."""
+    """Return the functions and structs that a header and its included headers of the runtime declare."""
 
     def __init__(self, batch: Batch, include: Path) -> None:
         self.prefix = batch.view.prefix
@@ -142,7 +142,7 @@ class Header:
         return f"({type_})take({_NUMBERS.get(type_, 1)}U)"
 
     def _fill(self, type_: str, place: str) -> str:
-        """Statements that fill a value of this type from the input."""
+        """Return statements that fill a value of this type from the input."""
         if type_ not in self.structs:
             return f"{place} = {self._number(type_)};"
         lines = [f"memset(&{place}, 0, sizeof({place}));"]
@@ -163,7 +163,7 @@ class Header:
 
 
 def source(batch: Batch, include: Path) -> str:
-    """The text of the target."""
+    """Return the text of the target."""
     header = Header(batch, include)
     takers = "".join(
         "    { uint8_t held[8]; size_t i; for (i = 0U; i < 8U; i++) { held[i] = (uint8_t)take(1U); } "
@@ -200,7 +200,7 @@ def _replaced(text: str, values: Mapping[str, str]) -> str:
 
 
 def is_exact(batch: Batch, codec: Codec) -> bool:
-    """Whether every bit belongs to a field, for every order code: encoding what was decoded has to give it again."""
+    """Return True if every bit belongs to a field for every order code, so that encoding restores a decoded frame."""
     placed = [
         codec.layout.place(item.parameters) for item in batch.device.variants if item.interface == codec.interface
     ]
@@ -208,7 +208,7 @@ def is_exact(batch: Batch, codec: Codec) -> bool:
 
 
 def may_be_refused(batch: Batch, codec: Codec) -> bool:
-    """Whether a sound value may lie outside the limits within which a register is written."""
+    """Return True if a valid value may be outside the limits for writing a register."""
     register = next((item for item in batch.device.registers if f"reg_{item.name}" == codec.name), None)
     powers = any(field.number.power_of_two for field in codec.layout.fields)
     return powers or (
@@ -217,7 +217,7 @@ def may_be_refused(batch: Batch, codec: Codec) -> bool:
 
 
 def seeds(batch: Batch) -> Iterable[bytes]:
-    """Inputs to begin with: sound frames and members of each layout for its interface's order codes, and these."""
+    """Return inputs to begin with: valid frames and members of each layout for its interface's order codes."""
     random_ = random.Random("seeds")
     for codec in batch.codecs:
         for index, variant in enumerate(batch.device.variants):

@@ -1,6 +1,6 @@
 /*
- * What libFuzzer calls for the header of register access over BiSS: a master and a slave that talk
- * to each other over a line that the input disturbs, and words at random.
+ * Fuzz target for the header of register access over BiSS: a master and a slave exchange bits over a
+ * line that the input disturbs, and random words are decoded.
  */
 #include "codewheel/biss_slave.h"
 #include "fuzz.h"
@@ -26,7 +26,7 @@ static void words(void)
     }
 }
 
-/* The input: what is asked for, then a byte for each frame, whose low bits disturb the line. */
+/* The input: the request, then a byte for each frame, whose low bits disturb the line. */
 static void conversation(void)
 {
     cw_biss_master master;

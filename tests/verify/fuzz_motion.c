@@ -1,12 +1,12 @@
 /*
- * What libFuzzer calls for the headers of motion: positions and times of any kind, and an axis that
- * moves within its limit, of which no count may be lost; all functions on angles with any number.
+ * Fuzz target for the headers of motion: positions and times of any kind, an axis that moves within
+ * its limit, of which no count may be lost, and all functions on angles with any number.
  */
 #include "codewheel/angle.h"
 #include "codewheel/tracker.h"
 #include "fuzz.h"
 
-/* Whether all members are equal but refused, known and lost. */
+/* Return true if all members are equal except refused, known and lost. */
 static bool same(const cw_tracker *one, const cw_tracker *two)
 {
     return one->at_us == two->at_us && one->elapsed_us == two->elapsed_us && one->limit == two->limit
@@ -15,7 +15,7 @@ static bool same(const cw_tracker *one, const cw_tracker *two)
         && one->position == two->position && one->moved == two->moved;
 }
 
-/* Whatever is sent: a frame that is refused changes nothing but its count, and may lose the axis. */
+/* Any input: a refused frame changes only its count, and may cause the axis to be lost. */
 static void anything(void)
 {
     cw_tracker axis;
@@ -53,7 +53,7 @@ static void anything(void)
     }
 }
 
-/* An axis within its limit, now and then a frame that is far from it. */
+/* An axis within its limit, with an occasional frame far from it. */
 static void followed(void)
 {
     cw_tracker axis;
@@ -71,7 +71,7 @@ static void followed(void)
         now += passed;
         shaft += moved;
         if (what < 32U) {
-            /* Lost, and the next one comes soon: what is in reach grows with the time. */
+            /* The axis is lost, and the next position comes soon. The limit grows with the time. */
             const int64_t sent = (shaft + (modulus / 2)) % modulus;
             require(cw_tracker_add(&axis, (uint64_t)((sent < 0) ? sent + modulus : sent), now) == CW_FAULT_RANGE, "half a turn");
         }

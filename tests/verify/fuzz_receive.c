@@ -1,6 +1,6 @@
 /*
- * What libFuzzer calls for the header of what is received: buffers of any content and of just their
- * size, lines that are drawn here and have to be read again, and a serial line with noise.
+ * Fuzz target for the header of receivers: buffers of any content and of exactly their size, lines
+ * that are drawn here and must be read back, and a serial line with noise.
  */
 #include "codewheel/receive.h"
 #include "fuzz.h"

@@ -1,7 +1,7 @@
 /*
- * What libFuzzer calls for the header of procedures without waiting: any steps, carried out by the
- * function that waits and by the runner, against an encoder that answers both with the same bytes
- * and errors. Both have to do the same, in the same order, and to say the same.
+ * Fuzz target for the header of procedures without waiting: any steps, carried out by the function
+ * that waits and by the runner, with an encoder that answers both with the same bytes and errors. Both
+ * must do the same, in the same order, and return the same.
  */
 #include "codewheel/runner.h"
 #include "fuzz.h"
@@ -10,7 +10,7 @@
 #define STEPS 6U
 #define LOG 4096U
 
-/* What was asked for, as numbers; a wait is the sum of those that follow each other. */
+/* The requests as numbers. A wait is the sum of successive waits. */
 typedef struct record {
     uint64_t told[LOG];
     size_t count;
@@ -79,14 +79,14 @@ static int32_t on_send(void *context, uint8_t request, uint8_t *reply, size_t le
     size_t at;
     tell(context, ((uint64_t)4U << 60U) | ((uint64_t)request << 16U) | length);
     for (at = 0U; at < length; at++) {
-        /* Often a sound reply: the request, and its exclusive-or. */
+        /* Often a valid reply: the request, and its exclusive-or. */
         const uint8_t byte = scripted(context);
         reply[at] = (byte < 0xC0U) ? ((at == 0U || at + 1U == length) ? request : 0U) : byte;
     }
     return ends(context);
 }
 
-/* Steps the runner to its end; gives the time it is by then. */
+/* Step the runner to its end. Return the time at the end. */
 static uint32_t carry_out(record *to, cw_runner *runner, uint32_t now)
 {
     cw_todo todo;
@@ -111,7 +111,7 @@ static uint32_t carry_out(record *to, cw_runner *runner, uint32_t now)
     return now;
 }
 
-/* What was left open is closed by registers, without a request; where nothing is, nothing happens. The fault stays. */
+/* Open registers are closed without a request, and if none is open, nothing happens. The error stays the same. */
 static void close_again(record *to, cw_runner *runner, uint32_t now)
 {
     const cw_failure before = runner->failure;
@@ -147,7 +147,7 @@ static cw_result waiting_for_nothing(
     return runner.result;
 }
 
-/* Whether a step looks at a byte: it never is as it should be where its value has bits outside the mask. */
+/* Return true if a step checks a byte that can never match, because its value has bits outside the mask. */
 static bool is_compared(const cw_step *step)
 {
     return step->kind == CW_STEP_POLL || step->kind == CW_STEP_VERIFY || step->kind == CW_STEP_MORE;
@@ -198,7 +198,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         results[1] = waiting_for_nothing(&stepped, steps, count, bytes[1], length, 3U, pause, &second);
     }
     require(results[0] == results[1], "another result");
-    /* The one that waits also does so after the last access. */
+    /* The function that waits also waits after the last access. */
     while (waited.count != 0U && (waited.told[waited.count - 1U] >> 60U) == 3U) {
         waited.count--;
     }

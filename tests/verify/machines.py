@@ -1,5 +1,8 @@
-"""Machines that the generated C runs on: the host, with either form of the CRCs,
-Cortex-M under system emulation, a big-endian one under user emulation."""
+"""Machines that run the generated C.
+
+They are the host, with either form of the CRCs, Cortex-M under system emulation, and a big-endian one under user
+emulation.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,7 @@ _EMULATE = [
     "-kernel",
 ]
 
-#: A program with a ``main`` in place of ``work``.
+#: A program with a ``main`` instead of ``work``.
 _MAIN = """
 static size_t feed(uint8_t *to, size_t count);
 static void emit(const uint8_t *from, size_t count);
@@ -35,8 +38,10 @@ static int work(void) { return main(); }
 
 @dataclass(frozen=True)
 class Machine:
-    """How to compile for it and how to run a program; ``bare`` has no system, so that a start file is needed;
-    ``table`` asks for CRCs by table."""
+    """How to compile for a machine and how to run a program.
+
+    ``bare`` means that it has no system and needs a start file. ``table`` selects CRCs by table.
+    """
 
     name: str
     compiler: tuple[str, ...]
@@ -45,7 +50,7 @@ class Machine:
     table: bool = False
 
     def entry(self) -> str:
-        """What follows the text of a program that has ``work``, ``feed`` and ``emit``."""
+        """Return the end of a program that has ``work``, ``feed`` and ``emit``."""
         return (HERE / "cortex_m.c").read_text(encoding="utf-8") if self.bare else stdio_entry()
 
     def compile(self, text: str, folder: Path, include: Path, stem: str) -> Program:
@@ -62,12 +67,12 @@ class Machine:
         return Program((*emulator, str(made)))
 
     def compile_main(self, text: str, folder: Path, include: Path, stem: str) -> Program:
-        """The same for the text of a program with ``main``."""
+        """Return the end of a program with ``main``."""
         return self.compile(text + _MAIN + self.entry() if self.bare else text, folder, include, stem)
 
 
 def crc_tables(include: Path) -> list[str]:
-    """The options that choose the other form of the CRCs of whole words."""
+    """Return the options that select the other form of the CRCs of whole words."""
     return [f"-D{maker.name.upper()}_CRC_TABLE" for maker in sorted(include.iterdir()) if maker.name != "codewheel"]
 
 
@@ -81,7 +86,7 @@ class Program:
         return done.stdout
 
     def by_line(self) -> Run:
-        """The same for the program of the harness, which answers lines with lines."""
+        """Return the same for the program of the harness, which answers line by line."""
 
         def run(lines: Iterable[str]) -> list[str]:
             return self("".join(f"{line}\n" for line in lines).encode("ascii")).decode("ascii").splitlines()

@@ -1,8 +1,8 @@
-"""What a proof by CBMC, the model checker, needs: the header as text, the parameters of all order codes, and the run.
+"""Requirements of a proof by CBMC: the header as text, the parameters of all order codes, and the run.
 
-A harness is a C file whose functions claim something with ``__CPROVER_assert`` about values that may be anything.
-The parameters of the variant are such values too, restricted to those of the order codes (and to what registers can
-hold at run time), so that one proof holds for all of them.
+CBMC is a model checker. A harness is a C file whose functions claim something about arbitrary values with
+``__CPROVER_assert``. The parameters of the variant are also arbitrary, but restricted to those of the order codes and
+to the possible contents of registers, so that one proof covers all of them.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from typing import NamedTuple
 from codewheel.model import Alternative, Device, Variant
 from codewheel.model.expressions import Expression
 
-#: Undefined behaviour of every kind that the checker knows, overflow of floating point left out.
+#: All kinds of undefined behaviour that the checker knows, except overflow of floating point.
 UNDEFINED = (
     "--bounds-check --pointer-check --pointer-overflow-check --pointer-primitive-check"
     " --signed-overflow-check --undefined-shift-check --div-by-zero-check"
 ).split()
-#: For a loop that keeps nothing from one round to the next but a place that may be any:
-#: a few rounds from anywhere show all of them.
+#: For a loop that carries only an arbitrary index from one round to the next:
+#: a few rounds from any start cover all of them.
 PARTLY = "--no-unwinding-assertions"
-#: Seconds of processor time, far above what any proof here takes; one that does not end is no proof.
-#: How busy the machine is does not matter.
+#: Seconds of processor time, far above those of any proof here. A run that does not end is not a proof.
+#: The load of the machine does not matter.
 LIMIT_S = 900
 
 
@@ -50,8 +50,10 @@ class Member:
 
 @dataclass(frozen=True)
 class Header:
-    """The functions and structs of a header, found by its text alone;
-    ``options`` are macros that a user may define to have other code."""
+    """The functions and structs of a header, found in its text alone.
+
+    ``options`` are macros that a user may define to select other code.
+    """
 
     functions: Mapping[str, Function]
     structs: Mapping[str, tuple[Member, ...]]
@@ -63,7 +65,7 @@ class Header:
         options = tuple(
             dict.fromkeys(item for item in re.findall(r"^#ifdef (\w+)$", text, re.MULTILINE) if item != "__cplusplus")
         )
-        # As it is when nothing is defined that a header asks for.
+        # Without any of the macros that a header checks.
         text = re.sub(
             r"^#ifdef \w+\n(.*?)(?:^#else\n(.*?))?^#endif\n",
             lambda found: found[2] or "",
@@ -90,11 +92,11 @@ class Header:
         return cls(functions, structs, options)
 
     def member(self, struct: str, name: str) -> Member:
-        """The member for a name of the spec; a reserved word has an underscore behind it."""
+        """Return the member for a name of the spec. A reserved word has a trailing underscore."""
         return next(item for item in self.structs[struct] if item.name in (name, name + "_"))
 
     def anything(self, struct: str, name: str) -> str:
-        """Lines that declare a struct of which every member may be anything that its type can hold."""
+        """Return lines that declare a struct in which every member can have any value of its type."""
         lines = f"    {struct} {name};\n"
         for item in self.structs.get(struct, ()):
             if item.type in ("bool", "_Bool") and not item.count:
@@ -113,13 +115,13 @@ void *malloc(__CPROVER_size_t size);
 
 
 def in_c(expression: Expression) -> str:
-    """An expression over parameters as the reference writes it: plain numbers of 64 bits with a sign."""
+    """Return an expression over parameters as in the reference: plain signed numbers of 64 bits."""
     return "(" + expression.render(prefix="p_", power="(1LL << {})", suffix="LL") + ")"
 
 
 @dataclass(frozen=True)
 class Variants:
-    """The parameters that matter, and all values that they can have together."""
+    """The relevant parameters, and all values that they can have together."""
 
     device: Device
     names: tuple[str, ...]
@@ -129,8 +131,10 @@ class Variants:
 
     @classmethod
     def of(cls, device: Device, interface: str, used: Iterable[str]) -> Variants:
-        """Over all order codes of an interface, or of all where it is empty.
-        ``used`` names parameters; those they follow from are added."""
+        """Return those of all order codes of an interface, or of all interfaces if it is empty.
+
+        ``used`` names parameters. Those from which they follow are added.
+        """
         definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
         names: list[str] = []
 
@@ -160,7 +164,7 @@ class Variants:
         return cls(device, tuple(names), combinations, ranges, asked)
 
     def fixed(self, values: Mapping[str, int]) -> Variants:
-        """The same with what registers hold at run time fixed to these values."""
+        """Return the same with these fixed values of the registers at run time."""
         return replace(
             self,
             ranges={
@@ -170,7 +174,7 @@ class Variants:
 
     @property
     def count(self) -> int:
-        """How many sets of parameters one proof covers."""
+        """Return the number of sets of parameters that one proof covers."""
         count = len(self.combinations)
         for low, high in self.ranges.values():
             count *= high - low + 1
@@ -180,12 +184,14 @@ class Variants:
 
     @property
     def answers(self) -> str:
-        """The answers as arguments, to be handed over after the variant."""
+        """Return the answers as arguments, passed after the variant."""
         return "".join(f"answer_{item.name}, " for item in self.alternatives)
 
     def declare(self, prefix: str, header: Header) -> str:
-        """C that makes ``variant`` and the parameters ``p_…`` any of them;
-        members of the variant that do not matter may hold anything."""
+        """Return C that gives ``variant`` and the parameters ``p_…`` any allowed values.
+
+        Members of the variant that do not matter may have any value.
+        """
         definitions = {item.name: item.equals for item in self.device.parameters if item.equals is not None}
         lines = "".join(f"static long long p_{name};\n" for name in self.names)
         lines += "".join(f"static {prefix}_{item.name} answer_{item.name};\n" for item in self.alternatives)
@@ -227,8 +233,10 @@ static void any_variant(void)
 
 @dataclass(frozen=True)
 class Proof:
-    """A function of a harness whose claims are to hold, for how many sets of parameters of what;
-    ``reached`` asks that a claim fails instead, which shows that the others are not about nothing."""
+    """A function of a harness whose claims must hold, with the number of sets of parameters and their subject.
+
+    If ``reached``, a claim must fail instead, which shows that the other claims are reachable.
+    """
 
     name: str
     harness: str
@@ -248,12 +256,12 @@ class Result:
 
 
 def limited(command: Sequence[str]) -> list[str]:
-    """The command with the limit, which counts for it and for each program that it starts."""
+    """Return the command with the limit, which applies to it and to each program that it starts."""
     return ["sh", "-c", f'ulimit -c 0; ulimit -t {LIMIT_S}; exec "$@"', "sh", *command]
 
 
 class Told(NamedTuple):
-    """How many proofs of something there were, how many failed, and for how many sets of parameters they are."""
+    """Number of proofs of a subject, number of failures, and number of sets of parameters."""
 
     what: str
     proofs: int
@@ -272,7 +280,7 @@ class Checker:
     solver: str
 
     def prove(self, proof: Proof, include: Path, folder: Path) -> Result:
-        """Runs one proof on the headers below ``include``."""
+        """Run one proof on the headers below ``include``."""
         command = [self.cbmc, "harness.c", "--function", proof.entry, "-I", str(include), "--unwind", str(proof.unwind)]
         command += [] if PARTLY in proof.options else ["--unwinding-assertions"]
         command += ["--stop-on-fail", "--slice-formula", "--external-sat-solver", self.solver, *proof.options]
@@ -293,6 +301,6 @@ class Checker:
         return Result(proof, proved, proof.name if proved else f"{proof.name}: {why}\n" + "\n".join(told[-12:]))
 
     def prove_all(self, proofs: Sequence[tuple[Proof, Path]], folder: Path) -> list[Result]:
-        """Several at once, as many as there are processors; each on the headers below the path given with it."""
+        """Run several proofs at once, one per processor, each on the headers below its own path."""
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
             return list(pool.map(lambda both: self.prove(both[0], both[1], folder), proofs))

@@ -1,7 +1,7 @@
 /*
- * Claims about register access over BiSS for the model checker CBMC. What a machine can be in is
- * written down once, in _can_be; each function then shows that it leads from there to there again,
- * whatever comes over the line, and does nothing undefined on the way. So no frames are too many.
+ * Claims about register access over BiSS for the model checker CBMC. The possible states of a machine
+ * are defined once, in _can_be. Each function is then proved to lead from such a state to another one,
+ * for any bits on the line, without undefined behaviour. This covers any number of frames.
  */
 #include "codewheel/biss_slave.h"
 
@@ -32,7 +32,7 @@ static bool master_can_be(const cw_biss_master *master)
     if ((master->request.id > 7U) || (master->done >= master->count) || (master->count > CW_BISS_REGISTERS)) {
         return false;
     }
-    /* The registers that are left do not run past 7Fh. While P is sent, the byte before it counts as done. */
+    /* The remaining registers do not extend past 7Fh. While P is sent, the byte before it counts as done. */
     if ((master->request.address + (master->count - master->done) + (at_p ? 1 : 0)) > 0x80) {
         return false;
     }
@@ -64,7 +64,7 @@ void one_more_bit_of_a_master(void)
     __CPROVER_assert(master_can_be(&master) && (master.outcome != CW_BISS_RUNNING), "and can be given up");
 }
 
-/* The same of the machine whose bit comes a frame late: S and what follows it are counted otherwise. */
+/* The same for the machine whose bit is one frame late, which counts S and the bits after it differently. */
 static bool late_master_can_be(const cw_biss_master *master)
 {
     if (((unsigned)master->phase > 3U) || ((unsigned)master->outcome > 8U) || (master->zeros > CW_BISS_ZEROS)) {

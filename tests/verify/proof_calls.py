@@ -1,8 +1,8 @@
-"""Proofs of every other function: called with anything that its arguments may be,
-it does nothing that C leaves undefined, and it keeps what the headers promise of all functions:
-one that returns a fault has left its results as they were, and a fault of the transport is handed on.
+"""Proofs of every other function, called with arbitrary arguments.
 
-The harness of a function is built from its signature, so that a new function is proved as soon as it is in a header.
+It has no undefined behaviour, and it keeps what the headers guarantee for all functions. On an error, its results are
+unchanged, and an error of the transport is returned. The harness of a function is built from its signature, so a new
+function is proved as soon as it is in a header.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ from codewheel.targets.c.device import DeviceView
 from proof import PARTLY, PRELUDE, UNDEFINED, Function, Header, Proof, Variants
 
 TRANSPORT, UNSUPPORTED = 5, 7
-#: Bounds of what is given: bytes of a buffer, steps of a procedure, characters of a label, repetitions of a step.
+#: Bounds of arguments: bytes of a buffer, steps of a procedure, characters of a label, repetitions of a step.
 BYTES, STEPS, LABEL, TIMES = 16, 2, 12, 2
-#: How long the longest reply is that there is a place for.
+#: Length of the longest reply for which there is space.
 REPLY = 16
-#: How far a position goes in either direction:
-#: times a step of one byte it still fits into 64 bits, as the headers ask for.
+#: Limit of a position in either direction.
+#: In steps of one byte, it fits into 64 bits, as the headers require.
 POSITION = "(1LL << 55)"
-#: How often a loop goes round at most, and one more: over order codes, over steps that may be anything, every other,
-#: and one whose rounds may be any.
+#: Maximum rounds of a loop, plus one: over order codes, over arbitrary steps, every other,
+#: and one whose rounds are arbitrary.
 CODES_ROUNDS, STEPS_ROUNDS, ROUNDS, ANY_ROUNDS = 70, 4, 32, 3
 
-#: A transport of which every function may be missing or may fail at any call, with any number but 0.
-#: After one has failed, registers are read and written only to close what was opened; how that goes is told beside.
+#: A transport in which every function may be missing or fail at any call, with any number except 0.
+#: After a failure, registers are read and written only to close open ones, with a result of its own.
 _TRANSPORT = """\
 static int32_t failed_with;
 static int32_t fails(void)
@@ -75,8 +75,8 @@ static cw_transport any_transport(void)
 }
 """
 
-#: What stands for running steps where a device's procedures are proved: it reads and writes all that it is given and
-#: may end in any way that is open to it. That running steps is so, is proved with the shared header.
+#: Replaces running steps in proofs of a device's procedures: it reads and writes everything that it receives and may
+#: end in any allowed way. The shared header has the proof that running steps does the same.
 _RUN = """\
 static cw_result any_run(
     const cw_transport *transport, const cw_step *steps, size_t count, uint8_t *bytes, size_t length,
@@ -104,14 +104,17 @@ static cw_result any_run(
 
 
 def _bounded(step: str) -> str:
-    """What is assumed of a step, so that its loops end within the rounds: few repetitions, and a reply, whose length
-    stands in place of an address, that is as short or longer than there is a place for."""
+    """Return the assumptions about a step that let its loops end within the rounds.
+
+    They are few repetitions, and a reply, whose length replaces an address, that is short or longer than the space for
+    it.
+    """
     reply = f"{step}.address <= {TIMES} || {step}.address > {REPLY}"
     return f"__CPROVER_assume({step}.times <= {TIMES}); __CPROVER_assume({reply});"
 
 
 class _Given:
-    """What a function is given: lines that declare it, what is passed on, and the results by type and name."""
+    """Arguments of a function: lines that declare them, the arguments, and the results by type and name."""
 
     def __init__(self, of: CallProof, function: Function) -> None:
         self.lines: list[str] = []
@@ -138,13 +141,13 @@ class _Given:
                 self.passed.append(local)
 
     def _several(self, plain: str, kind: str, local: str, count: str) -> None:
-        """A buffer and how many there are in it."""
+        """Add a buffer and its length."""
         most = BYTES if plain == "uint8_t" else 4 * BYTES
         if self._any_steps or kind == "const cw_step *":
             most = STEPS
         self.lines.append(f"size_t {count} = nondet_size(); __CPROVER_assume({count} <= {most});")
         if self._any_steps:
-            # Memory of a size that may be anything is too hard here.
+            # Memory of arbitrary size is too hard here.
             self.lines.append(f"{plain} {local}[{most}];")
         else:
             self.lines.append(f"{plain} *{local} = malloc({count} * sizeof({plain})); __CPROVER_assume({local} != 0);")
@@ -176,7 +179,7 @@ class _Given:
 
 @dataclass(frozen=True)
 class CallProof:
-    """The functions of one header: that of a device, or without one a header of the runtime."""
+    """Proofs of the functions of one header, of a device or, without one, of the runtime."""
 
     header: Header
     include: str
@@ -230,14 +233,14 @@ class CallProof:
             same = " && ".join(f"{name}{place} == before_{name}{place}" for place in places)
             yield f'__CPROVER_assert(found == 0 || ({same}), "a fault leaves the result as it was");'
         if given.transport:
-            # A step that failed otherwise stays the reason, also where closing fails after it.
+            # If a step failed with another error, that remains the reason, even if closing fails after it.
             told = f"found == {TRANSPORT} || (found != 0 && failure.left_open)"
             yield f'__CPROVER_assert(failed_with == 0 || {told}, "a failure is reported");'
             yield f'__CPROVER_assert(found != {TRANSPORT} || failure.error == failed_with, "with its number");'
             yield f'__CPROVER_assert(found != {TRANSPORT} || failed_with != 0, "and only then");'
 
     def proofs(self, together: int = 10) -> Iterable[Proof]:
-        """Several functions in one run; those that go through all order codes run alone, for they take longest."""
+        """Yield several functions in one run. Those that go through all order codes run alone, as they take longest."""
         text = self.harness
         anywhere = [item for item in self.functions if ("size_t *", "next") in item.arguments]
         codes = [
@@ -263,5 +266,5 @@ class CallProof:
 
 
 def _any_steps(function: Function) -> bool:
-    """Whether the function is given steps that may be anything."""
+    """Return True if the function receives arbitrary steps."""
     return any(kind == "const cw_step *" for kind, _ in function.arguments)

@@ -12,7 +12,7 @@ from proof_reference import layout_crc, reference
 from proof_reports import told_of
 from proof_values import limits, one_bit, valid
 
-#: Entries that end in a CRC; each is proved by itself, because sums of bits are what is hard to prove.
+#: Entries that end in a CRC. Each is proved separately, because sums of bits are hard to prove.
 _WITH_CRC = ("decode_result", "encode_crc", "decode_of_encode", "encode_of_decode")
 
 
@@ -33,12 +33,12 @@ def _all(conditions: Iterable[str]) -> str:
 
 
 def _places(name: str, count: int) -> list[str]:
-    """A member, or each of its elements where it has some."""
+    """Return a member, or each of its elements if it is an array."""
     return [f"{name}[{at}]" for at in range(count)] or [name]
 
 
 def _same(codec: Codec, names: Iterable[str]) -> str:
-    """That members of ``out`` are what they were in ``before``."""
+    """Return the claim that members of ``out`` are the same as in ``before``."""
     members = (item for item in codec.header.structs[codec.type] if item.name in set(names))
     return _all(f"out.{place} == before.{place}" for item in members for place in _places(item.name, item.count))
 
@@ -62,7 +62,7 @@ def _harness(codec: Codec) -> str:
 
 
 def _codec(codec: Codec) -> str:
-    """Decoder and encoder on the same frame, which may be any, and on the same values, which may be any."""
+    """Return a harness that runs decoder and encoder on the same arbitrary frame, and on the same arbitrary values."""
     name, result = codec.name, "cw_result"
     if codec.by_word:
         wire, before_wire, same_wire = (
@@ -160,7 +160,7 @@ def _codec(codec: Codec) -> str:
 
 
 def _writable(codec: Codec) -> Iterator[str]:
-    """What has to hold beyond being decoded for a value to be encoded."""
+    """Return the further conditions, beyond those of decoding, under which a value can be encoded."""
 
     def out(name: str) -> str:
         return f"((number)out.{codec.member(name).name})"
@@ -201,8 +201,10 @@ def _set_names(codec: Codec) -> list[str]:
 
 
 def _setters(codec: Codec) -> Iterator[str]:
-    """A number and its parts: the setter takes exactly the numbers that fit,
-    and the parts are those that the reference would read."""
+    """Return claims about a number and its parts.
+
+    The setter accepts exactly the numbers that fit, and the parts are those that the reference would read.
+    """
     for join in codec.layout.joins:
         low, parts = Expression(0), {}
         for name in reversed(join.fields):
@@ -221,7 +223,7 @@ def _setters(codec: Codec) -> Iterator[str]:
 
 
 def _setter(codec: Codec, name: str, fits: str, parts: dict[str, str]) -> str:
-    """``parts`` names the members that belong to the number, and what each is where the checker can tell."""
+    """Return the claims. ``parts`` names the members of the number, with their values if the checker can tell."""
     whole = codec.member(name)
     touched = {whole.name, *(codec.member(part).name for part in parts)}
     equal = _all(
@@ -267,7 +269,7 @@ def _expected(codec: Codec) -> str:
 
 
 def _tells(codec: Codec) -> str:
-    """The verdict and the mask of reports, of a frame with any values; ``unused`` has no other bit."""
+    """Return claims about the verdict and the mask of reports of any frame. ``unused`` has no other bit."""
     known = sum(((1 << field.widest) - 1) << place for field, place in codec.layout.unused)
     assume = [f"__CPROVER_assume((in.unused & ~{known:#x}ULL) == 0);"] if codec.layout.unused else []
     claims = [_claim(f"{function}(&variant, &in) == ({value})", words) for function, value, words in told_of(codec)]
@@ -275,7 +277,7 @@ def _tells(codec: Codec) -> str:
 
 
 def functions(codec: Codec) -> Iterator[str]:
-    """The functions that are proved here."""
+    """Return the functions that are proved here."""
     yield from (f"{codec.name}_{item}" for item in ("decode", "encode", *_set_names(codec)))
     if _has_expected(codec):
         yield f"{codec.name}_is_expected"

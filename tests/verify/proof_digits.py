@@ -1,7 +1,7 @@
-"""Decimal digits inside a binary number: every number is tried, because division is beyond a model checker.
+"""Decimal digits inside a binary number: every number is tried, because division is too hard for a model checker.
 
-The reference does not divide either: it counts, and carries as an odometer does.
-Every value that an encoder may be given comes by on the way.
+The reference does not divide either. It counts, and carries like an odometer. It reaches every value that an encoder
+accepts.
 """
 
 from __future__ import annotations
@@ -11,8 +11,10 @@ from proof_layout import RANGE, Codec
 
 
 def program(codec: Codec) -> str:
-    """A C program for a register whose only field is a number of at most 32 bits with digits;
-    it returns 0 when it is right for all of them."""
+    """Return a C program for a register whose only field is a number of at most 32 bits with digits.
+
+    It returns 0 if all of them are right.
+    """
     (field,) = codec.fields
     assert field.runs
     assert field.widest <= 32

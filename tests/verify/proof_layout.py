@@ -1,7 +1,7 @@
-"""What the proofs need to know of a layout: its parameters, its members as declared, and what each is said to be.
+"""Facts about a layout that the proofs need: its parameters, its members as declared, and their meaning.
 
-Nothing here or in the reference looks at how the C target reads or writes a field;
-from the header come only the names and types of struct members.
+Nothing here or in the reference uses the code with which the C target reads or writes a field. Only the names and types
+of struct members come from the header.
 """
 
 from __future__ import annotations
@@ -15,14 +15,16 @@ from codewheel.model import Choice, Crc, Device, Field, Flag, Join, Layout, Regi
 from codewheel.model.expressions import Expression
 from proof import Header, Member, Variants, in_c
 
-#: The documented order of faults.
+#: The documented order of errors.
 LENGTH, CRC, CONSTANT, RANGE = 1, 2, 3, 4
 
 
 @dataclass(frozen=True)
 class Item:
     """A member that users see: a field of the layout, a run of digits, or a join.
-    ``value`` is what the reference says that it is."""
+
+    ``value`` is the expected value according to the reference.
+    """
 
     name: str
     member: Member
@@ -32,7 +34,7 @@ class Item:
 
     def same(self, struct: str, expected: str) -> str:
         if self.type == "digits":
-            return "1"  # division is beyond the checker: proof_digits.py goes through all numbers
+            return "1"  # division is too hard for the checker, so proof_digits.py goes through all numbers
         if self.characters:
             parts = (
                 f"(unsigned char){struct}.{self.member.name}[{at}] == "
@@ -45,8 +47,10 @@ class Item:
 
 @dataclass(frozen=True)
 class Codec:
-    """One layout with its decoder and encoder. ``name`` is the struct's name in C;
-    ``held`` fixes what registers hold at run time."""
+    """One layout with its decoder and encoder.
+
+    ``name`` is the name of the struct in C, and ``held`` fixes the contents of registers at run time.
+    """
 
     device: Device
     interface: str
@@ -59,7 +63,7 @@ class Codec:
 
     @property
     def type(self) -> str:
-        """The name of its struct in C."""
+        """Return the name of its struct in C."""
         return f"{self.name}_frame" if self.name == self.prefix else self.name
 
     @cached_property
@@ -89,14 +93,14 @@ class Codec:
 
     @property
     def size(self) -> int:
-        """Bytes of a layout that is carried as bytes."""
+        """Return the number of bytes of a layout that is carried as bytes."""
         assert self.layout.bits.is_constant
         assert self.layout.bits.constant % 8 == 0
         return self.layout.bits.constant // 8
 
     @property
     def bytes_upwards(self) -> range:
-        """Where the bytes stand, the lowest first; none of a word."""
+        """Return the places of the bytes, lowest first, or nothing for a word."""
         if self.by_word:
             return range(0)
         return range(self.size) if self.layout.byte_order == "low_byte_first" else range(self.size - 1, -1, -1)
@@ -110,7 +114,7 @@ class Codec:
         return self.device.crc_of(self.layout)
 
     def allowed(self, field: Field) -> tuple[int, ...]:
-        """The only values that a field may have; nothing where it may have any."""
+        """Return the only values that a field may have, or nothing if it may have any."""
         if field.name == self.layout.selector:
             return tuple(self.layout.selects)
         return tuple(item.value for item in field.values) if isinstance(field.kind, Choice) else ()
@@ -122,7 +126,7 @@ class Codec:
         return sum((self.layout.field(name).width for name in join.fields), Expression(0))
 
     def joined(self, join: Join, *parts: str) -> str:
-        """The number of which these are the parts, the highest first."""
+        """Return the number that consists of these parts, the highest first."""
         value = "0"
         for name, part in zip(join.fields, parts, strict=True):
             value = part if value == "0" else f"(({value}) << {in_c(self.layout.field(name).width)} | {part})"
@@ -150,7 +154,7 @@ class Codec:
         return tuple(items)
 
     def check_members(self) -> None:
-        """The struct has the members that the layout tells and no others."""
+        """Check that the struct has exactly the members of the layout."""
         found = {item.name for item in self.header.structs[self.type]} - {"no_data"}
         expected = {item.member.name for item in self.items}
         assert found == expected, f"{self.name}: members {sorted(found ^ expected)}"

@@ -1,6 +1,6 @@
 /*
- * What is claimed of tracker.h and angle.h, for every state and every number that a caller may give.
- * The numbers of the claims are worked out with 128 bits, so that nothing starts again.
+ * Claims about tracker.h and angle.h, for every state and every number that a caller may pass. The
+ * numbers of the claims are computed with 128 bits, so that nothing overflows.
  */
 #include "codewheel/tracker.h"
 #include "codewheel/angle.h"
@@ -9,7 +9,7 @@ typedef __int128 wide;
 uint64_t nondet_word(void);
 uint32_t nondet_number(void);
 
-/* An axis as the functions leave it: the position it has is one of the encoder's, if it has one. */
+/* An axis as the functions leave it: if it has a position, that is one of the encoder. */
 static cw_tracker any_axis(void)
 {
     cw_tracker axis;
@@ -23,9 +23,8 @@ static cw_tracker any_axis(void)
     return axis;
 }
 
-/*
- * A position that is believed is the one that was sent, and as far as it says from the one before.
- * The time since that one is a constant: a product of two numbers that may be any is too hard.
+/* An accepted position is the one that was sent, at the stated distance from the one before. The time since then is a
+ * constant, because a product of two arbitrary numbers is too hard.
  */
 static void believed_after(uint32_t elapsed)
 {
@@ -59,7 +58,7 @@ void what_is_believed_after_a_while(void) { believed_after(524287U); }
 void what_is_believed_after_a_silence(void) { believed_after(524288U); }
 void what_is_believed_after_an_hour(void) { believed_after(3600000000U); }
 
-/* Whatever is sent: what is not believed is counted, and changes nothing else but that the axis may be lost by it. */
+/* Any input: a position that is not accepted is counted, and changes nothing else, except that the axis may be lost. */
 static void refused_after(uint32_t elapsed)
 {
     cw_tracker axis = any_axis();
@@ -83,7 +82,7 @@ static void refused_after(uint32_t elapsed)
 void what_is_refused_after_a_cycle(void) { refused_after(50U); }
 void what_is_refused_after_a_silence(void) { refused_after(524288U); }
 
-/* With 0 for both an axis is never lost, and only a restart finds one that is. */
+/* If both limits are 0, an axis is never lost, and only a restart ends a loss. */
 void what_was_lost(void)
 {
     const cw_tracker_config never = { nondet_word(), nondet_number(), nondet_number(), 0U, 0U };
@@ -99,7 +98,7 @@ void what_was_lost(void)
     __CPROVER_assert(cw_tracker_add(&axis, 1U, now) == CW_OK && axis.known == 1U, "and begins anew");
 }
 
-/* A number of counts that the speed allows is always believed. */
+/* A number of counts that the speed allows is always accepted. */
 static void allowed_after(uint32_t elapsed)
 {
     cw_tracker axis;

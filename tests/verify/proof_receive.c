@@ -1,7 +1,7 @@
 /*
- * Claims about what is received for the model checker CBMC: whatever bytes a buffer holds, a reader
- * stays inside it and finds the word that the line shows, which is written down here once more as a
- * line is read by hand; and a serial line stays what it can be, whatever comes.
+ * Claims about receivers for the model checker CBMC. For any bytes in a buffer, a reader stays inside
+ * it and finds the word on the line, which is read here once more bit by bit. A serial line stays in a
+ * possible state for any input.
  */
 #include "codewheel/receive.h"
 
@@ -11,7 +11,7 @@ uint32_t nondet_word(void);
 uint64_t nondet_wide(void);
 size_t nondet_size(void);
 
-/* Some bits of rest and acknowledge, and a word of some bits: every place within a byte comes up. */
+/* Some bits of rest and acknowledge, and a word of some bits, so that every position within a byte occurs. */
 #define SIZE 2U
 
 static uint8_t rx[SIZE];
@@ -35,7 +35,7 @@ static unsigned bit(size_t place)
     return (rx[place / 8U] >> (7U - (place % 8U))) & 1U;
 }
 
-/* The place of the first bit from this one on that is so; the end where there is none. */
+/* Return the index of the first such bit from this one on, or the end if there is none. */
 static size_t next(size_t place, unsigned wanted)
 {
     while ((place < received) && (bit(place) != wanted)) {
@@ -79,7 +79,7 @@ void a_frame_of_biss(void)
     __CPROVER_assert((result != CW_OK) || (word == expected), "the word");
 }
 
-/* The start bit in up to 9 bytes, so that two words and what is left of a third come up: the first 1 after a 0. */
+/* The start bit in up to 9 bytes, so that two words and a part of a third occur: the first 1 after a 0. */
 void a_start_bit(void)
 {
     uint8_t line[9];
@@ -127,7 +127,7 @@ void a_word_in_eight_bytes(void)
         "each bit of the word");
 }
 
-/* Up to 64 bits from any place within a byte on, in a buffer that ends with the last of them. */
+/* Up to 64 bits from any position within a byte, in a buffer that ends with the last of them. */
 void a_word_over_nine_bytes(void)
 {
     const size_t first = nondet_size();
@@ -262,7 +262,7 @@ void one_more_byte_of_a_line(void)
     __CPROVER_assert(line_can_be(&line) && ((line.count < before) || (before == 0U)), "and looks on behind the first byte");
 }
 
-/* What came first and began no reply is told as that, whatever came then. */
+/* First bytes that are not the start of a reply are reported as such, whatever follows them. */
 void a_reply_without_its_first_byte(void)
 {
     cw_rs485_line line;

@@ -1,8 +1,8 @@
 """The plain reference for a decoder and an encoder, in C: written from the layout, bit by bit, in wide integers.
 
-``check`` reads every field into ``r_…`` and gives the fault in the values,
-``crc_of`` is the shift register of the CRC's definition, ``reference`` gives the first fault in the documented order,
-and ``uncovered`` the bits that no field is in.
+``check`` reads every field into ``r_…`` and returns the error in the values. ``crc_of`` is the shift register of the
+CRC's definition. ``reference`` returns the first error in the documented order, and ``uncovered`` the bits outside all
+fields.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from proof_layout import CONSTANT, CRC, LENGTH, RANGE, Codec
 
 
 def shift_in(crc: Crc, bit: str) -> tuple[str, ...]:
-    """C that shifts one more bit into ``shift_register``, as a CRC is defined."""
+    """Return C that shifts one more bit into ``shift_register``, as a CRC is defined."""
     return (
         f"unsigned long long feedback = ((shift_register >> {crc.width - 1}) ^ (unsigned long long)({bit})) & 1;",
         f"shift_register = (shift_register << 1) & {crc.mask}ULL;",
@@ -24,7 +24,7 @@ def shift_in(crc: Crc, bit: str) -> tuple[str, ...]:
 
 
 def shifted_out(crc: Crc) -> tuple[str, ...]:
-    """C that turns ``shift_register`` round where the CRC is so defined."""
+    """Return C that reverses ``shift_register`` if the CRC is defined that way."""
     if not crc.refout:
         return ()
     turn = f"for (int k = 0; k < {crc.width}; k++) turned |= ((shift_register >> k) & 1) << ({crc.width - 1} - k);"
@@ -57,7 +57,7 @@ def reference(codec: Codec) -> str:
     lines += [
         f"    r_{join.name} = {codec.joined(join, *(f'r_{name}' for name in join.fields))};" for join in layout.joins
     ]
-    # A bit is 1 where it is not as documented; where the field is narrower, so is what is documented.
+    # A bit is 1 if it differs from the documented one. If the field is narrower, so is the documented value.
     lines += [
         f"    r_unused {'|=' if index else '='} (r_{field.name} ^ ({documented(field)}ULL & {ones(field)})) << {place};"
         for index, (field, place) in enumerate(layout.unused)
@@ -76,25 +76,27 @@ def reference(codec: Codec) -> str:
 
 
 def documented(field: Field) -> int:
-    """What the manual has in unused bits."""
+    """Return the documented value of unused bits."""
     assert isinstance(field.kind, Unused)
     return field.kind.value
 
 
 def ones(field: Field) -> str:
-    """The bits of a field, all 1."""
+    """Return the bits of a field as ones."""
     return f"received(~(number)0, 0, {in_c(field.width)})"
 
 
 def layout_crc(codec: Codec, word: str = "word") -> str:
-    """The CRC that a word carries; nothing where it carries none."""
+    """Return the CRC in a word, or nothing if it has none."""
     field = codec.layout.crc_field
     return f"received({word}, {in_c(field.low)}, {in_c(field.width)})" if field is not None else ""
 
 
 def _out_of_gray(codec: Codec) -> Iterator[str]:
-    """The word with the part that is in Gray code, if any, in binary:
-    every bit is the sum of the bits from the top of the number down to it."""
+    """Return the word with its part in Gray code, if any, converted to binary.
+
+    Every bit is the sum of the bits from the top of the number down to it.
+    """
     layout = codec.layout
     yield from ("static number out_of_gray(number word)", "{")
     if layout.gray_of:
@@ -112,12 +114,12 @@ def _out_of_gray(codec: Codec) -> Iterator[str]:
 
 
 def _crc_of(codec: Codec, crc: Crc) -> Iterator[str]:
-    """The CRC of everything that was sent before it, in the order of sending."""
+    """Return the CRC of everything that was sent before it, in the order of sending."""
     layout = codec.layout
     yield from ("static number crc_of(number word)", "{", f"    unsigned long long shift_register = {crc.init}ULL;")
     if codec.by_word:
         yield f"    for (int i = {layout.widest - 1}; i >= {crc.width}; i--) {{"
-        # Zeros before the word leave a register of zeros as it is.
+        # Leading zeros leave a register of zeros unchanged.
         yield f"        if (i >= {in_c(layout.bits)}) continue;" if crc.init else ""
         bit = "(word >> i) & 1"
     else:

@@ -1,4 +1,4 @@
-"""What the position of a frame is worth and what is reported, written from the flags and unused bits of its layout."""
+"""The verdict on the position of a frame and its reports, written from the flags and unused bits of its layout."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from proof_layout import Codec
 
 
 def told_of(codec: Codec) -> Iterator[tuple[str, str, str]]:
-    """The functions of a frame that tell of the encoder, what each has to give for the struct ``in``, and in words."""
+    """Yield the functions of a frame about the encoder, the expected result for ``in``, and a description."""
     functions = codec.header.functions
     if f"{codec.name}_verdict" in functions:
         yield f"{codec.name}_verdict", _verdict(codec), "the worst that an active flag says of the position"
@@ -52,7 +52,7 @@ def _verdict(codec: Codec) -> str:
 
 
 def _reports(codec: Codec) -> str:
-    """The names of the bits are those that the plan gives out; which field makes which report is its field's name."""
+    """Return the mask of reports. The plan defines the names of the bits, and each report has the name of its field."""
     (frame,) = (item for item in reportings(codec.device) if item.codec.layout.name == codec.layout.name)
     names = {(told.by.field.name, told.report.name.endswith("_unexplained")): told.report.name for told in frame.told}
     told = [
@@ -65,13 +65,13 @@ def _reports(codec: Codec) -> str:
 
 
 def _explained(field: Field) -> str:
-    """What has to hold of the order code, so that the manual explains the flag."""
+    """Return the condition on the order code under which the manual explains the flag."""
     limited = isinstance(field.kind, Flag) and field.kind.only_while
     return f"variant.{field.kind.only_while} != 0 && " if limited else ""  # type: ignore[union-attr]
 
 
 def _by_code(field: Field) -> Iterator[tuple[bool, str]]:
-    """Whether order codes are those without an explanation, and what has to hold of them."""
+    """Yield whether order codes are those without an explanation, and the condition for it."""
     yield False, _explained(field)
     if _explained(field):
         yield True, f"!({_explained(field)}1) && "

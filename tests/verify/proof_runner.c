@@ -1,7 +1,6 @@
 /*
- * What is claimed of runner.h, for any two steps, of no kind too, and whatever becomes of what it
- * asks for. That it does what cw_run() does is shown by the fuzzer and by the tests of procedures,
- * which all go through both.
+ * Claims about runner.h, for any two steps, also of invalid kinds, and any results of its accesses.
+ * The fuzzer and the tests of procedures, which use both, show that it does the same as cw_run().
  */
 #include "codewheel/runner.h"
 
@@ -16,7 +15,7 @@ size_t nondet_size(void);
 static cw_step steps[STEPS];
 static uint8_t room[STEPS];
 
-/* Whether the byte of a step is one that is read: a MORE step belongs to the access before it. */
+/* Return whether the byte of a step is read. A MORE step belongs to the access before it. */
 static bool is_read(size_t at)
 {
     while (at != 0U && steps[at].kind == CW_STEP_MORE) {
@@ -25,7 +24,7 @@ static bool is_read(size_t at)
     return steps[at].kind == CW_STEP_READ;
 }
 
-/* Whether the byte of a MORE step belongs to a register. */
+/* Return whether the byte of a MORE step belongs to a register. */
 static bool belongs(size_t at)
 {
     while (at != 0U && steps[at].kind == CW_STEP_MORE) {
@@ -34,7 +33,7 @@ static bool belongs(size_t at)
     return steps[at].kind != CW_STEP_MORE && steps[at].kind != CW_STEP_WAIT && steps[at].kind != CW_STEP_SEND;
 }
 
-/* Any list, and the places for what it reads at the very end of their memory. */
+/* Any list, and the space for what it reads at the very end of its memory. */
 static size_t listed(uint8_t **bytes, size_t *length)
 {
     const size_t count = nondet_size();
@@ -73,7 +72,8 @@ static size_t any_steps(uint8_t **bytes, size_t *length)
     return count;
 }
 
-/* Of a step: a byte of which some bits are changed is read and written; the others as often as they say. */
+/* Return the maximum number of accesses of a step. A change of some bits of a byte reads and writes it. Other steps
+ * repeat as often as they say. */
 static uint32_t most_of(const cw_step *step)
 {
     const bool changes = step->kind == CW_STEP_WRITE || step->kind == CW_STEP_CLOSE;
@@ -81,7 +81,7 @@ static uint32_t most_of(const cw_step *step)
         ? step->times : 1U;
 }
 
-/* How many bytes the steps from one on read. */
+/* Return the number of bytes that the steps from this one on read. */
 static size_t reads_from(size_t first, size_t count)
 {
     size_t at, reads = 0U;
@@ -91,8 +91,8 @@ static size_t reads_from(size_t first, size_t count)
     return reads;
 }
 
-/* What holds between two calls: a step of the list or its end; after a fault one that closes; and
-   room for just the bytes that are still to be read. */
+/* Invariant between two calls: a step of the list or its end, after an error one that closes, and exactly enough space
+ * for the bytes that are still to be read. */
 static bool is_sound(const cw_runner *runner, size_t count)
 {
     const bool well = runner->result == CW_OK;
@@ -104,8 +104,8 @@ static bool is_sound(const cw_runner *runner, size_t count)
         && (runner->at == count || runner->round < most_of(&steps[runner->at]));
 }
 
-/* One thing after the other, from any state that is sound, with an end that may be any: it is sound again, and nearer
-   to the end. So all of it is, whatever its length. */
+/* One action after the other, from any valid state, with any result: the state is valid again, and nearer to the end.
+ * This covers a list of any length. */
 void a_round(void)
 {
     cw_runner runner;
@@ -155,7 +155,7 @@ void a_round(void)
     __CPROVER_assert(is_sound(&runner, count), "it is sound again");
 }
 
-/* Places that are none too few or too many: nothing is done at all. */
+/* If there is too little or too much space, nothing is done. */
 void places_that_do_not_fit(void)
 {
     cw_runner runner;
@@ -168,7 +168,7 @@ void places_that_do_not_fit(void)
     __CPROVER_assert(cw_runner_next(&runner, nondet_number()) == CW_TODO_END, "and it is over");
 }
 
-/* Further bytes without a register: nothing is done at all. */
+/* Further bytes without a register are refused before anything is done. */
 void bytes_of_nothing(void)
 {
     cw_runner runner;
@@ -180,7 +180,7 @@ void bytes_of_nothing(void)
     __CPROVER_assert(cw_runner_next(&runner, nondet_number()) == CW_TODO_END, "and it is over");
 }
 
-/* A list without steps is none that was carried out. */
+/* A list without steps was not carried out. */
 void no_steps(void)
 {
     cw_runner runner;
@@ -189,7 +189,8 @@ void no_steps(void)
     __CPROVER_assert(runner.result == CW_FAULT_LENGTH, "and stays told");
 }
 
-/* At the end, with something open or not: what is closed again was opened, and the first fault stays. */
+/* At the end, with or without an open register: a register that is closed was open, and the first error stays the
+ * same. */
 void closing_again(void)
 {
     cw_runner runner;
@@ -217,7 +218,7 @@ void closing_again(void)
     }
 }
 
-/* Told of an end that nobody waits for, it does nothing. */
+/* A report of a result that nothing waits for has no effect. */
 void done_too_often(void)
 {
     cw_runner runner;

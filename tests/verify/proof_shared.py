@@ -1,4 +1,4 @@
-"""Proofs of what all decoders share: the shared header's functions on bits, and the CRC functions of the devices."""
+"""Proofs of the code that all decoders share: bit functions of the shared header, and CRC functions of the devices."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from codewheel.targets.c.device import DeviceView
 from proof import PRELUDE, UNDEFINED, Header, Proof
 from proof_reference import shift_in, shifted_out
 
-#: The functions of bits.h that are proved here, where the arguments are as their comments say.
+#: Functions of bits.h that are proved here, with arguments that obey their comments.
 FUNCTIONS = ("mask", "field", "signed", "fits_signed", "from_gray", "to_gray", "parity", "difference")
 #: The longest run of bytes over which a CRC is proved.
 BYTES = 12
-#: How many powers of two go into one proof of a difference.
+#: Number of powers of two in one proof of a difference.
 POWERS = 8
 
 _BITS = """\
@@ -112,7 +112,7 @@ def shared_proofs() -> Iterable[Proof]:
 
 
 def crc_proofs(device: Device, header: Header) -> Iterable[Proof]:
-    """The CRC functions of a device against the shift register of the definition, over every length."""
+    """Prove the CRC functions of a device against the shift register of the definition, for every length."""
     prefix = DeviceView(device).prefix
     for crc in device.crcs:
         for function in header.functions.values():

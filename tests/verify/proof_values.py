@@ -1,4 +1,4 @@
-"""Which values an encoder has to take, as conditions in C on the struct ``in``."""
+"""Values that an encoder must accept, as conditions in C on the struct ``in``."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def one_bit(field: Field, given: str) -> str:
 
 
 def limits(codec: Codec, given: Callable[[str], str]) -> Iterator[str]:
-    """The limits of a register, which bound what is written and not what is read."""
+    """Return the limits of a register, which apply to writes and not to reads."""
     register = codec.register
     name = bounded(register) if register is not None else ""
     if register is None or not name:

@@ -1,7 +1,4 @@
-/*
- * receive.h bit by bit, as it was in the first version of the runtime: the reference for what is
- * received by bytes and words.
- */
+/* receive.h bit by bit, as in the first version of the runtime: the reference for reception by bytes and words. */
 #ifndef RECEIVE_BY_BITS_H
 #define RECEIVE_BY_BITS_H
 

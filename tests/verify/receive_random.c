@@ -28,7 +28,7 @@ static void put(uint8_t *rx, size_t at, uint32_t bit)
 
 static unsigned long frames, differing;
 
-/* In memory of just this size, so that a sanitizer sees a byte too far. */
+/* In memory of exactly this size, so that a sanitizer detects an access beyond it. */
 static void compare(const uint8_t *bytes, size_t size, size_t received, uint32_t bits, uint8_t mask)
 {
     uint8_t *const rx = (uint8_t *)malloc(size + (size == 0U));
@@ -83,7 +83,7 @@ int main(int count, char **given)
         received = (any(2U) == 0U) ? (8U * size) : any((uint32_t)(8U * size) + 1U);
         compare(rx, size, received, bits, (uint8_t)((any(2U) == 0U) ? (1U << any(8U)) : any(256U)));
     }
-    /* Every word of 58 to 64 bits at every offset in a byte, random bits in it and around it. */
+    /* Every word of 58 to 64 bits at every offset in a byte, with random bits in it and around it. */
     for (offset = 0U; offset < 8U; offset++) {
         for (bits = 58U; bits <= 64U; bits++) {
             for (turn = 0U; turn < 200U; turn++) {

@@ -1,7 +1,7 @@
-"""What the C target's tests ask the harness's program and what it answers: run once, to be repeated elsewhere.
+"""Requests of the C target's tests to the harness's program, with its answers: recorded once, to be repeated elsewhere.
 
-They hold the answers against the manuals' examples, public vectors and the model.
-Whatever answers the same lines alike passes them as well.
+The tests compare the answers with the manuals' examples, public vectors and the model. A program that gives the same
+answers passes them as well.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def every_device() -> dict[str, Device]:
 
 @dataclass
 class Recording:
-    """Passes lines on to a program, and keeps them with their answers."""
+    """Passes lines to a program, and keeps them with their answers."""
 
     run: Run
     answers: dict[str, str] = field(default_factory=dict)
@@ -43,7 +43,7 @@ class Recording:
 
 
 def run_tests(devices: Mapping[str, Device], programs: Mapping[str, Run]) -> list[str]:
-    """Calls every test of ``tests/c`` that needs only devices, programs and public vectors; gives their names."""
+    """Call every test of ``tests/c`` that needs only devices, programs and public vectors. Return their names."""
     vectors = json.loads((TESTS / "vectors.json").read_text(encoding="utf-8"))
     shared: dict[str, Any] = {
         "every_device": devices,
@@ -56,7 +56,7 @@ def run_tests(devices: Mapping[str, Device], programs: Mapping[str, Run]) -> lis
     called = []
     for path in sorted((TESTS / "c").glob("test_c_*.py")):
         module = importlib.import_module(path.stem)
-        # Tests with a program of their own ask another one than the harness's.
+        # Tests with a program of their own do not use the harness.
         for function in _tests(module) if "run" not in vars(module) else []:
             for given in _arguments(function, shared, devices, programs):
                 function(**given)
@@ -71,8 +71,10 @@ def _tests(module: ModuleType) -> list[Callable[..., None]]:
 def _arguments(
     function: Callable[..., None], shared: Mapping[str, Any], devices: Mapping[str, Device], programs: Mapping[str, Run]
 ) -> Iterable[dict[str, Any]]:
-    """What a test is called with: the fixtures of the C tests, and the rows of one ``parametrize``.
-    Nothing, where it needs more or has no program."""
+    """Return the arguments of a test: the fixtures of the C tests, and the rows of one ``parametrize``.
+
+    If it needs more or has no program, return nothing.
+    """
     names = list(inspect.signature(function).parameters)
     if not any(name in ("machine", "family", "run", "programs") or name.startswith("run_") for name in names):
         return

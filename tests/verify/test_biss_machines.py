@@ -1,4 +1,4 @@
-"""Register access over BiSS, proved by CBMC for every state of a machine and every bit that comes over the line."""
+"""Register access over BiSS, proved by CBMC for every state of a machine and every bit on the line."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from claims import planted
 from tools import tool
 
 HARNESS = Path(__file__).with_name("proof_biss.c")
-#: Undefined behaviour, and besides it every unsigned overflow and every number that a smaller type cannot hold.
+#: Undefined behaviour, and also every unsigned overflow and every number that does not fit into a smaller type.
 CHECKS = (
     "--bounds-check --pointer-check --pointer-overflow-check --pointer-primitive-check"
     " --signed-overflow-check --unsigned-overflow-check --conversion-check --undefined-shift-check --div-by-zero-check"
@@ -22,7 +22,7 @@ CLAIMS = re.findall(r"^void (\w+)\(void\)$", HARNESS.read_text(encoding="utf-8")
 
 
 def verdict(include: Path, claim: str) -> str:
-    """What fails, or nothing."""
+    """Return the failed claims."""
     checker = tool("cbmc", [str(Path(__file__).resolve().parents[2] / ".cbmc")])
     done = subprocess.run(
         [checker, str(HARNESS), f"-I{include}", "--function", claim, *CHECKS],
@@ -30,7 +30,7 @@ def verdict(include: Path, claim: str) -> str:
         text=True,
         timeout=400,
     )
-    # A function without a body may give anything: that is what the harness is for.
+    # A function without a body may return anything, and the harness needs this.
     failed = [line for line in done.stdout.splitlines() if line.endswith(": FAILURE") and ".no-body." not in line]
     assert failed or "0 of " in done.stdout, done.stdout[-2000:] + done.stderr[-2000:]
     return "\n".join(failed)

@@ -1,7 +1,7 @@
-"""The page in a real browser on a hundred thousand frames of each layout, sound and disturbed: fields, fault, verdict
-and reports are those of the reference codec, and of the generated Python package for each order code as delivered.
+"""The page in a real browser, with a hundred thousand frames of each layout, valid and disturbed.
 
-Registers are read from a tenth as many contents. ``CODEWHEEL_FRAMES`` lowers the number.
+Fields, error, verdict and reports are those of the reference codec, and of the generated Python package for each order
+code with its defaults. A tenth as many contents of registers are read. ``CODEWHEEL_FRAMES`` lowers the number.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Any:
 
 
 def item_of(case: Case, count: int, random_: random.Random, encoder: Any, kinds: Counter[str]) -> dict[str, Any]:
-    """Frames of a case with a CRC-32 of what the reference says of each; Python is held against it on the way."""
+    """Return frames of a case with a CRC-32 of the reference's result for each. Python is compared on the way."""
     texts, expected = [], []
     for number, other in drawn(case, count, random_):
         decoded = case.decoded(number, other)
@@ -49,7 +49,7 @@ def item_of(case: Case, count: int, random_: random.Random, encoder: Any, kinds:
 
 def same_in_python(case: Case, encoder: Any, text: str, decoded: codec.Decoded) -> None:
     if decoded.layout is not None and case.device.alternatives_of(decoded.layout.layout):
-        return  # Python wants an answer; those with one are held against the reference elsewhere.
+        return  # Python requires an answer. Frames with one are compared with the reference elsewhere.
     try:
         found = encoder.decode(given(case, text))
     except ValueError as error:
@@ -72,7 +72,7 @@ def same_in_python(case: Case, encoder: Any, text: str, decoded: codec.Decoded) 
 
 
 def given(case: Case, text: str) -> bytes | int | str:
-    """What Python takes for the text of a frame."""
+    """Return the result of Python for the text of a frame."""
     if case.layout.in_bytes:
         return bytes.fromhex(text)
     return text[2:] if text.startswith("0b") else int(text, 16)

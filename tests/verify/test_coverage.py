@@ -1,6 +1,6 @@
-"""The tests of the C target reach every line and branch of the headers: each condition was once true, once false.
+"""The tests of the C target reach every line and branch of the headers: each condition was once true and once false.
 
-What cannot be reached is listed here with its reason.
+Unreachable code is listed here with its reason.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from tree import generated_tree
 
 ROOT = Path(__file__).resolve().parents[2]
 FUNCTIONS = ("access", "biss_control", "biss_latency", "families", "motion", "receive", "spi", "transport")
-#: Those that run programs over the headers, in both forms of the CRCs; the others only compile them,
-#: or are about headers of made-up devices.
+#: Tests that run programs over the headers, in both forms of the CRCs. The others only compile them,
+#: or use headers of made-up devices.
 TESTS = {
     "functions": [f"tests/c/test_c_{name}.py" for name in FUNCTIONS],
     "codecs": ["tests/c/test_c_codec.py", "tests/c/test_c_reports.py"],
@@ -28,7 +28,7 @@ TESTS = {
 
 @dataclass(frozen=True)
 class Unreached:
-    """Places that no call can reach: function and text, both by patterns, how many there are, and why."""
+    """Places that no call can reach: function and text, both as patterns, their number, and the reason."""
 
     function: str
     text: str
@@ -36,8 +36,8 @@ class Unreached:
     reason: str
 
 
-#: Results of functions that can only refuse a length, and get that of an array of their own size. They are looked at
-#: all the same (MISRA C:2012 Dir 4.7): with a spec whose values can be refused, the same lines are needed.
+#: Results of functions that can refuse only a length, and receive that of an array of their own size. They are still
+#: checked (MISRA C:2012 Dir 4.7). The same lines are needed for a spec whose values can be refused.
 UNREACHED = (
     Unreached(
         r"lika_\w+_could_be",

@@ -1,9 +1,8 @@
-"""C and Python agree on a million random and corrupted frames of each layout: fault, members, encoding again, and what
-the frame tells, its verdict and reports.
+"""C and Python agree on a million random and corrupted frames of each layout.
 
-Both are the generated code as a user has it. C and the reference, which is the model alone, agree on what a million
-frames of each layout of an encoder tell: fault, verdict, reports and unused bits. ``CODEWHEEL_FRAMES`` sets another
-number.
+They agree on the error, the members, the encoded frame, the verdict and the reports. Both are the generated code as a
+user has it. C and the reference, which is only the model, agree on the error, verdict, reports and unused bits of a
+million frames of each layout that an encoder sends. ``CODEWHEEL_FRAMES`` sets another number.
 """
 
 from __future__ import annotations
@@ -36,18 +35,18 @@ from tools import tool
 from tree import generated_tree, interfaces, number_from_environment
 
 FRAMES = number_from_environment("CODEWHEEL_FRAMES", 1_000_000)
-#: Frames held at once; a piece has one run of the C program.
+#: Number of frames in memory. A piece has one run of the C program.
 PIECE = 100_000
 LENGTH, CRC, CONSTANT, RANGE = 1, 2, 3, 4
-#: Verdicts as C numbers them, by what Python calls them; 255 stands for none.
+#: Verdicts in C, by their names in Python. 255 means none.
 VERDICTS = {item.value: number for number, item in enumerate(Verdict)}
 NO_VERDICT = 255
-#: Faults of the model, as C numbers them.
+#: Errors of the model, as C numbers them.
 FAULTS = {Fault.LENGTH: LENGTH, Fault.CRC: CRC, Fault.CONSTANT: CONSTANT, Fault.RANGE: RANGE}
 
 
 class Peer:
-    """The Python class of a layout: decodes, tells its members in the order of the struct, and encodes."""
+    """The Python class of a layout: it decodes, lists its members in the order of the struct, and encodes."""
 
     def __init__(self, batch: Batch, codec: Codec, module: ModuleType) -> None:
         names = Context(batch.device)
@@ -72,7 +71,7 @@ class Peer:
             )
         self.tells_verdict, self.tells_reports = hasattr(self.kind, "verdict"), hasattr(self.kind, "reports")
         self.bits = {item.name: 1 << number for number, item in enumerate(reports_of(batch.device))}
-        #: What the manual leaves open of the layout: the name of each alternative, and its answers in order.
+        #: Open questions about the layout: the name of each alternative, and its answers in order.
         self.open = {
             item.name: [getattr(module, names.asked[item.name].kind)[answer.name.upper()] for answer in item.answers]
             for item in batch.device.alternatives_of(codec.layout)
@@ -87,7 +86,7 @@ class Peer:
         }
 
     def variant(self, device: Device, variant: Variant) -> Any:
-        """The order code as the package knows it, with what its registers hold."""
+        """Return the order code of the package, with the contents of its registers."""
         label, state = told(variant)
         held: dict[int, int] = {}
         for name, data in state.items():
@@ -98,12 +97,12 @@ class Peer:
         return found.with_registers(held) if held else found
 
     def answers(self, variant: Variant) -> list[Any]:
-        """The answers that a decoder takes; the first one where the variant tells none."""
+        """Return the answers for a decoder, with the first one if the variant has none."""
         _, state = told(variant)
         return [answers[int(state.get(name, "0"), 16)] for name, answers in self.open.items()]
 
     def tells(self, value: Any) -> tuple[int, int]:
-        """The verdict and the mask of the reports."""
+        """Return the verdict and the mask of the reports."""
         verdict = VERDICTS[value.verdict.value] if self.tells_verdict else NO_VERDICT
         return verdict, sum(self.bits[item.name] for item in value.reports) if self.tells_reports else 0
 
@@ -115,7 +114,7 @@ class Peer:
         answers: bytes,
         kinds: Counter[int],
     ) -> list[object]:
-        """What C answers otherwise. Every fourth sound frame is encoded again, in half the time of decoding it."""
+        """Return the differences in C's answers. Every fourth valid frame is encoded again, in half the time."""
         found: list[object] = []
         decode, members, error, faults, text = self.kind.decode, self.members, self.error, self.errors, self.text
         last = 1 + len(codec.members)
@@ -155,13 +154,13 @@ class Peer:
 
 
 def told(variant: Variant) -> tuple[str, dict[str, str]]:
-    """The label, and what the code of a variant says besides: bytes of registers and answers, by name."""
+    """Return the label, and the further parts of a variant's code: bytes of registers and answers, by name."""
     label, *state = variant.code.split(";")
     return label, dict(item.split("=") for item in state)
 
 
 def compare(family: str, name: str, program: Path, package: Path) -> tuple[int, Counter[int], list[object]]:
-    """All frames of a layout; the number of them, how often each result came, and where C and Python differ."""
+    """Compare all frames of a layout. Return their number, the counts of the results, and the differences."""
     if str(package) not in sys.path:
         sys.path.insert(0, str(package))
     device = interfaces()[family]
@@ -209,7 +208,7 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def programs(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """The C program of an interface."""
+    """Return the C program of an interface."""
     folder = tmp_path_factory.mktemp("programs")
     command = [tool("gcc"), "-std=c99", "-O2"]
     return cache(
@@ -230,13 +229,13 @@ def test_c_and_python_agree(family: str, name: str, programs: Callable[[str], Pa
     done, kinds, wrong = compare(family, name, programs(family), tree / "python")
     assert not wrong
     assert done == FRAMES == sum(kinds.values())
-    # A sixth at least is sound, and lengths are wrong now and then: the comparison is not of one kind.
+    # At least a sixth is valid, and lengths are sometimes wrong, so that the comparison covers different cases.
     assert kinds[0] > FRAMES / 6, kinds
     assert kinds[LENGTH] > FRAMES / 25, kinds
 
 
 def of_encoders() -> list[tuple[str, str]]:
-    """The frames that encoders send, as family and name."""
+    """Return the frames that encoders send, as family and name."""
     return [
         (stem, codec.name)
         for stem, device in interfaces().items()
@@ -246,7 +245,7 @@ def of_encoders() -> list[tuple[str, str]]:
 
 
 class Oracle:
-    """What the frames of a layout tell by the model: fault, verdict, mask of reports, and unused bits."""
+    """Return the findings of the model about frames: error, verdict, mask of reports, and unused bits."""
 
     def __init__(self, device: Device, codec: Codec) -> None:
         self.device, self.layout = device, codec.layout
@@ -288,5 +287,5 @@ def test_c_tells_what_the_reference_tells(family: str, name: str, programs: Call
             assert found == expected, (variant.code, wire)
             kinds[expected[:2]] += 1
     assert kinds.total() == FRAMES
-    # Sound frames, and of each verdict that a flag can make.
+    # There are valid frames, and each verdict that a flag can cause.
     assert sum(count for (fault, _), count in kinds.items() if not fault) > FRAMES / 6, kinds

@@ -1,4 +1,4 @@
-"""Doxygen makes pages of the headers without a warning: whoever reads them in an editor gets the same comments."""
+"""Doxygen builds pages of the headers without a warning, so readers in an editor also get all comments."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from claims import planted
 from tools import tool
 from tree import generated_tree
 
-#: Everything has a comment, and Doxygen takes each as it is meant. EXTRACT_ALL would silence what has none.
+#: Everything has a comment, and Doxygen accepts each. EXTRACT_ALL would hide missing ones.
 SETTINGS = """\
 INPUT = "{include}"
 OUTPUT_DIRECTORY = "{output}"
@@ -31,7 +31,7 @@ QUIET = YES
 
 
 def warnings(include: Path, folder: Path) -> list[str]:
-    """What Doxygen says against these headers."""
+    """Return the warnings of Doxygen about these headers."""
     program = tool("doxygen")
     folder.mkdir()
     (folder / "Doxyfile").write_text(SETTINGS.format(include=include, output=folder / "out"), encoding="utf-8")

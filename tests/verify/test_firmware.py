@@ -265,7 +265,7 @@ def run(firmware: Path, line: Path) -> str:
 
 
 def recording(sent: list[int], bits: int, most: int) -> Callable[[float], float]:
-    """Return this many positions without a pattern, each recorded as it is sent. Then the shaft stands still."""
+    """Return this many positions without a pattern, each recorded as it is sent. Then the shaft is at rest."""
 
     def position(_: float) -> float:
         if len(sent) == most:

@@ -1,7 +1,7 @@
-"""The generated decoders stay as small and quick as recorded: bytes, instructions and cycles are exact.
+"""The generated decoders stay as small and fast as recorded: bytes, instructions and cycles are exact.
 
-``python benchmarks/footprint.py --write`` records them anew;
-the page docs/footprint.md has the same figures beside those of others.
+``python benchmarks/footprint.py --write`` records them again. The page docs/footprint.md has the same figures next to
+those of others.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ AROUND: dict[str, Any] = json.loads((BENCHMARKS / "around.json").read_text(encod
 
 @pytest.fixture
 def footprint(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """The script that measures; it needs the emulator of the extra ``bench``."""
+    """The script that measures. It needs the emulator of the extra ``bench``."""
     if importlib.util.find_spec("unicorn") is None:
         words = (
             "no Python package unicorn here, so the instructions are not counted; "
@@ -92,7 +92,7 @@ def test_what_is_around_takes_no_more_than_recorded(name: str, around: Any, tmp_
 
 @pytest.mark.parametrize("name", ["cortex-m0plus", "cortex-m4"])
 def test_what_is_around_is_within_its_bounds(name: str, around: Any) -> None:
-    """Bytes of code, and instructions from a buffer to a position. What is recorded is what was measured above."""
+    """Bytes of code, and instructions from a buffer to a position. The recorded values are those of the test above."""
     recorded = AROUND[name]["figures"]
     assert {part.title: part.most for part in around.PARTS if 0 < part.most < recorded[part.title][0]} == {}
     bounds = {part.title: part.call.at_most[name] for part in around.PARTS if part.call and name in part.call.at_most}
@@ -101,7 +101,7 @@ def test_what_is_around_is_within_its_bounds(name: str, around: Any) -> None:
 
 
 def test_a_wrong_position_is_no_figure(around: Any, tmp_path: Path) -> None:
-    """The emulated call has to find the position of the sample."""
+    """The emulated call must return the position of the sample."""
     tool(around.BOARDS[0].compiler)
     part = next(item for item in around.PARTS if item.call)
     wrong = replace(part, call=replace(part.call, good=part.call.good.replace("==", "!=")))
@@ -110,7 +110,7 @@ def test_a_wrong_position_is_no_figure(around: Any, tmp_path: Path) -> None:
 
 
 def test_a_wrongly_decoded_frame_is_no_figure(footprint: Any, tmp_path: Path) -> None:
-    """The emulated call has to give the right members: a decoder that is not reached would be the quickest of all."""
+    """The emulated call must return the right members. A decoder that is not reached would be the fastest of all."""
     board = footprint.BOARDS[0]
     tool(board.compiler)
     frame = footprint.FRAMES[0]

@@ -1,6 +1,6 @@
-"""A fuzzer with sanitizers finds no fault in any function of any header, nor a frame that is not encoded as decoded.
+"""A fuzzer with sanitizers finds no error in any function of any header, and decoded frames are encoded identically.
 
-The targets are made from the headers, see ``fuzz.py``. ``CODEWHEEL_FUZZ_SECONDS`` says how long each is run.
+The targets are generated from the headers, see ``fuzz.py``. ``CODEWHEEL_FUZZ_SECONDS`` sets the duration of each.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from tools import tool
 from tree import generated_tree, interfaces, number_from_environment
 
 SECONDS = number_from_environment("CODEWHEEL_FUZZ_SECONDS", 20)
-#: Wrap-around of unsigned numbers and shifts that lose bits are what the code means;
-#: every other loss of a number's value is watched.
+#: Wrap-around of unsigned numbers and shifts that lose bits are intended.
+#: Every other loss of a number's value is detected.
 SANITIZERS = [
     "-fsanitize=fuzzer,address,undefined,integer",
     "-fno-sanitize=unsigned-integer-overflow,unsigned-shift-base",
     "-fno-sanitize-recover=all",
 ]
 BY_HAND = ("biss", "receive", "runner", "motion")
-#: Headers of the manufacturer's, not of a family, have targets written by hand.
-#: The other form of the CRCs is tried for a quarter of the time.
+#: Headers of the manufacturer, not of a family, have targets written by hand.
+#: The other form of the CRCs is tested for a quarter of the time.
 TARGETS = (*INTERFACES, *BY_HAND, *(f"{name}-crc-table" for name in INTERFACES))
 
 
@@ -101,7 +101,7 @@ def test_the_fuzzer_finds_nothing(target: str, folder: Path, include: Path) -> N
 
 @pytest.mark.parametrize("name", INTERFACES)
 def test_every_function_is_called(name: str, include: Path) -> None:
-    """All but the helpers that are named with a reason: what the expressions overlook would not be fuzzed."""
+    """All except the helpers that are named with a reason. Functions that the expressions miss would not be fuzzed."""
     batch = Batch(interfaces()[name])
     header = Header(batch, include)
     called = re.findall(r"\(void\)(\w+)\(", header.calls())

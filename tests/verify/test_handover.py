@@ -1,8 +1,8 @@
-"""The C folder alone, handed over: from an empty folder each way of building prints what the manual prints.
+"""The C folder alone: in an empty folder, each way of building it prints the numbers of the manual.
 
-The expected lines are the worked examples of the AMM5 manual, 6.4:
-the preset 1,000,003 of a 21-bit model stands in 11h to 17h as 00 30 24 F4 00 00 00 and is written with 40h open,
-saved and activated with 77h; the serial number 0A E8 69 EE is year 18, week 30, number 3630.
+The expected lines are the worked examples of the AMM5 manual, 6.4. The preset 1,000,003 of a 21-bit model is 00 30 24
+F4 00 00 00 in 11h to 17h, and is written with 40h open, then saved and activated with 77h. The serial number 0A E8 69
+EE is year 18, week 30, number 3630.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ target_link_libraries(user PRIVATE lika::encoders)
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """The C folder as it is handed over, without the rest of this project; in a path with a space, as people have."""
+    """The C folder as it is handed over, without the rest of this project, in a path with a space."""
     return Path(shutil.copytree(ROOT / "generated" / "c", tmp_path / "handed over" / "c"))
 
 
@@ -81,7 +81,7 @@ def run(*command: str | Path, cwd: Path, **environment: str) -> str:
 
 
 def prints(program: Path) -> None:
-    """The program shows a frame first, of which the manual has no example, and then the manual's examples."""
+    """The program first prints a frame, for which the manual has no example, and then the manual's examples."""
     said = run(program, cwd=program.parent)
     assert said[said.index("Set,") :] == PRESET
 
@@ -95,7 +95,7 @@ def built_by_cmake(user: Path, lines: str, *options: str) -> Path:
 
 
 def test_a_plain_line(folder: Path) -> None:
-    """The line of the README, from the folder itself."""
+    """The line of the README, run in the folder itself."""
     readme = (folder / "README.md").read_text()
     line = readme.split("```sh\n")[1].split("```")[0].strip()
     assert line == "cc -std=c99 -Iinclude examples/amm5_biss.c -o example && ./example"
@@ -147,7 +147,7 @@ def test_the_examples_of_the_folder(folder: Path, tmp_path: Path) -> None:
 
 
 def test_the_self_test_of_the_folder(folder: Path, tmp_path: Path) -> None:
-    """As a library for a program of one's own, and by ``ctest``."""
+    """As a library for a user's program, and with ``ctest``."""
     cmake = tool("cmake")
     run(cmake, "-S", folder, "-B", tmp_path / "b", "-DLIKA_ENCODERS_SELFTEST=ON", cwd=tmp_path)
     run(cmake, "--build", tmp_path / "b", cwd=tmp_path)
@@ -184,7 +184,7 @@ def test_pkg_config(installed: bool, folder: Path, user: Path, tmp_path: Path) -
         cwd=user,
         PKG_CONFIG_PATH=str(where / "share" / "pkgconfig"),
     )
-    # The flags come quoted for a shell.
+    # The flags are quoted for a shell.
     run("sh", "-c", f"eval cc -std=c99 '{flags.strip()}' main.c -o user", cwd=user)
     prints(user / "user")
     assert (

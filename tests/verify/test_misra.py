@@ -1,4 +1,4 @@
-"""The headers under cppcheck's MISRA add-on: nothing but what ``generated/c/MISRA.md`` names and gives a reason for."""
+"""cppcheck's MISRA add-on reports only the deviations that ``generated/c/MISRA.md`` lists with a reason."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SMALL, USUAL, LARGE = "avr8", "arm32-wchar_t4", "unix64"
 
 
 def deviations() -> set[str]:
-    """The rules of the first table, which is the one of what the add-on finds."""
+    """Return the rules of the first table, which lists the findings of the add-on."""
     table = DEVIATIONS.read_text(encoding="utf-8").partition("These further deviations are known")[0]
     rows = [
         [cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines() if line.startswith("|")
@@ -35,7 +35,7 @@ def deviations() -> set[str]:
 
 
 def findings(code: str, include: Path, folder: Path, platform: str) -> set[tuple[str, str]]:
-    """Rule and place of everything that is found in the headers."""
+    """Return rule and place of every finding in the headers."""
     unit = folder / "unit.c"
     unit.write_text(code, encoding="ascii")
     command = [
@@ -65,7 +65,7 @@ def test_headers_that_are_included_have_no_finding_without_a_reason(
     headers: tuple[Path, list[str]], tmp_path: Path
 ) -> None:
     include, every = headers
-    # One by one: the add-on compares all names of a unit with each other, and all headers at once take minutes.
+    # One by one, because the add-on compares all names of a unit with each other, and all headers at once take minutes.
     found = {item for header in every for item in findings(f'#include "{header}"\n', include, tmp_path, SMALL)}
     allowed = deviations()
     assert [item for item in sorted(found) if item[0] not in allowed] == []

@@ -1,4 +1,4 @@
-"""``tracker.h`` and ``angle.h``: claims proved for every number, how small they are, and that nothing divides."""
+"""``tracker.h`` and ``angle.h``: claims proved for every number, their size, and the absence of divisions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tools import tool
 
 HARNESS = Path(__file__).with_name("proof_motion.c")
 CORES = ("cortex-m0plus", "cortex-m4")
-#: What the tracker may take in a program that receives frames, and what is measured on the compiler that recorded it.
+#: Limit of the tracker in a program that receives frames, and its size with the compiler that recorded it.
 AT_MOST = 240
 RECORDED = {"cortex-m0plus": 226, "cortex-m4": 234}
 COMPILER = "12.2.1"
@@ -24,7 +24,7 @@ COMPILER = "12.2.1"
 
 @pytest.fixture(scope="module")
 def include() -> Path:
-    """The runtime where it lies."""
+    """Return the include folder of the runtime."""
     return RUNTIME
 
 
@@ -57,8 +57,8 @@ def test_what_is_planted_is_found(
     assert "REFUTED" in words, words
 
 
-#: Counts the angles whose thousandths of a degree are not the nearest. What is exact is added up, so that nothing here
-#: multiplies as the header does.
+#: Counts the angles that are not the nearest thousandth of a degree. The exact value is accumulated, so that nothing
+#: here multiplies as the header does.
 EVERY = """
 #include <stdio.h>
 #include "codewheel/angle.h"
@@ -78,8 +78,8 @@ int main(void)
 """
 
 
-#: Counts the angles that are not those of a division: of each position of three turns with few steps, and of positions
-#: and steps of any width, those beside a multiple of the steps among them.
+#: Counts the angles that differ from those of a division: of each position of three turns with few steps, and of
+#: positions and steps of any width, including those next to a multiple of the steps.
 ANY_STEPS = """
 #include <stdio.h>
 #include "codewheel/angle.h"
@@ -126,7 +126,7 @@ def wrong_angles(text: str, include: Path, folder: Path) -> int:
 
 
 def test_thousandths_of_a_degree_of_all_angles(include: Path, tmp_path: Path) -> None:
-    """A product of 52 bits is too hard for the checker, but 2^32 angles are soon gone through."""
+    """A product of 52 bits is too hard for the checker, but all 2^32 angles can be tried."""
     assert wrong_angles(EVERY, include, tmp_path) == 0
 
 
@@ -136,7 +136,7 @@ def test_a_wrong_thousandth_would_be_seen(include: Path, tmp_path: Path) -> None
 
 
 def test_angles_of_any_number_of_steps(include: Path, tmp_path: Path) -> None:
-    """A division by a number that is not known is too hard for the checker as well. Steps are below 2^63."""
+    """A division by an unknown number is too hard for the checker as well. Steps are below 2^63."""
     assert wrong_angles(ANY_STEPS, include, tmp_path) == 0
 
 
@@ -146,7 +146,7 @@ def test_a_wrong_angle_would_be_seen(include: Path, tmp_path: Path) -> None:
 
 
 def symbols(core: str, include: Path, folder: Path, *options: str) -> Mapping[str, tuple[str, int]]:
-    """Each symbol of the object: its letter, and its bytes where it is defined."""
+    """Return each symbol of the object: its letter, and its number of bytes if it is defined."""
     compiler = tool("arm-none-eabi-gcc")
     (folder / "motion.c").write_text(source(), encoding="utf-8")
     command = [compiler, f"-mcpu={core}", "-mthumb", "-std=c99", "-Os", "-ffunction-sections", f"-I{include}", *options]
@@ -164,7 +164,7 @@ def test_nothing_divides_and_the_tracker_calls_nothing(core: str, include: Path,
     called = {name for name, (letter, _) in found.items() if letter == "U"}
     assert not [name for name in called if "div" in name or "mod" in name or re.search(r"_d[a-z]+$|2d$", name)]
     assert "tracker_add" in found
-    # The tracker alone: no function of the compiler's library either.
+    # The tracker alone, without functions of the compiler's library.
     alone = tmp_path / "alone"
     alone.mkdir()
     text = (

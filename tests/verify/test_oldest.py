@@ -1,4 +1,4 @@
-"""The oldest that pyproject.toml allows: each Python from 3.10 on, with the lowest versions of what codewheel needs."""
+"""The oldest versions that pyproject.toml allows: each Python from 3.10 on, and the lowest ones of dependencies."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ LOWEST = re.findall(r'"([\w-]+)>=([\d.]+)"', NEEDED)
 
 
 def found(version: str) -> str:
-    """The Python of a version, on the path or beside the one that runs, as version managers put them; empty if none."""
+    """Return the Python of a version, on the path or where version managers put it, next to this one. "" if none."""
     beside = Path(sys.base_prefix).parent
     there = [shutil.which(f"python{version}"), *map(str, sorted(beside.glob(f"{version}.*/bin/python")))]
     return next((path for path in there if path and _runs(path)), "")
 
 
 def _runs(python: str) -> bool:
-    """A version manager's name for a Python may lead to none."""
+    """A version manager's name for a Python may lead nowhere."""
     return subprocess.run([python, "-c", ""], capture_output=True).returncode == 0
 
 
@@ -36,14 +36,14 @@ def run(*command: str | Path) -> str:
 
 @pytest.mark.parametrize("version", PYTHONS)
 def test_the_same_bytes(version: str, tmp_path: Path) -> None:
-    """With the lowest versions on the oldest two, for which all are to be had ready made; else with the newest."""
+    """With the lowest versions on the oldest two, for which all have wheels, and otherwise with the newest."""
     python = found(version)
     if not python:
         pytest.skip(f"no Python {version} here, so it is not shown to work there")
     run(python, "-m", "venv", tmp_path / "there")
     there = tmp_path / "there" / "bin"
     lowest = [f"{name}=={least}" for name, least in LOWEST] if version in PYTHONS[:2] else []
-    # A copy, since setuptools leaves its work where it finds the sources.
+    # Return a copy, because setuptools leaves its files next to the sources.
     sources = tmp_path / "sources"
     shutil.copytree(ROOT, sources, ignore=shutil.ignore_patterns(".*", "*.egg-info", "__pycache__"))
     run(there / "python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *lowest, sources)

@@ -1,13 +1,13 @@
 """Proof by a bounded model checker, for all inputs and for every order code.
 
-For every decoder and encoder: no undefined behaviour; the same result and the same members as a plain reference written
-from the layout; exactly the values in range are encoded; decode(encode(x)) = x and encode(decode(f)) = f.
-For every other function: no undefined behaviour, a fault leaves the results as they were,
-and a failure of the transport is reported. The faults at the end show that the proofs can fail.
+Every decoder and encoder has no undefined behaviour, and gives the same result and members as a plain reference written
+from the layout. Exactly the values in range are encoded, decode(encode(x)) = x and encode(decode(f)) = f. Every other
+function has no undefined behaviour, leaves its results unchanged on an error, and reports a failure of the transport.
+The errors at the end show that the proofs can fail.
 
-Parameters that registers set at run time may be anything, together with every order code. Where those are too many for
-the solver at once, which they are for the single cycle data of AM36, one width is fixed: to its least, its middle and
-its largest value, or to each in turn where ``CODEWHEEL_PROVE_ALL=1`` is set, which takes some minutes more.
+Parameters that registers set at run time are arbitrary, together with every order code. If these are too many for the
+solver at once, as for the single cycle data of AM36, one width is fixed to its minimum, middle and maximum, or to each
+value in turn with ``CODEWHEEL_PROVE_ALL=1``, which takes some minutes more.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ from tools import tool
 from tree import generated_tree, interfaces
 
 ALL = bool(os.environ.get("CODEWHEEL_PROVE_ALL"))
-#: Where get-cbmc puts the checker.
+#: Folder in which get-cbmc puts the checker.
 OURS = str(Path(__file__).resolve().parents[2] / ".cbmc")
-#: With more sets of parameters than this the solver takes too long to prove them all at once.
+#: With more sets of parameters than this, the solver takes too long to prove them all at once.
 AT_ONCE = 100
 
 
@@ -67,18 +67,18 @@ def runtime(include: Path) -> list[Path]:
 
 
 def header_named(stem: str, include: Path) -> Path:
-    """A header of an interface, or of the runtime."""
+    """Return a header of an interface or of the runtime."""
     device = device_of(stem)
     return include / (device.manufacturer.name if device is not None else "codewheel") / f"{stem}.h"
 
 
 def device_of(stem: str) -> Device | None:
-    """The device with the interface of a header, None for a header of the runtime."""
+    """Return the device with the interface of a header, or None for a header of the runtime."""
     return interfaces().get("_".join(stem.split("_")[:2]))
 
 
 def codecs(device: Device, header: Header) -> Iterator[Codec]:
-    """Every frame, and every register that is more than one number in one byte."""
+    """Return every frame, and every register that is more than one number in one byte."""
     view = DeviceView(device)
     prefix = view.prefix
     for codec in view.interface.codecs:
@@ -92,8 +92,11 @@ def codecs(device: Device, header: Header) -> Iterator[Codec]:
 
 
 def states(codec: Codec) -> Iterator[Mapping[str, int]]:
-    """What is proved one by one: nothing where all parameters go at once; else the first width that a register holds,
-    at either end and between or everywhere, and what is on or off. The other widths stay anything."""
+    """Yield the cases that are proved one by one, or an empty one if all parameters are proved at once.
+
+    A case fixes the first width in a register, at its ends and middle or at each value, and all switches. The other
+    widths stay arbitrary.
+    """
     if codec.variants.count <= AT_ONCE:
         yield {}
         return
@@ -109,7 +112,7 @@ Prove = Callable[[str, Iterable[Proof]], None]
 
 @pytest.fixture
 def prove(checker: Checker, include: Path, tmp_path: Path, told: list[Told]) -> Prove:
-    """Proves them, and says how many there were; fails with what was refuted."""
+    """Return a function that proves them and records their number. It fails with the refuted claims."""
 
     def run(what: str, proofs: Iterable[Proof]) -> None:
         results = checker.prove_all([(proof, include) for proof in proofs], tmp_path)
@@ -132,7 +135,7 @@ def test_codecs_are_equal_to_their_layout(family: str, include: Path, prove: Pro
 
 
 def _with_crcs() -> list[str]:
-    """The interfaces with a CRC function over bytes. The one for a frame of BiSS is proved with its encoder."""
+    """Return the interfaces with a CRC function over bytes. The one for a frame of BiSS is proved with its encoder."""
     return [name for name, device in interfaces().items() if any(item.is_called for item in DeviceView(device).crcs)]
 
 
@@ -146,7 +149,7 @@ def test_shared_functions_on_bits(prove: Prove) -> None:
 
 
 def stems() -> list[str]:
-    """Every header of the interfaces, and those of the runtime that they include."""
+    """Return every header of the interfaces, and their headers of the runtime."""
     own = [Path(header).stem for device in interfaces().values() for header in DeviceView(device).headers]
     return ["bits", "encoder", "transport", *own]
 
@@ -185,8 +188,8 @@ def test_every_number_with_decimal_digits(include: Path, tmp_path: Path) -> None
     assert found
 
 
-#: Faults as a slip of the generator would make them: header, function, what is found in it, what takes its place,
-#: and the proof that has to see it.
+#: Errors like those of a wrong generator: header, function, text in it, its replacement,
+#: and the proof that must fail.
 SEEDED = {
     "mask": (
         "amm5_biss",
@@ -292,7 +295,7 @@ SEEDED = {
 
 
 def with_fault(header: Path, function: str, pattern: str, instead: str) -> None:
-    """Puts a fault into a function or a table of a header."""
+    """Put an error into a function or a table of a header."""
     text = header.read_text(encoding="utf-8")
     start = re.search(rf"^static [^;{{}}=]*\b{function}(\([^{{}}]*\)\n|\[256\] = )\{{", text, re.MULTILINE)
     assert start, f"{function} is gone: choose another place for this fault"
@@ -304,7 +307,7 @@ def with_fault(header: Path, function: str, pattern: str, instead: str) -> None:
 
 
 def proof_called(name: str, stem: str, include: Path) -> Proof:
-    """The proof of this name, of the header as it is."""
+    """Return the proof with this name for the unchanged header."""
     device = device_of(stem)
     header = header_of(device, include) if device is not None else all_shared(include)
     if device is None or name.startswith("call "):
@@ -321,8 +324,10 @@ def proof_called(name: str, stem: str, include: Path) -> Proof:
 
 @pytest.fixture(scope="module")
 def verdicts(checker: Checker, include: Path, tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Result]:
-    """What becomes of the proofs when there is a fault in a header.
-    That they hold for the header as it is, the tests above show."""
+    """The proofs fail if there is an error in a header.
+
+    The tests above show that they hold for the unchanged header.
+    """
     runs: list[tuple[Proof, Path]] = []
     for stem, function, pattern, instead, name in SEEDED.values():
         folder = tmp_path_factory.mktemp("seeded")
@@ -334,6 +339,6 @@ def verdicts(checker: Checker, include: Path, tmp_path_factory: pytest.TempPathF
 
 @pytest.mark.parametrize("fault", SEEDED)
 def test_a_seeded_fault_is_refuted(fault: str, verdicts: Mapping[str, Result]) -> None:
-    """The proof that holds for the header as it is, does not for one with this fault in it."""
+    """The proof that holds for the unchanged header fails for one with this error."""
     assert not verdicts[fault].proved, verdicts[fault].words
     assert "REFUTED" in verdicts[fault].words, verdicts[fault].words

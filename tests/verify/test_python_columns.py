@@ -1,7 +1,8 @@
-"""Many frames at once are what C, one frame at a time and the model make of them, a million of each layout.
+"""Many frames at once give the same results as C, single frames and the model, for a million of each layout.
 
 The first two tests are those of tests/python/test_many.py with more frames. The third takes the frames of the
-comparison of C and Python, and holds columns straight against what C answers. ``CODEWHEEL_FRAMES`` sets another number.
+comparison of C and Python, and compares columns directly with the answers of C. ``CODEWHEEL_FRAMES`` sets another
+number.
 """
 
 from __future__ import annotations
@@ -36,9 +37,9 @@ from test_many import families, family
 __all__ = ["families", "family"]
 
 FRAMES = number_from_environment("CODEWHEEL_FRAMES", 1_000_000)
-#: The model takes 0.1 ms and more for a frame; specs of tests alone have many order codes for each of their layouts.
+#: The model takes at least 0.1 ms for a frame. Specs of tests alone have many order codes for each of their layouts.
 FRAMES_OF_THE_MODEL, FRAMES_OF_TESTS = 20_000, 100_000
-#: So many frames go through C at once.
+#: Number of frames that pass through C at once.
 PIECE = 10_000
 
 
@@ -63,7 +64,7 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def programs(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """The C program of an interface."""
+    """Return the C program of an interface."""
     folder, include = tmp_path_factory.mktemp("programs"), tree / "c" / "include"
     command = [tool("gcc"), "-std=c99", "-O2"]
     sources = {name: Batch(device).source(stdio_entry()) for name, device in interfaces().items()}
@@ -71,7 +72,7 @@ def programs(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[
 
 
 def frames_of(batch: Batch) -> list[Codec]:
-    """What is sent, by an encoder or to it; registers are left out."""
+    """Return the frames sent by an encoder or to it, without registers."""
     layouts = {layout.name for _, layout in batch.device.layouts()}
     return [codec for codec in batch.codecs if codec.name in layouts]
 
@@ -97,13 +98,13 @@ def test_columns_are_what_c_says(family: str, name: str, programs: Callable[[str
         compare(batch, codec, table, answers)
         kinds.update(dict(zip(*map(numpy.ndarray.tolist, numpy.unique(table.fault, return_counts=True)), strict=True)))
     assert sum(kinds.values()) == FRAMES
-    # A sixth at least is sound, and lengths are wrong now and then: the comparison is not of one kind.
+    # At least a sixth is valid, and lengths are sometimes wrong, so that the comparison covers different cases.
     assert kinds[0] > FRAMES / 6, kinds
     assert kinds[LENGTH] > FRAMES / 25, kinds
 
 
 def frames_in(batch: Batch, codec: Codec, records: bytes) -> Any:
-    """The frames of records: words as an array, frames of bytes in a list, as some have another length."""
+    """Return the frames of records: words as an array, and frames of bytes as a list, because lengths can differ."""
     rows = numpy.frombuffer(records, numpy.uint8).reshape(-1, batch.record)
     if not codec.view.plan.in_bytes:
         return rows[:, 1:9].copy().view(">u8")[:, 0]
@@ -113,7 +114,7 @@ def frames_in(batch: Batch, codec: Codec, records: bytes) -> Any:
 
 
 def answer_of(codec: Codec) -> numpy.dtype[Any]:
-    """What C answers to each record, as columns."""
+    """Return the answers of C to the records, as columns."""
     kinds = {"?": "?", "B": "u1", "H": "<u2", "I": "<u4", "Q": "<u8", "b": "i1", "h": "<i2", "i": "<i4", "q": "<i8"}
     members = [
         (item.name, f"S{item.characters}" if item.characters else kinds[member_format(item)]) for item in codec.members
@@ -147,6 +148,6 @@ def compare(batch: Batch, codec: Codec, table: Any, answers: Any) -> None:
 
 
 def names_of(layout: Layout) -> list[str]:
-    """Everything that a frame can show."""
+    """Return every column of a frame."""
     runs = [run.name for item in layout.fields for run in item.runs]
     return [*(item.name for item in layout.fields), *runs, *(item.name for item in layout.joins), "unused"]

@@ -1,4 +1,4 @@
-"""What is received, proved by CBMC for every content of a buffer and every state of a serial line."""
+"""Receivers, proved by CBMC for every content of a buffer and every state of a serial line."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from claims import claims_of, planted, verdict
 from tools import tool
 
 HARNESS = Path(__file__).with_name("proof_receive.c")
-#: Besides undefined behaviour: every unsigned overflow and every number that a smaller type cannot hold.
+#: Undefined behaviour, and also every unsigned overflow and every number that does not fit into a smaller type.
 MORE = ("--unsigned-overflow-check", "--conversion-check")
 #: Rounds of each loop: 16 bits or bytes, or the 32 bits after the last word of a longer line.
 ROUNDS = defaultdict(lambda: 18, a_start_bit=34)
@@ -21,7 +21,7 @@ ROUNDS = defaultdict(lambda: 18, a_start_bit=34)
 
 @pytest.fixture(scope="module")
 def include() -> Path:
-    """The runtime where it lies."""
+    """Return the include folder of the runtime."""
     return RUNTIME
 
 
@@ -62,12 +62,12 @@ def test_what_is_planted_is_found(claim: str, sound: str, instead: str, include:
     assert "REFUTED" in words, words
 
 
-#: Random buffers, and those of them that a sanitizer watches.
+#: Number of random buffers, and of those checked with a sanitizer.
 BUFFERS, WATCHED = 10_000_000, 500_000
 
 
 def compared(include: Path, folder: Path, options: Sequence[str], buffers: int) -> tuple[int, int]:
-    """The buffers that held a frame, and those that differ from what is received bit by bit."""
+    """Return the number of buffers with a frame, and of those whose result differs from bitwise reception."""
     text = HARNESS.with_name("receive_random.c").read_text(encoding="ascii")
     program = compile_c([*GCC, *options, f"-I{HARNESS.parent}"], text, folder, include)
     said = subprocess.run([str(program), str(buffers)], capture_output=True, text=True, check=True).stdout
@@ -113,7 +113,7 @@ def test_a_difference_would_be_seen(sound: str, instead: str, include: Path, tmp
 
 @pytest.mark.parametrize("cpu", ["cortex-m0plus", "cortex-m4"])
 def test_how_many_bytes_a_receiver_takes(cpu: str, include: Path, tmp_path: Path) -> None:
-    """300 at most for an order code that is known, and nothing of the compiler's library."""
+    """At most 300 bytes for a known order code, without functions of the compiler's library."""
     source, made = tmp_path / "source.c", tmp_path / "source.o"
     source.write_text(
         '#include "codewheel/receive.h"\n'

@@ -1,5 +1,8 @@
-"""The C against a BiSS master and a slave in Verilog, written from the protocol reference alone: registers and
-positions over lines of any delay, sound and disturbed. ``CODEWHEEL_FRAMES`` lowers the number of accesses."""
+"""The C against a BiSS master and a slave in Verilog, written from the protocol reference alone.
+
+Registers and positions are sent over lines with any delay, undisturbed and disturbed. ``CODEWHEEL_FRAMES`` lowers the
+number of accesses.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,7 @@ from verilog import FAULTS, RECEIVE, Bench, RtlMaster, RtlSlave, verilated
 ACCESSES = max(2_000, min(20_000, number_from_environment("CODEWHEEL_FRAMES", 1_000_000) // 50))
 DISTURBED = ACCESSES // 4
 SOUND = ACCESSES - DISTURBED
-#: Faults of lines, as C numbers them.
+#: Errors of lines, as C numbers them.
 LENGTH, NO_START = 1, 10
 LATE = pytest.mark.parametrize("late", [False, True], ids=["in the same frame", "a frame later"])
 
@@ -37,15 +40,15 @@ def library(made_once: MadeOnce) -> ctypes.CDLL:
     )
 
 
-#: How many frames a register is busy; fetched and stored; above LIMIT it is given up.
+#: Number of frames for which a register is busy when it is fetched and stored. Above LIMIT the access is aborted.
 BUSY = (((0, 0), (0, 0)), ((0, 3), (0, 60)), ((1, 40), (30, 300)))
 LIMIT = 100
-#: Faults of ``FAULTS`` that lose a frame.
+#: Members of ``FAULTS`` that lose a frame.
 LOSSES = ("cut", "never ready", "hurried")
 
 
 def read_back(line: MasterEnd, places: range) -> bytes:
-    """A fault at the end of an access may disturb the zeros before the next one, so that this is lost too, and told."""
+    """Read. An error at the end of the access before may disturb its zeros. This is reported, and a retry succeeds."""
     told, read = line.read(places[0], len(places), 2000)
     if told != "DONE":
         told, read = line.read(places[0], len(places), 2000)
@@ -54,8 +57,10 @@ def read_back(line: MasterEnd, places: range) -> bytes:
 
 
 def cut_short(value: int) -> set[int]:
-    """What the zeros of a master that gives up can make of a byte: what was sent of it and its CRC, perhaps less the
-    bit of the lost frame, and zeros from there on."""
+    """Return the bytes that can result if the master aborts and sends zeros.
+
+    They contain the sent part of the byte and its CRC, perhaps without the bit of the lost frame, and then zeros.
+    """
     word = [*of(value, 8), *crc_4(of(value, 8))]
     heads = [word[:end] for end in range(12)]
     heads += [head[:lost] + head[lost + 1 :] for head in heads for lost in range(len(head))]
@@ -63,8 +68,11 @@ def cut_short(value: int) -> set[int]:
 
 
 def disturbed(line: MasterEnd, slave: SlaveEnd, bench: Bench, kind: str, places: range, writes: bool) -> str:
-    """An access with a fault somewhere between its first zero and its last bit. What is read is right as far as it is
-    read, nothing is stored but what is written, what is not done is told, and what follows succeeds."""
+    """Make an access with an error somewhere between its first zero and its last bit.
+
+    All values that are read are right, only written values are stored, an incomplete access is reported, and the next
+    one succeeds.
+    """
     held = bytes(map(slave.held, places))
     data = bytes(bench.chance.randrange(256) for _ in places)
     bench.plant(kind, bench.chance.randint(1, 36 + 14 * len(places)))
@@ -80,7 +88,7 @@ def disturbed(line: MasterEnd, slave: SlaveEnd, bench: Bench, kind: str, places:
     assert outcome != "DONE" or len(read) == len(places)
     back = read_back(line, places)
     if writes and back != data:
-        # Where the S of the slave is lost, what was not stored can look as if it were: so one reads back.
+        # If the S of the slave is lost, an access can look successful without storing, so a program must read back.
         assert outcome != "DONE" or kind == "cds"
         assert line.write(places[0], data, 2000) == "DONE"
         back = read_back(line, places)
@@ -95,7 +103,7 @@ def disturbed(line: MasterEnd, slave: SlaveEnd, bench: Bench, kind: str, places:
 def disturbed_accesses(
     line: MasterEnd, slave: SlaveEnd, bench: Bench, faults: Sequence[str], count: int
 ) -> dict[str, Counter[str]]:
-    """So many, with each of these faults in turn; how they ended, by the fault."""
+    """Make this many accesses, with each of these errors in turn. Return their outcomes by error."""
     ends = {kind: Counter[str]() for kind in faults}
     for index in range(count):
         kind, address = faults[index % len(faults)], bench.chance.randrange(0x10, 0x5F)
@@ -123,8 +131,10 @@ def test_the_master_in_c(verilog: ctypes.CDLL, library: ctypes.CDLL, late: bool)
 
 @LATE
 def test_the_slave_in_c(verilog: ctypes.CDLL, library: ctypes.CDLL, late: bool) -> None:
-    """Under the master in Verilog, a frame late too: that asks again for a register that is busy, so that it never gets
-    one which is so for long."""
+    """With the master in Verilog, also with one frame of delay.
+
+    That master repeats a request for a busy register, so no register stays busy for long.
+    """
     bench = Bench(verilog, library, False, random.Random(2))
     slave = SlaveInC(library)
     line = RtlMaster(bench, slave, late)
@@ -211,8 +221,10 @@ def readers(made_once: MadeOnce) -> ctypes.CDLL:
 
 @pytest.mark.parametrize("encoder", ENCODERS, ids=[item.called for item in ENCODERS])
 def test_positions(encoder: Encoder, verilog: ctypes.CDLL, library: ctypes.CDLL, readers: ctypes.CDLL) -> None:
-    """Any position, over lines with any delay and acknowledge that leave room for the frame in the buffer of the order
-    code; where they do not, there is a fault and never another position. One frame of ten reports an error (nE = 0)."""
+    """Any position, over lines whose delay and acknowledge leave room for the frame in the buffer of the order code.
+
+    Otherwise there is an error, and never another position. One frame in ten reports an error (nE = 0).
+    """
     bench = Bench(verilog, library, True, random.Random(encoder.called))
     chance, size = bench.chance, getattr(readers, f"{encoder.called.lower()}_bytes")()
     read, rx, found = getattr(readers, f"{encoder.called.lower()}_read"), (ctypes.c_uint8 * size)(), ctypes.c_uint64(0)
@@ -225,7 +237,7 @@ def test_positions(encoder: Encoder, verilog: ctypes.CDLL, library: ctypes.CDLL,
         bench.data(ctypes.c_uint64((position << encoder.zeros_after + 2 | (not error) << 1 | 1) << 64 - bits), bits)
         bench.clocks(rx, size)
         bench.rest(chance.getrandbits(1), 3 * half + 5)
-        # Two of rest, those of the delay, the acknowledge, start and CDS, the word with its CRC, the stop bit.
+        # Two bits of rest, the delay, the acknowledge, start and CDS, the word with its CRC, and the stop bit.
         clocks = 2 + -(-delay // (2 * half)) + 1 + processing + 2 + bits + 6 + 1
         result = read(rx, ctypes.byref(found))
         told[result] += 1

@@ -1,4 +1,4 @@
-"""``runner.h``: claims proved for any steps and whatever becomes of them."""
+"""``runner.h``: claims proved for any steps and any results of them."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from c_harness import RUNTIME
 from claims import claims_of, planted, verdict
 
 HARNESS = Path(__file__).with_name("proof_runner.c")
-#: Steps, and one more; twice that for those that a call goes on by.
+#: Rounds of a loop over steps, plus one, and twice that for the steps that one call can advance.
 ROUNDS = 4
 
 
 @pytest.fixture(scope="module")
 def include() -> Path:
-    """The runtime where it lies."""
+    """Return the include folder of the runtime."""
     return RUNTIME
 
 

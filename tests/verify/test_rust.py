@@ -29,7 +29,7 @@ def workshop(tmp_path_factory: pytest.TempPathFactory) -> Workshop:
 
 
 def layouts() -> list[tuple[str, int]]:
-    """The number of each layout of each family; registers have none."""
+    """Return the number of each layout of each family. Registers have none."""
     found = ((spec, load_library([ROOT / spec])[0][0]) for spec in SPECS)
     return [(spec, index) for spec, device in found for index, _ in enumerate(device.layouts())]
 

@@ -9,9 +9,9 @@ import pytest
 from building import build
 from chromium import CHROMIUM, Browser
 
-#: Width and height of the screens, and the most of them that a page may take with its details folded.
+#: Width and height of the screens, and the maximum length of a page with its details folded, in screens.
 SCREENS = [(1280, 800, 4.0), (375, 760, 8.0)]
-#: The most screens with all details open, for pages that were measured before, and for every other page.
+#: The maximum length with all details open, for pages that were measured before, and for every other page.
 OPEN = {
     "AMM5A21-65KSC1": {1280: 15.0, 375: 28.0},
     "AMM5A23-65KJP1": {1280: 23.0, 375: 42.0},
@@ -43,7 +43,7 @@ def browser(tmp_path: Path) -> Iterator[Browser]:
 
 
 def order_codes(site: Path) -> list[Path]:
-    """Their pages: those of a family's folder whose names have capitals."""
+    """Return the pages of order codes, whose names have capital letters."""
     found = [path for path in sorted(site.glob("generated/docs/*/*.html")) if path.stem != path.stem.lower()]
     assert len(found) > 50
     return found

@@ -1,4 +1,4 @@
-"""Small C compiler SDCC: what reads a position compiles for MCS-51 and STM8, and is right in simulators."""
+"""Small C compiler SDCC: the code that reads a position compiles for MCS-51 and STM8, and is right in simulators."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from tools import tool
 from tree import generated_tree
 
-#: SDCC passes arguments of functions that call each other in fixed places, unless they go on a stack.
+#: SDCC passes arguments of functions that call each other in fixed places, unless they are on a stack.
 PROCESSORS = {"mcs51": ["-mmcs51", "--model-large", "--stack-auto"], "stm8": ["-mstm8"]}
 #: The simulator of each, what places a variable, and the memory that it is in.
 SIMULATORS = {"mcs51": ("s51", "__xdata __at", "xram"), "stm8": ("sstm8", "__at", "rom")}
@@ -86,7 +86,7 @@ def test_headers_compile(interface: str, processor: str, include: Path, tmp_path
 
 
 def crc_of(data: int, bits: int) -> int:
-    """x^6 + x + 1, sent inverted, bit by bit."""
+    """Return the CRC x^6 + x + 1, sent inverted, bit by bit."""
     found = 0
     for bit in range(bits - 1, -1, -1):
         found ^= (data >> bit & 1) << 5
@@ -95,7 +95,7 @@ def crc_of(data: int, bits: int) -> int:
 
 
 def received(random_: random.Random) -> tuple[bytes, list[int]]:
-    """A buffer with a frame after a random delay, and what the program finds: results, verdict and position."""
+    """Return a buffer with a frame after a random delay, and the expected output: results, verdict and position."""
     position, crc_error = random_.getrandbits(BITS - 8), random_.random() < 0.2
     data = position << 2 | 3
     word = data << 6 | crc_of(data, BITS - 6) ^ crc_error
@@ -107,7 +107,7 @@ def received(random_: random.Random) -> tuple[bytes, list[int]]:
 
 @pytest.mark.parametrize("processor", SIMULATORS)
 def test_results_in_the_simulator(processor: str, include: Path, tmp_path: Path) -> None:
-    """SDCC 4.2 for STM8 has errors with ``~`` and ``<<= 8`` of 32 bits, which the headers have to avoid."""
+    """SDCC 4.2 for STM8 has errors with ``~`` and ``<<= 8`` of 32 bits, which the headers must avoid."""
     simulator, at, memory = SIMULATORS[processor]
     random_ = random.Random("sdcc")
     pairs = [received(random_) for _ in range(COUNT)]

@@ -1,4 +1,4 @@
-"""The self-test as a user builds it, on each machine: 0 where all is well, and not where a header was changed."""
+"""The self-test as a user builds it, on each machine. It returns 0, and another number if a header was changed."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from c_harness import devices_of, write
 from claims import planted
 from machines import HOST, MACHINES, Machine
 
-#: Prints the one number; the machine without a system has stdio of its own.
+#: Prints the result. The machine without a system has its own stdio.
 _MAIN = """
 #include <stdio.h>
 int main(void) { printf("%lu\\n", (unsigned long)lika_selftest()); return 0; }
@@ -22,7 +22,7 @@ def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def told(machine: Machine, include: Path, tests: Path, folder: Path) -> int:
-    """The self-test in one unit: the static functions of each file get names of their own."""
+    """The self-test in one unit. The static functions of each file get names of their own."""
     text = ""
     for path in sorted(tests.glob("*.c")):
         names = ("is_text", "are_bytes", "writes", "written", *(f"check_{number}" for number in range(1, 80)))

@@ -1,4 +1,4 @@
-"""Every page of the site at both widths, light and dark; axe-core; and the same bytes when it is built again."""
+"""Every page of the site at both widths, light and dark, with axe-core, and the same bytes when it is built again."""
 
 from __future__ import annotations
 

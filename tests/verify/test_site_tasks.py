@@ -236,7 +236,7 @@ def test_a_label_that_is_not_listed_is_answered_by_the_search(
     assert words in browser.run('document.getElementById("search-results").innerText')
 
 
-#: An order code, cable lengths in metres, and what the slider says about each.
+#: An order code, cable lengths in metres, and the text of the slider for each.
 SLIDER = [
     ("amm5/AMM5A21-65KSC1", {"10": "10 m: up to 10 MHz, frame 4.7 µs", "30": "30 m: up to 2 MHz, frame 23.5 µs",
                              "60": "60 m: up to 2 MHz, frame 23.5 µs", "80": "80 m: up to 1 MHz, frame 47 µs"}),
@@ -312,7 +312,7 @@ def test_a_preset_that_does_not_fit_is_refused(site: Path, browser: Browser, typ
 
 
 #: A page with its frame, the field that is pointed at, and what is shown about it. The frame of AMM5 is the manual's
-#: preset example, 1,000,003 counts, with both flags inactive; its CRC is computed in ``test_browser_codec.py``.
+#: preset example, 1,000,003 counts, with both flags inactive. Its CRC is computed in ``test_browser_codec.py``.
 DRAWN = [
     ("#code=AMM5A21/65KSC1&frame=0x0F4243D3", "error", "error: bit 7, no (1). No active error. Manual 6.2.1 p.32"),
     ("#code=AMM5A21/65KSC1&frame=0x0F4243D3", "singleturn",

@@ -1,4 +1,4 @@
-"""Frames beyond one table: two gigabytes by a command, and the README's partitions by Dask and DuckDB."""
+"""More frames than fit into a table: two gigabytes by a command, and the README's partitions with Dask and DuckDB."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ import pytest
 from python_path import python_path
 from stream import LIMIT, measured
 
-#: The frame with which the README begins: 42 revolutions and 1821973 counts; and one with another CRC.
+#: The frame at the beginning of the README: 42 revolutions and 1821973 counts, and one with another CRC.
 GOOD, DAMAGED, POSITION = 0x55BCD15E2, 0x55BCD15E3, 89902357
 FILES, ROWS = 3, 500
 ENGINES = ("dask", "duckdb")
 
 
 def missing(name: str) -> None:
-    """Says that there is no such engine. ``CODEWHEEL_REQUIRE_TOOLS=1`` makes a fault of it."""
+    """Skip the test without the engine. With ``CODEWHEEL_REQUIRE_TOOLS=1``, fail it."""
     words = f"no {name} here, so this is not shown; pip install '.[engines]'"
     if os.environ.get("CODEWHEEL_REQUIRE_TOOLS"):
         pytest.fail(words)
@@ -41,7 +41,7 @@ def captures(tmp_path: Path) -> Path:
 
 
 def program(folder: Path, engine: str) -> str:
-    """What the README of the package shows of an engine."""
+    """Return the code for an engine in the README of the package."""
     text = (folder / "README.md").read_text(encoding="utf-8")
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     found = [block for block in blocks if re.search(rf"^import {engine}\b", block, re.MULTILINE)]
@@ -56,7 +56,7 @@ def test_the_readme_of_an_engine(generated_python: tuple[Path, ModuleType], capt
     except ImportError:
         missing(engine)
     folder = generated_python[0]
-    # Processes that an engine starts begin with this program again.
+    # Processes that an engine starts run this program again.
     text = program(folder, engine)
     (captures / "program.py").write_text(text, encoding="utf-8")
     command = [sys.executable, "program.py"]
@@ -75,7 +75,7 @@ def test_the_readme_of_an_engine(generated_python: tuple[Path, ModuleType], capt
 
 
 def test_partitions_in_other_processes(generated_python: tuple[Path, ModuleType], captures: Path) -> None:
-    """What is given to a partition finds its way into another process, and so does what is wrong."""
+    """The arguments of a partition reach another process, and errors come back."""
     try:
         __import__("dask")
     except ImportError:
@@ -101,7 +101,7 @@ if __name__ == "__main__":
     command = [sys.executable, "program.py"]
     done = subprocess.run(command, cwd=captures, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    # With 16 bits for a revolution those of the position above them are revolutions.
+    # With 16 bits for a revolution, the bits of the position above them are revolutions.
     sound, error, *_ = done.stdout.splitlines()
     assert sound == f"{FILES * (ROWS - 1)} {POSITION >> 16}"
     assert error == "InputError the partition, column 'word': row 1: 'text' is not a hexadecimal number"

@@ -1,7 +1,7 @@
 """The same code gives the same results on Cortex-M0, M3, M4, big-endian PowerPC and the host, there also by table.
 
-What is asked: everything that the tests of the C target ask, the worked examples of the manuals and public vectors
-among it; and thousands of random and disturbed frames of each layout, which the model's own codec judges as well.
+Its input is that of all tests of the C target, including the worked examples of the manuals and public vectors, and
+thousands of random and disturbed frames of each layout, which are also compared with the model's own codec.
 ``CODEWHEEL_TARGET_FRAMES`` sets another number of them.
 """
 
@@ -43,11 +43,11 @@ def includes(folder: Path) -> dict[str, Path]:
     return {name: include_of(device, folder) for name, device in DEVICES.items()}
 
 
-# -- what the tests of the C target ask
+# -- input of the tests of the C target
 
 
 def programs_on(machine: Machine, device: Device, folder: Path, include: Path) -> Run:
-    """The programs of a device, one for each interface, as one."""
+    """Return the programs of a device, one for each interface, as one."""
     made = {
         view.context.interface.name: machine.compile_main(source(view), folder, include, view.stem).by_line()
         for view in views_of(device)
@@ -57,7 +57,7 @@ def programs_on(machine: Machine, device: Device, folder: Path, include: Path) -
 
 @pytest.fixture(scope="module")
 def recordings(folder: Path, includes: Mapping[str, Path]) -> dict[str, Recording]:
-    """The lines and answers of the tests on the host, where each test has to pass."""
+    """Return the lines and answers of the tests on the host, where each test must pass."""
     made = {name: Recording(programs_on(HOST, device, folder, includes[name])) for name, device in DEVICES.items()}
     called = run_tests(DEVICES, made)
     assert len(set(called)) >= 25
@@ -91,7 +91,7 @@ def questions(batch: Batch) -> list[tuple[Codec, list[tuple[Variant, bytes]]]]:
 
 
 def values_to_encode(batch: Batch) -> bytes:
-    """Members at random, of few bits as often as of many: some fit, most do not."""
+    """Return random members, with few bits as often as with many. Some fit, most do not."""
     random_ = random.Random("members")
     found = b""
     for codec in batch.codecs:
@@ -108,7 +108,7 @@ def values_to_encode(batch: Batch) -> bytes:
 def on_the_host(
     request: pytest.FixtureRequest, folder: Path, includes: Mapping[str, Path]
 ) -> tuple[Batch, list[tuple[Codec, list[tuple[Variant, bytes]]]], bytes]:
-    """Frames of an interface, and what the host makes of them and of members at random."""
+    """Return frames of an interface, and the host's results for them and for random members."""
     batch = Batch(interfaces()[request.param])
     asked = questions(batch)
     include = includes[batch.device.name]
@@ -154,7 +154,7 @@ def test_random_frames_mean_what_the_model_says(
 
 
 def tells(telling: Telling, codec: Codec, variant: Variant, placed: PlacedLayout, wire: int | bytes) -> tuple[int, int]:
-    """The verdict and the reports that C has to give."""
+    """Return the expected verdict and reports."""
     if codec.view.reports is None:
         return 255, 0
     number = wire if isinstance(wire, int) else number_from_bytes(codec.layout, wire)
@@ -163,7 +163,7 @@ def tells(telling: Telling, codec: Codec, variant: Variant, placed: PlacedLayout
 
 
 def judged(table: Table, codec: Codec, placed: PlacedLayout, wire: int | bytes) -> tuple[int, list[object]]:
-    """The result and the members that C has to give."""
+    """Return the expected result and members."""
     if isinstance(wire, bytes) and 8 * len(wire) != placed.bits:
         return FAULTS["length"], []
     number = wire if isinstance(wire, int) else number_from_bytes(codec.layout, wire)
@@ -180,7 +180,7 @@ def row_of(table: Table, codec: Codec, placed: PlacedLayout, number: int) -> lis
 
 
 def meaning(table: Table, codec: Codec, placed: PlacedLayout, sent: bytes) -> list[object]:
-    """What the model reads in an encoded word or frame."""
+    """Return the model's reading of an encoded word or frame."""
     wire = int.from_bytes(sent, "big") if not codec.view.plan.in_bytes else sent
     result, row = judged(table, codec, placed, wire)
     return row if result == 0 else []

@@ -1,4 +1,4 @@
-"""The headers under every standard of C and C++ from C99 and C++11 on, with all warnings of gcc and clang."""
+"""The headers compile under every standard of C and C++ from C99 and C++11 on, with all warnings of gcc and clang."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from tools import tool
 from uses import declared, use_everything, without_nodiscard, without_texts
 
-#: Each standard by its name, and what older compilers call it.
+#: Each standard by its name, and its name in older compilers.
 C = (("c99",), ("c11",), ("c17",), ("c23", "c2x"))
 CXX = (("c++11",), ("c++14",), ("c++17",), ("c++20",), ("c++23", "c++2b"))
 COMPILERS = [
@@ -22,8 +22,8 @@ COMPILERS = [
     *(("clang++", names) for names in CXX),
 ]
 
-#: Of gcc all that is no matter of taste: no -Wpadded, -Winline, -Waggregate-return, -Wsystem-headers,
-#: and nothing about names of the C++ ABI.
+#: All of gcc's that are not a matter of taste: no -Wpadded, -Winline, -Waggregate-return, -Wsystem-headers,
+#: and none about names of the C++ ABI.
 GCC = """
     -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wfloat-conversion -Warith-conversion -Wdouble-promotion
     -Wcast-qual -Wcast-align=strict -Wshadow -Wundef -Wredundant-decls -Wmissing-declarations -Wswitch-default
@@ -41,8 +41,8 @@ GCC_CXX = """
     -Wcomma-subscript -Wredundant-tags
 """.split()
 
-#: What is taken out of clang's -Weverything, and why.
-#: There is no other such list, but for what is taken out of gcc above.
+#: Exclusions from clang's -Weverything, with reasons.
+#: There is no other such list, apart from the exclusions for gcc above.
 NOT_WANTED = {
     "declaration-after-statement": "a rule of C90; C99 lets a value be const that needs a check before it",
     "padded": "no struct is sent or stored as it lies in memory, so that padding in it says nothing",
@@ -57,10 +57,10 @@ NOT_WANTED_CXX = {
         "C has no nullptr before C23, and this is NULL as the compiler's own stddef.h defines it"
     ),
 }
-#: Options that are only in newer versions; older ones would warn of not knowing them.
+#: Options that exist only in newer versions. Older ones would warn about unknown options.
 _UNKNOWN = "-Wno-unknown-warning-option"
 
-#: The CRCs as they come, and the other forms that a macro chooses.
+#: The default form of the CRCs, and the other forms that a macro selects.
 FORMS = (
     (),
     ("-DLIKA_CRC_TABLE", "-DTEST_CRC_TABLE", "-DTOLVARN_CRC_TABLE"),
@@ -70,7 +70,7 @@ FORMS = (
 
 @cache
 def standard(compiler: str, names: tuple[str, ...]) -> str:
-    """The option for the first of these names that the compiler knows."""
+    """Return the option for the first of these names that the compiler knows."""
     for name in names:
         language = "c++" if name.startswith("c++") else "c"
         if (
@@ -96,7 +96,7 @@ def options(compiler: str, names: tuple[str, ...]) -> list[str]:
 
 
 def compiled(command: Sequence[str], code: str, folder: Path, include: Path, *more: str) -> Path:
-    """The object made of this text; nothing may be said."""
+    """Return the object compiled from this text, without any message."""
     text, made = folder / "unit.c", folder / "unit.o"
     text.write_text(code, encoding="ascii")
     done = subprocess.run(
@@ -138,7 +138,7 @@ def test_every_header_can_be_used_alone(compiler: str, headers: tuple[Path, list
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang", "g++", "clang++"])
 def test_no_macro_leaks(compiler: str, headers: tuple[Path, list[str]], tmp_path: Path) -> None:
-    """With the headers come the macros of the three of the standard and their own, which have the family's prefix."""
+    """The headers define only the macros of three standard headers and their own, which have the family's prefix."""
     include, every = headers
     language = "c++" if compiler.endswith("++") else "c"
 
@@ -176,7 +176,7 @@ def test_only_the_three_headers_of_the_standard_are_included(headers: tuple[Path
     assert {line for line in used if "<" in line} == {f"#include <std{name}.h>" for name in ("bool", "def", "int")}
 
 
-#: What makes an order code of another interface an error in C, and the macros that say which compiler has it.
+#: Code that makes an order code of another interface an error in C, and the macros that identify its compilers.
 _POINTERS = '#pragma GCC diagnostic error "-Wincompatible-pointer-types"'
 _COMPILER = r"__(GNUC__|clang__)"
 #: The only built-in functions are those for words of memory, used where a macro says that they exist.
@@ -187,8 +187,10 @@ _PREDEFINED = (
 
 
 def test_only_plain_c_is_used(headers: tuple[Path, list[str]]) -> None:
-    """No extension, bit-field, packing, union, goto, allocation or variable argument; directives as for any compiler.
-    The word for results that have to be looked at is spelt as the compiler wants it, and is tested by itself."""
+    """No extension, bit-field, packing, union, goto, allocation or variable argument, and portable directives.
+
+    The mark for results that must not be ignored is spelt as the compiler requires, and is tested separately.
+    """
     include, every = headers
     for header in every:
         code = without_nodiscard(without_texts((include / header).read_text(encoding="ascii")))
@@ -203,8 +205,8 @@ def test_only_plain_c_is_used(headers: tuple[Path, list[str]]) -> None:
         assert not re.findall(r"^\s+(?:unsigned|signed|bool|u?int\d+_t) \w+ ?: ?\d+;", code, re.MULTILINE), header
 
 
-#: A compiler may turn an assignment of a struct or of zeros into these, whatever the source says;
-#: a freestanding one has to bring them.
+#: A compiler may use these for an assignment of a struct or of zeros, whatever the source says,
+#: and a freestanding one must provide them.
 INSERTED = {"memcpy", "memset", "memmove", "memcmp"}
 
 
@@ -232,7 +234,7 @@ def test_no_function_of_a_library_is_needed(compiler: str, headers: tuple[Path, 
 
 
 def test_no_function_calls_itself(headers: tuple[Path, list[str]]) -> None:
-    """Every function calls only functions that stand above it, so that there is no recursion."""
+    """Every function calls only functions that are defined above it, so there is no recursion."""
     include, every = headers
     for header in every:
         code = without_texts((include / header).read_text(encoding="ascii"))

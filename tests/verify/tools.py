@@ -1,4 +1,4 @@
-"""Where the evidence finds its tools. A missing one is named with the way to install it, and the test is skipped."""
+"""Tools of the evidence. If one is missing, its test is skipped, and the message says how to install it."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ PACKAGES = {
 
 
 def tool(name: str, folders: Sequence[str] = ()) -> str:
-    """The path of a tool; skips the test where there is none. ``CODEWHEEL_REQUIRE_TOOLS=1`` fails it instead."""
+    """Return the path of a tool. If it is missing, skip the test, or fail it with ``CODEWHEEL_REQUIRE_TOOLS=1``."""
     found = shutil.which(name, path=os.pathsep.join([*folders, os.environ.get("PATH", "")]))
     if found:
         return found

@@ -1,7 +1,7 @@
-"""What the evidence is about: the C headers and the Python package as generated.
+"""Subject of the evidence: the C headers and the Python package as generated.
 
-They are made from the specs as they are. ``CODEWHEEL_GENERATED`` names a folder to take instead,
-laid out like ``generated/``: a copy that was broken on purpose shows which check sees it.
+They are generated from the present specs. ``CODEWHEEL_GENERATED`` names a folder to use instead, laid out like
+``generated/``. A copy that was broken on purpose shows which check detects it.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ def library() -> Mapping[str, Device]:
 
 @functools.lru_cache
 def interfaces() -> Mapping[str, Device]:
-    """Each family with one of its interfaces alone, as C has it, by the stem of its headers."""
+    """Return each family with one of its interfaces, as in C, by the stem of its headers."""
     return interfaces_of(library().values())
 
 
 def generated_tree(folder: Path) -> Path:
-    """A folder with ``c/include`` and ``python`` in it, written to ``folder`` unless the environment names one."""
+    """Return a folder with ``c/include`` and ``python``, written to ``folder`` unless the environment names one."""
     given = os.environ.get("CODEWHEEL_GENERATED")
     if given:
         return Path(given).resolve()
@@ -44,7 +44,7 @@ def generated_tree(folder: Path) -> Path:
 
 
 def include_of(device: Device, folder: Path) -> Path:
-    """The folder to include a device's header from: that of the library's families, or one for a made-up device."""
+    """Return the include folder for a device: that of the library's families, or one for a made-up device."""
     if device.name in library():
         return (
             (Path(os.environ["CODEWHEEL_GENERATED"]).resolve() if "CODEWHEEL_GENERATED" in os.environ else folder)
@@ -55,5 +55,5 @@ def include_of(device: Device, folder: Path) -> Path:
 
 
 def number_from_environment(name: str, default: int) -> int:
-    """A size of the evidence that may be set from outside."""
+    """Return an amount of the evidence, which can be set from outside."""
     return int(os.environ.get(name, default))

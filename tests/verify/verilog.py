@@ -1,4 +1,4 @@
-"""A BiSS master and a slave in Verilog as ends of a line, which the machines in C are put on."""
+"""A BiSS master and a slave in Verilog as ends of a line, connected to the machines in C."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from biss_models import Bits
 from tools import tool
 
 SOURCES = Path(__file__).with_name("rtl")
-#: What the library in C has beside its machines: a buffer of raw samples as a user's program takes it.
+#: Functions of the library in C in addition to its machines: a buffer of raw samples, as in a user's program.
 RECEIVE = r"""
 #include "codewheel/receive.h"
 
@@ -30,17 +30,17 @@ int received(const uint8_t *rx, int size, int bits, uint64_t *word)
 }
 """
 
-#: What can happen, by name: a bit flipped, no SLO, an acknowledge without end, the next frame before the time-out is
-#: over (as an SPI may have it), a register that is busy for long.
+#: Possible errors by name: a flipped bit, no SLO, an acknowledge without end, the next frame before the time-out is
+#: over (possible with an SPI), a register that is busy for long.
 FAULTS = ("cds", "cdm", "cut", "never ready", "hurried", "busy")
-#: A word of six bits of data and six of CRC, which takes few clocks, and a buffer that it always fits into: 2 of rest,
+#: A word of six bits of data and six of CRC, which takes few clocks, and a buffer in which it always fits: 2 of rest,
 #: 5 of delay, 1 and 5 of acknowledge, start and CDS, word and stop bit.
 DATA_BITS, WORD_BITS, SIZE = 6, 12, 4
 RTL_OUTCOMES = ("IDLE", "RUNNING", "DONE", "REFUSED", "BUSY", "DISTURBED")
 
 
 def verilated(folder: Path) -> Path:
-    """The Verilog and its bench, compiled."""
+    """Compile the Verilog and its bench."""
     program = tool("verilator")
     root = subprocess.run([program, "--getenv", "VERILATOR_ROOT"], capture_output=True, text=True, check=True)
     include = Path(root.stdout.strip()) / "include"
@@ -64,8 +64,10 @@ def verilated(folder: Path) -> Path:
 
 
 class Bench:
-    """The functions of the bench over one line, which is another one in each frame: clock, delay, acknowledge, word.
-    A fault of ``FAULTS`` happens once, in the frame that ``plant`` says."""
+    """The bench with one line, whose clock, delay, acknowledge and word change in each frame.
+
+    A fault of ``FAULTS`` happens once, in the frame that ``plant`` sets.
+    """
 
     def __init__(self, verilog: ctypes.CDLL, library: ctypes.CDLL, of_spi: bool, chance: random.Random) -> None:
         verilog.bench_new.restype = ctypes.c_void_p
@@ -85,11 +87,11 @@ class Bench:
         self._kind, self._left = kind, frames
 
     def frames_busy(self) -> tuple[int, int]:
-        """How long the next register is busy, where it is fetched and where it is stored."""
+        """Return the number of frames for which the next register is busy when fetched and when stored."""
         return self.chance.randint(*self.fetch), self.chance.randint(*self.store)
 
     def another_frame(self, halves: tuple[int, ...]) -> tuple[str, int]:
-        """What happens to it, and the data of its word."""
+        """Return the error of the frame, and the data of its word."""
         self._left -= 1
         fault = self._kind if self._left == 0 else ""
         processing = 200 if fault == "never ready" else self.chance.randint(0, 5)
@@ -100,14 +102,14 @@ class Bench:
         return fault, data
 
     def received(self, data: int) -> int:
-        """The CDS that the C finds in the samples. The word is the one that was sent, or nothing is found."""
+        """Return the CDS that C finds in the samples. The word is the one that was sent, or nothing is found."""
         cds = int(self.library.received(self.rx, SIZE, WORD_BITS, ctypes.byref(self.word)))
         assert cds == LOST or self.word.value >> WORD_BITS - DATA_BITS == data
         return cds
 
 
 class RtlSlave:
-    """The slave in Verilog, clocked by an SPI. What it sends is what the C makes of the samples."""
+    """The slave in Verilog, clocked by an SPI. C extracts its bits from the samples."""
 
     readable, writable = range(0x70), range(0x10, 0x60)
 
@@ -140,7 +142,7 @@ class RtlMaster:
         self.cds = 0
 
     def _run(self, write: bool, address: int, count: int, limit: int) -> str:
-        # It counts how often S was not answered; a frame late, 35 frames pass from one time to the next.
+        # It counts how often S was not answered. With one frame of delay, there are 35 frames between two such times.
         self.bench.ask(self.late, int(write), address, count, limit // 35 if self.late else limit)
         outcome = "RUNNING"
         while outcome == "RUNNING":
@@ -153,7 +155,7 @@ class RtlMaster:
         bench.answer(self.cds)
         ctypes.memset(bench.rx, 0xFF, SIZE)
         outcome = int(bench.frame(WORD_BITS, self.bytes, bench.rx, SIZE))
-        # The samples at the edges of its clock say the same to the C.
+        # C gets the same bits from the samples at the edges of its clock.
         sound = fault not in ("cut", "never ready")
         assert bench.received(data) == (self.cds ^ (fault == "cds") if sound else LOST)
         assert not sound or bench.read_word() == bench.word.value

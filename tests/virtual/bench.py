@@ -1,4 +1,4 @@
-"""A session and a virtual encoder in virtual time: no port, no wait, and each position with its one right value."""
+"""A session and a virtual encoder in virtual time: no port, no waiting, and one right value for each position."""
 
 from __future__ import annotations
 

@@ -98,7 +98,7 @@ def test_presets_of_every_order_code(generated_python: Package, library: Library
 
 
 def test_identities_and_serial_numbers(generated_python: Package, library: Library) -> None:
-    """Reads repeated after an error return what the encoder holds, never anything else."""
+    """Reads repeated after an error return only the content of the encoder."""
     lika: Any = generated_python[1]
     for at, code in enumerate(codes_with(library.devices, "biss")):
         wire = Wire(lika, code, seed=at)

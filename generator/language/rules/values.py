@@ -194,7 +194,7 @@ def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         report.add(
             "timeout-mismatch",
             path,
-            "a time-out that follows the clock needs 'half_clock_periods', "
+            "a time-out that depends on the clock needs 'half_clock_periods', "
             "or 'typical_ns', 'at_most_ns' or 'printed' if there is no rule",
             at_key=True,
         )

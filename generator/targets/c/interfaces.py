@@ -200,7 +200,7 @@ class InterfaceCode:
                     late = int(fact.reply == "next_word")
                     yield self._macro("REPLY_WORDS", late, "number of words from a request to its reply")
                 case _:
-                    pass  # No number that code needs.
+                    pass  # Code needs no number from it.
         if isinstance(interface, Biss):
             yield from self._control_data(interface)
         for item in interface.timings:

@@ -66,12 +66,13 @@ def _register_access(device: Device, interface: Interface, found: Sequence[Recei
     if not isinstance(interface, Biss) or not found:
         return
     bits, clock = min(item.bits for item in found), interface.clock
-    least = f"with {initial(device)}" if any(item.held for item in found) else "at least"
+    after = f"{bits} clock periods after its CDS"
+    after = f"{after} with {initial(device)}" if any(item.held for item in found) else f"at least {after}"
     times = " and ".join(
         f"{nanoseconds(bits * 1_000_000_000 // hz)} at {hertz(hz)}" for hz in (clock.max_hz, clock.min_hz)
     )
     yield "For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before the last "
-    yield f"clock of the same frame, {least} {bits} clock periods after its CDS: {times}. The bit of "
+    yield f"clock of the same frame. It comes {after}: {times}. The bit of "
     yield "cw_biss_master_next_late, for SPI and DMA, is needed before the next frame begins, since the SPI mode "
     yield "sends it. MA carries the inverse of the bit for the whole time-out"
     if interface.timeout is not None:

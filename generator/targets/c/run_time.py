@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from ...language.problems import listed
 from ...model import assert_never
 from ...model.record import dataclass
 from ...plan.run_time_parameters import Held, HeldBy
@@ -101,7 +102,7 @@ class Taker:
     def __init__(self, context: Context, held: HeldBy, access: Access) -> None:
         register = held.register
         self.name = f"{context.prefix}_take_{register.name}"
-        names = ", ".join(item.parameter.name for item in held.parameters)
+        names = listed(item.parameter.name for item in held.parameters)
         self.about = f"Update {names} in a variant from the content of the {title(register)} register."
         self.values = tuple(HeldValue(context, item) for item in held.parameters)
         self.switches = tuple(_switches(self.values))

@@ -24,7 +24,7 @@ class ErrataPage(TypedDict):
     device: Annotated[Device, "the family"]
     errata_summary: Annotated[str, "number of errata and of open errata"]
     erratum_links: Annotated[list[tuple[str, list[str]]], "status and impact, and links to the errata of that kind"]
-    errata_list: Annotated[list[dict[str, Any]], "complete errata: erratum, rows"]
+    errata_list: Annotated[list[dict[str, Any]], "complete errata: erratum, title, rows"]
 
 
 class AllErrataPage(TypedDict):
@@ -99,7 +99,7 @@ class Badges:
         ordered = sorted(self._told.values(), key=lambda item: item.status != "open")
         lines = [f"- {anchor(f'erratum-{item.name}')}{in_one_line(item, ERRATA)}" for item in ordered]
         editions: dict[str, list[str]] = {}
-        for item in self._editions.values():
+        for item in filter(lambda item: item.name in self._editions, self._device.errata):
             editions.setdefault(_edition(item), []).append(f"{ERRATA}#erratum-{item.name}")
         differ = [
             ", ".join(
@@ -125,6 +125,12 @@ def _edition(item: Erratum) -> str:
     """Return the edition of a difference as a phrase: ``before edition 1.4``."""
     label = erratum(item).label
     return f"{label[0].lower()}{label[1:]}"
+
+
+def _title(item: Erratum) -> str:
+    """Return the title of an erratum. Differences in another edition are numbered."""
+    label = erratum(item).label
+    return f"{label}, difference {item.name.rpartition('_')[2]}" if item.edition else heading(item.name)
 
 
 def in_one_line(item: Erratum, page: str) -> str:
@@ -165,6 +171,7 @@ def page_values(device: Device) -> ErrataPage:
         "errata_list": [
             {
                 "erratum": item,
+                "title": text(_title(item)),
                 "rows": [
                     *fact_tables.printed_and_used(item),
                     ("Why", text(item.why)),

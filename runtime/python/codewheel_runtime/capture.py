@@ -129,7 +129,7 @@ class _Log:
 
     def add(self, found: Found) -> None:
         for item in found.lost:
-            # The bytes that are quoted differ.
+            # After the colon, a reason quotes the received bytes, which differ each time.
             reason = item.reason.partition(":")[0]
             self.reasons[reason] = self.reasons.get(reason, 0) + 1
         self.lost += found.lost[: None if self._limit is None else max(self._limit - len(self.lost), 0)]

@@ -1,5 +1,5 @@
-// The master and the slave in Verilog on a line that delays and is disturbed, for ctypes. The master is the one in
-// Verilog, or an SPI as a microcontroller has it: so many clocks, MA at rest high, SLO sampled at each rising edge.
+// The master and the slave in Verilog on a line with delay and disturbances, for ctypes. The master is the one in
+// Verilog, or an SPI as in a microcontroller: a number of clocks, MA high at rest, SLO sampled at each rising edge.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace {
 
-// SLO as it was up to 255 clocks ago.
+// SLO up to 255 clocks ago.
 struct Delay {
     uint8_t past[256] = {};
     uint8_t at = 0;
@@ -34,18 +34,18 @@ struct Bench {
     Vbiss_slave slave{&context};
     Delay line;
     uint8_t delay = 0;
-    uint8_t half = 2;     // clocks for half a clock of MA
-    bool cut = false;     // the cable is: SLO stays 1
+    uint8_t half = 2;     // clocks in half a clock period of MA
+    bool cut = false;     // the cable is cut: SLO stays 1
     bool of_spi = true;   // who has MA
     bool ma = true;
     bool slo = true;
-    int32_t stored = -1;  // the register that was stored last, and its value, in 8 bits each
+    int32_t stored = -1;  // the register stored last, and its value, in 8 bits each
     int taken = -1;
     uint8_t *rx = nullptr;
-    size_t places = 0;    // samples that rx takes
+    size_t places = 0;    // number of samples in rx
     size_t place = 0;
 
-    // A clock of both modules, after which MA is what the master says or who drives the SPI.
+    // A clock of both modules, after which MA is set by the master or by the SPI.
     void step()
     {
         const bool ma_before = of_spi ? ma : master.ma != 0;
@@ -103,7 +103,7 @@ Bench *bench_new(int of_spi)
     bench->of_spi = of_spi != 0;
     bench->slave.reset = 1;
     bench->master.reset = 1;
-    bench->slave.timeout = 7;  // three halves of a clock of MA, and one
+    bench->slave.timeout = 7;  // three halves of a clock period of MA, and one
     bench->step(4);
     bench->slave.reset = 0;
     bench->master.reset = 0;
@@ -111,7 +111,7 @@ Bench *bench_new(int of_spi)
     return bench.release();
 }
 
-// Between two frames: how fast MA is, how long the line, and how long the slave takes for its data.
+// Between two frames: speed of MA, delay of the line, and time that the slave takes for its data.
 void bench_line(Bench *bench, unsigned half, unsigned delay, unsigned processing, int cut)
 {
     bench->half = static_cast<uint8_t>(half);
@@ -122,14 +122,14 @@ void bench_line(Bench *bench, unsigned half, unsigned delay, unsigned processing
     bench->line.rest();
 }
 
-// So many bits, the first in bit 63, and six of CRC follow.
+// This many bits, the first in bit 63, and six of CRC follow.
 void bench_data(Bench *bench, uint64_t data, unsigned bits)
 {
     bench->slave.data = data;
     bench->slave.data_bits = static_cast<uint8_t>(bits);
 }
 
-// What becomes of the bits of this frame, and how long registers are busy.
+// Disturbances of the bits of this frame, and the time that registers are busy.
 void bench_control(Bench *bench, int disturb_cds, int disturb_cdm, unsigned fetch, unsigned store)
 {
     bench->slave.disturb_cds = disturb_cds != 0;
@@ -167,7 +167,7 @@ void bench_clocks(Bench *bench, uint8_t *rx, size_t size)
     }
 }
 
-// MA at the inverse of CDM for so many clocks, and at rest for as many; what was stored, or -1.
+// MA at the inverse of CDM for this many clocks, and at rest for as many. Return what was stored, or -1.
 int bench_rest(Bench *bench, int cdm, unsigned clocks)
 {
     bench->stored = -1;
@@ -178,14 +178,14 @@ int bench_rest(Bench *bench, int cdm, unsigned clocks)
     return bench->stored;
 }
 
-// CDS comes from outside from now on.
+// From now on, CDS comes from outside.
 void bench_answer(Bench *bench, int cds)
 {
     bench->slave.outside = 1;
     bench->slave.outside_cds = cds != 0;
 }
 
-// The CDM bit that the slave took in the last frame, or -1.
+// Return the CDM bit that the slave took in the last frame, or -1.
 int bench_taken(const Bench *bench)
 {
     return bench->taken;
@@ -203,7 +203,7 @@ void bench_ask(Bench *bench, int late, int write, unsigned first, unsigned count
     bench->master.ask = 0;
 }
 
-// A frame of the master in Verilog with so many bits of word; how the access stands.
+// Run a frame of the master in Verilog with this many bits of word. Return the state of the access.
 int bench_frame(Bench *bench, unsigned bits, uint8_t *data, uint8_t *rx, size_t size)
 {
     Vbiss_master &master = bench->master;

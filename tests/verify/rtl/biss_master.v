@@ -1,4 +1,4 @@
-// A BiSS C master: reads frames one after the other, and registers along with them where it is asked to.
+// A BiSS C master: reads frames one after the other and, if requested, registers along with them.
 module biss_master (
     input wire clk,
     input wire reset,
@@ -26,7 +26,7 @@ module biss_master (
     wire cds;
     wire seen;
     wire cdm;
-    reg cdm_before;                // what goes out where it is a frame late
+    reg cdm_before;                // the bit to send if it is one frame late
 
     biss_master_line line (
         .clk(clk), .reset(reset), .go(go), .ma(ma), .slo(slo), .bits(bits), .timeout(timeout), .most(most), .word(word),

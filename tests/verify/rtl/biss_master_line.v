@@ -1,7 +1,7 @@
-// The line of a BiSS C master: clocks a frame out of a slave, whatever the delay of the line and the acknowledge, and
+// The line of a BiSS C master: clocks a frame out of a slave, with any delay of the line and any acknowledge, and
 // leaves MA at the inverse of CDM for the time-out.
 module biss_master_line #(
-    parameter [3:0] HALF = 4'd2  // clocks of this module for half a clock of MA
+    parameter [3:0] HALF = 4'd2  // clocks of this module in half a clock period of MA
 ) (
     input wire clk,
     input wire reset,
@@ -10,11 +10,11 @@ module biss_master_line #(
     input wire slo,
     input wire [6:0] bits,         // of the word: data and CRC, 1 to 64
     input wire [7:0] timeout,
-    input wire [7:0] most,         // clocks without a start bit, after which the frame is given up
+    input wire [7:0] most,         // clocks without a start bit after which the frame is aborted
     output reg [63:0] word,
     output reg cds,
-    output reg seen,               // for one clock: CDS of this frame is there
-    input wire cdm,                // looked at after the stop bit
+    output reg seen,               // for one clock: CDS of this frame is valid
+    input wire cdm,                // examined after the stop bit
     output reg done,               // for one clock: MA and SLO rest again
     output reg sound               // whether there was a frame with a stop bit
 );
@@ -25,14 +25,14 @@ module biss_master_line #(
     localparam DATA = 3'd4;
     localparam STOP = 3'd5;
     localparam TIMEOUT = 3'd6;
-    localparam RETURN = 3'd7;       // as long once more, for the delay of the line
+    localparam RETURN = 3'd7;       // the same time again, for the delay of the line
 
     reg [2:0] state;
     reg [3:0] phase;
     reg [7:0] count;
 
     wire half = phase == HALF - 4'd1;
-    wire samples = half && !ma;  // MA rises with this clock: SLO still shows what the edge before brought
+    wire samples = half && !ma;  // MA rises with this clock. SLO still shows the result of the edge before.
 
     always @(posedge clk) begin
         seen <= 1'b0;

@@ -1,19 +1,19 @@
 // Register access of a BiSS C master on a line with one slave, whose ID is 0: takes the CDS bit of each frame and gives
-// a CDM bit. It remembers which bits it has sent, so that it knows what each answer belongs to: the next CDS is that to
-// the last bit, or, where a bit goes out a frame late, that to the bit before.
+// a CDM bit. It stores which bits it has sent, so that it knows which bit each answer belongs to: the next CDS answers
+// the last bit or, if bits are sent one frame late, the bit before it.
 module biss_master_registers (
     input wire clk,
     input wire reset,
     input wire late,
-    input wire ask,                 // for one clock: begin with what follows
+    input wire ask,                 // for one clock: begin with the following request
     input wire write,
     input wire [6:0] first,         // address of the first register
     input wire [6:0] count,         // how many, 1 to 64
     input wire [15:0] busy_limit,   // how often S may stay without an answer
-    input wire frame,               // for one clock: cds is there
+    input wire frame,               // for one clock: cds is valid
     input wire cds,
-    input wire lost,                // for one clock, in place of frame: there is none
-    input wire [7:0] to_write,      // what register number done of the access is to hold
+    input wire lost,                // for one clock, instead of frame: there is none
+    input wire [7:0] to_write,      // value to write to register number done of the access
     output reg [7:0] value,         // what was read
     output reg read,                // for one clock: value is that of register number done - 1
     output reg [6:0] done,
@@ -27,7 +27,7 @@ module biss_master_registers (
     localparam BUSY = 3'd4;
     localparam DISTURBED = 3'd5;
 
-    // Parts of a control frame, of what is sent and of what an answer belongs to.
+    // Parts of a control frame, both of the sent bits and of those that an answer belongs to.
     localparam NOTHING = 3'd0;      // zeros before and after
     localparam ID = 3'd1;           // S, CTS, ID, ADR, CRC
     localparam R = 3'd2;
@@ -36,7 +36,7 @@ module biss_master_registers (
     localparam DATA = 3'd5;         // DATA, CRC
     localparam P = 3'd6;
 
-    // The bit sent last: its part, and which one of that it is, from 1 on; and the bit before it.
+    // The bit sent last: its part, and its number in that part, from 1 on; and the bit before it.
     reg [2:0] part;
     reg [4:0] at;
     reg [2:0] part_before;
@@ -52,7 +52,7 @@ module biss_master_registers (
     wire [11:0] answers = {heard, cds};
 
     function [3:0] crc;             // x^4 + x + 1, start value 0, inverted
-        input [10:0] data;          // zeros before it change nothing
+        input [10:0] data;          // leading zeros change nothing
         integer place;
         begin
             crc = 4'd0;
@@ -68,7 +68,7 @@ module biss_master_registers (
     wire byte_sound = write ? answers == sent : answers[3:0] == crc({3'd0, answers[11:4]});
     wire start_missing = answered == S && !cds;
 
-    // What an answer says of the access: RUNNING, or how that ends.
+    // The result of the access after an answer: RUNNING, or how it ended.
     reg [2:0] verdict;
     always @* begin
         verdict = RUNNING;
@@ -84,7 +84,7 @@ module biss_master_registers (
         endcase
     end
 
-    // The part of the bit that comes next.
+    // The part of the next bit.
     reg [2:0] next;
     always @* begin
         next = part;

@@ -1,4 +1,4 @@
-// A BiSS C slave: its line, and its registers or others outside that answer in their place.
+// A BiSS C slave: its line, and its registers, or external ones that answer instead.
 module biss_slave (
     input wire clk,
     input wire reset,

@@ -13,7 +13,7 @@ module biss_slave_line #(
     input wire reset,
     input wire ma,
     output reg slo,
-    input wire [63:0] data,       // what comes before the CRC, its first bit in bit 63
+    input wire [63:0] data,       // the bits before the CRC, the first in bit 63
     input wire [6:0] data_bits,   // 1 to 64
     input wire [7:0] processing,
     input wire [7:0] timeout,     // in clocks of this module without an edge of MA
@@ -28,7 +28,7 @@ module biss_slave_line #(
     localparam DATA = 4'd4;
     localparam CRC = 4'd5;
     localparam OVER = 4'd6;
-    localparam RETURN = 4'd7;  // after CDM = 1: MA rises once more, which is no edge of a frame
+    localparam RETURN = 4'd7;  // after CDM = 1, MA rises once more, which is not an edge of a frame
 
     reg [3:0] state;
     reg ma_before;
@@ -99,7 +99,7 @@ module biss_slave_line #(
                     left <= left - 7'd1;
                     if (left == 7'd1) state <= OVER;
                 end
-                default: slo <= 1'b0;  // the stop bit, and whatever the master clocks on
+                default: slo <= 1'b0;  // the stop bit, and any further clocks of the master
             endcase
         end
     end

@@ -4,20 +4,20 @@
 //   CDM  14 x 0, S, CTS, ID2..0, ADR6..0, CRC3..0, R, W, S, DATA7..0, CRC3..0 (to read: 12 x 0), P, S ...
 //   CDS          0  1    0 0 0   0 ...             0  R  W  S  DATA7..0 ...                      P ...  one frame later
 //
-// S is answered by 0 for as long as the register is being fetched, or the one before is being stored.
+// S is answered by 0 while the register is being fetched, or while the one before is being stored.
 module biss_slave_registers #(
-    parameter [7:0] READABLE_END = 8'h70,  // registers below may be read
-    parameter [7:0] WRITABLE = 8'h10,      // and from here on, below the next one, be written
+    parameter [7:0] READABLE_END = 8'h70,  // registers below this may be read
+    parameter [7:0] WRITABLE = 8'h10,      // registers from here on, below the next one, may be written
     parameter [7:0] WRITABLE_END = 8'h60
 ) (
     input wire clk,
     input wire reset,
-    input wire frame,                 // for one clock, once in each frame: cdm is there
+    input wire frame,                 // for one clock in each frame: cdm is valid
     input wire cdm,
     output reg cds,
-    input wire [15:0] fetch_frames,   // how long a register is busy: looked at where that begins
+    input wire [15:0] fetch_frames,   // how long a register is busy, sampled when that begins
     input wire [15:0] store_frames,
-    output reg stored,                // for one clock: value went to address
+    output reg stored,                // for one clock: value was written to address
     output reg [6:0] address,
     output reg [7:0] value,
     input wire bank_write,            // the other side of the bank
@@ -38,7 +38,7 @@ module biss_slave_registers #(
 
     reg [2:0] state;
     reg [3:0] zeros;       // in a row, up to 14
-    reg [3:0] at;          // bits of the header or the byte that have come
+    reg [3:0] at;          // received bits of the header or the byte
     reg [13:0] heard;
     reg [3:0] crc;         // x^4 + x + 1, start value 0
     reg [11:0] answer;
@@ -116,7 +116,7 @@ module biss_slave_registers #(
                     WRITE: begin
                         writes <= cdm;
                         cds <= allowed(address, cdm) ? cdm : !cdm;
-                        // R W is 10 or 01; anything else is sent back as it came
+                        // R W is 10 or 01. Anything else is sent back unchanged.
                         state <= (heard[0] == cdm || !allowed(address, cdm)) ? OUTSIDE : START;
                         if (heard[0] == cdm) cds <= cdm;
                         if (!cdm && busy < fetch_frames) busy <= fetch_frames;
@@ -142,7 +142,7 @@ module biss_slave_registers #(
                             end
                         end
                     end
-                    default: begin  // STOP: the P of the master; ours refuses the register that follows
+                    default: begin  // STOP: the P of the master. This slave refuses the register that follows.
                         address <= past_the_end ? address : address_after;
                         cds <= past_the_end || !allowed(address_after, writes);
                         state <= (cdm || past_the_end || !allowed(address_after, writes)) ? OUTSIDE : START;

@@ -272,10 +272,10 @@ typedef enum lika_amm5_biss_report {
 
 /**
  * For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before
- * the last clock of the same frame, at least 25 clock periods after its CDS: 2.5 us at 10 MHz and
- * 500 us at 50 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed before the next
- * frame begins, since the SPI mode sends it. MA carries the inverse of the bit for the whole
- * time-out (1.5 clock periods).
+ * the last clock of the same frame. It comes at least 25 clock periods after its CDS: 2.5 us at 10
+ * MHz and 500 us at 50 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed before
+ * the next frame begins, since the SPI mode sends it. MA carries the inverse of the bit for the
+ * whole time-out (1.5 clock periods).
  */
 
 /** Return the time-out after a frame in nanoseconds, rounded up, or 0 if clock_hz is 0. */

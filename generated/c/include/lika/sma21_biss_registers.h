@@ -865,7 +865,8 @@ static inline cw_result lika_sma21_biss_read_manufacturer_id(
  */
 
 /**
- * Update offset_selected, output_code in a variant from the content of the Configuration register.
+ * Update offset_selected and output_code in a variant from the content of the Configuration
+ * register.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_take_configuration(

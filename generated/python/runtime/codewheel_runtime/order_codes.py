@@ -226,7 +226,7 @@ class OrderCode(NamedTuple):
                 unlisted = sum(_listed(other, match[other.name]) is None for other in others)
                 found.append((unlisted, part, match[part.name]))
         if found:
-            # Prefer the part without which all others have listed values, and then a missing part.
+            # Blame the part whose removal leaves the fewest unlisted values, and among equals a missing part.
             _, part, given = min(found, key=lambda item: (item[0], item[2] != ""))
             wrong = f"has {part.name} '{given}'" if given else f"has no {part.name}"
             valid = ", ".join(value.text for value in part.values)

@@ -336,7 +336,7 @@ class Session:
             asked.decode(reply)
         except FrameError as error:
             return error
-        except TypeError:  # The rest of the frame needs an answer. Its CRC is an XOR.
+        except TypeError:  # Other fields need an answer. The CRC is an XOR.
             return CrcError(reply[-1], reply[-1] ^ _xor(reply)) if _xor(reply) else None
         return None
 
