@@ -22,8 +22,8 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from .name import Named, own_names, printed, register_field
-from .place import hexadecimal
 from .numbers import formula
+from .place import hexadecimal
 from .register import reserved
 from .steps import remedied
 from .text import Code, Hex, Level, Part, Ref, Said, listed, parted, said, told
