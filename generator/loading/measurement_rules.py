@@ -53,7 +53,9 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
     told: set[Path] = set()
     for interface in device.interfaces:
         measurement = device.measurement_of(interface.name)
-        for layout in interface.layouts if measurement is not None else ():
+        if measurement is None:
+            continue
+        for layout in interface.layouts:
             owner = ("interfaces", interface.name, "layouts", layout.name)
             for field in map(layout.field, layout.names_in(measurement.of)):
                 path: Path = (*(("field_groups", field.group) if field.group else owner), "fields", field.name, "scale")

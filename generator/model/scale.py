@@ -36,21 +36,12 @@ class Scale:
         return Fraction(number * self.numerator + self.offset, self.denominator)
 
     @property
-    def ends(self) -> bool:
-        """True if every quantity has an exact decimal."""
-        return self._exact_places is not None
-
-    @property
-    def _exact_places(self) -> int | None:
-        rest = self.denominator // gcd(self.numerator, self.offset, self.denominator)
-        return next((places for places in range(rest.bit_length()) if 10**places % rest == 0), None)
-
-    @property
     def places(self) -> int:
         """Number of decimals: as many as exact decimals need, otherwise enough for a tenth of a count."""
-        if self._exact_places is not None:
-            return self._exact_places
-        return next(places for places in count() if 10**places * self.numerator >= 10 * self.denominator)
+        rest = self.denominator // gcd(self.numerator, self.offset, self.denominator)
+        exact = next((places for places in range(rest.bit_length()) if 10**places % rest == 0), None)
+        enough = (places for places in count() if 10**places * self.numerator >= 10 * self.denominator)
+        return exact if exact is not None else next(enough)
 
     def decimal(self, number: int) -> str:
         """Return the quantity for a number as a decimal. If it is not exact, it is rounded."""
@@ -62,4 +53,5 @@ class Scale:
 
     def is_exact(self, number: int) -> bool:
         """Return True if the decimal is exact."""
-        return (number * self.numerator + self.offset) * 10**self.places % self.denominator == 0
+        power: int = 10**self.places
+        return (number * self.numerator + self.offset) * power % self.denominator == 0
