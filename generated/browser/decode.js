@@ -43,6 +43,12 @@
     return { decimal: `${found < 0n && size ? "-" : ""}${size / power}${part}`, exact: !((found * power) % divisor) };
   }
 
+  /** A quantity with its unit. It begins with ≈ if its decimals are rounded. */
+  function quantityOf(scale, number) {
+    const { decimal: digits, exact } = scaled(scale, number);
+    return `${exact ? "" : "≈ "}${digits} ${scale[3]}`;
+  }
+
   /** The value of an expression, which is a number and terms of a multiple and factors. */
   function value(item, parameters) {
     if (!Array.isArray(item)) return big(item);
@@ -802,7 +808,7 @@
 
   globalThis.codewheelDecode = {
     table: TABLE, FrameText, Refusal, bytesFor, bytesIn, bytesOfNumber, checked, decodeBits, decodeBytes, decodeFrame,
-    decodeRegister, explained, findCode, inferred, linesOf, numberIn, placedFor, readLabel, UnknownCode,
+    decodeRegister, explained, findCode, inferred, linesOf, numberIn, placedFor, quantityOf, readLabel, UnknownCode,
   };
   if (typeof document === "undefined") return;
 
@@ -839,9 +845,7 @@
   function inUnits(item) {
     const shown = shownValue(item.value);
     if (typeof item.value === "boolean" || !(item.scale || item.unit)) return shown;
-    if (!item.scale) return `${shown} ${item.unit}`;
-    const { decimal: quantity, exact } = scaled(item.scale, item.value);
-    return `${shown} (${exact ? "" : "≈ "}${quantity} ${item.scale[3]})`;
+    return item.scale ? `${shown} (${quantityOf(item.scale, item.value)})` : `${shown} ${item.unit}`;
   }
 
   /** A name that may wrap after each of its words. */

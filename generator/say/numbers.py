@@ -54,8 +54,10 @@ def _plus(text: str, number: int) -> str:
 
 def _times(numerator: int, denominator: int) -> str:
     """Return a factor after a value, with a decimal if one of the numbers is a power of ten."""
+    if numerator == denominator:
+        return ""
     if denominator == 1:
-        return f" × {numerator}" if numerator > 1 else ""
+        return f" × {numerator}"
     if _is_power_of_ten(numerator):
         return f" / {_decimal(denominator, numerator)}"
     if _is_power_of_ten(denominator):

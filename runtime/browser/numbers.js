@@ -38,6 +38,12 @@ function scaled([numerator, denominator, offset, , places = 0], number) {
   return { decimal: `${found < 0n && size ? "-" : ""}${size / power}${part}`, exact: !((found * power) % divisor) };
 }
 
+/** A quantity with its unit. It begins with ≈ if its decimals are rounded. */
+function quantityOf(scale, number) {
+  const { decimal: digits, exact } = scaled(scale, number);
+  return `${exact ? "" : "≈ "}${digits} ${scale[3]}`;
+}
+
 /** The value of an expression, which is a number and terms of a multiple and factors. */
 function value(item, parameters) {
   if (!Array.isArray(item)) return big(item);

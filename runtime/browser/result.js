@@ -34,9 +34,7 @@ const shownValue = (item) => (item === true ? "yes" : item === false ? "no" : `$
 function inUnits(item) {
   const shown = shownValue(item.value);
   if (typeof item.value === "boolean" || !(item.scale || item.unit)) return shown;
-  if (!item.scale) return `${shown} ${item.unit}`;
-  const { decimal: quantity, exact } = scaled(item.scale, item.value);
-  return `${shown} (${exact ? "" : "≈ "}${quantity} ${item.scale[3]})`;
+  return item.scale ? `${shown} (${quantityOf(item.scale, item.value)})` : `${shown} ${item.unit}`;
 }
 
 /** A name that may wrap after each of its words. */

@@ -78,7 +78,9 @@ def pandas_columns(table: Table, names: Iterable[str], raw: bool = False) -> dic
             found[name] = pd.Categorical.from_codes(column.view("i1"), _WORDS[name])
         elif table.scale(name) is not None:
             cells = column.tolist()
-            found[name] = cells if hidden is None else [None if gone else cell for cell, gone in zip(cells, hidden)]
+            found[name] = (
+                cells if hidden is None else [None if gone else cell for cell, gone in zip(cells, hidden, strict=True)]
+            )
         elif hidden is not None:
             is_flag = column.dtype == bool
             found[name] = (pd.arrays.BooleanArray if is_flag else pd.arrays.IntegerArray)(column, hidden)
