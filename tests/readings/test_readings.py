@@ -97,7 +97,7 @@ def test_scales_are_compared_as_formulas(folder: pathlib.Path) -> None:
     assert told() == []
     changed(folder / "twice.second.yaml", "offset: 19000", "offset: 0")
     wrong = "scale of bits 11:0 of register 0x50: number * 125/347 + 0 °C here, number * 125/347 + 19000/347 °C"
-    assert told()[0].startswith(f"twice.second.yaml:124:36: readings-disagree: {wrong} in twice.yaml:149")
+    assert told()[0].startswith(f"twice.second.yaml:124:45: readings-disagree: {wrong} in twice.yaml:151")
 
 
 ERRATUM = "    affects: [registers.preset]\n"
