@@ -25,6 +25,7 @@ TESTED = {
     "icmu": "ichaus_icmu_biss",
     "ma732_parity": "mps_ma732_parity_spi",
     "mt6835": "magntek_mt6835_spi",
+    "orbis_serial": "rls_orbis_serial_rs485",
     "resolute": "renishaw_resolute_biss",
     "resolute_linear": "renishaw_resolute_linear_biss",
     "skm36": "sick_skm36_rs485",
