@@ -61,6 +61,7 @@ _CLASSES = (
     ("constant", r".*\bfields\.(constant|unused|equals|text|values_of)"),
     ("default", r"registers\.default"),
     ("default", r".*\bfields\.(default|zero_means)"),
+    ("scale", r".*\bfields\.scale\b.*"),
     ("flag and field", r".*\bfields\.(makes_position|sums_up|power_of_two|implemented|reserved|explained_by|unit)"),
     ("address", r"registers\.(address|length|bank|interface|name)"),
     ("address", r"(field_groups|registers)"),

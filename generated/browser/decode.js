@@ -34,6 +34,21 @@
     return exact > places ? `≈ ${text}` : text;
   }
 
+  /** The quantity that a number stands for, with a fixed number of decimals, and whether these are exact. */
+  function scaled([numerator, denominator, offset, , places = 0], number) {
+    const [found, divisor] = [number * big(numerator) + big(offset), big(denominator)];
+    const power = 10n ** BigInt(places);
+    const size = (2n * (found < 0n ? -found : found) * power + divisor) / (2n * divisor);
+    const part = places ? `.${(size % power).toString().padStart(places, "0")}` : "";
+    return { decimal: `${found < 0n && size ? "-" : ""}${size / power}${part}`, exact: !((found * power) % divisor) };
+  }
+
+  /** A quantity with its unit. It begins with ≈ if its decimals are rounded. */
+  function quantityOf(scale, number) {
+    const { decimal: digits, exact } = scaled(scale, number);
+    return `${exact ? "" : "≈ "}${digits} ${scale[3]}`;
+  }
+
   /** The value of an expression, which is a number and terms of a multiple and factors. */
   function value(item, parameters) {
     if (!Array.isArray(item)) return big(item);
@@ -192,11 +207,11 @@
     const sent = bits(plain, low, width);
     const entry = {
       name: field.name, raw: bits(number, low, width), value: sent, unit: field.unit ?? "",
-      meaning: field.meaning ?? "", high: low + width - 1, low, ...meantBy(field, sent, width),
+      scale: field.scale, meaning: field.meaning ?? "", high: low + width - 1, low, ...meantBy(field, sent, width),
     };
     const runs = (field.runs ?? []).map(([name, divisor, modulus, meaning = ""]) => {
       const part = (sent / big(divisor)) % big(modulus);
-      return { ...entry, name, raw: part, value: part, unit: "", meaning };
+      return { ...entry, name, raw: part, value: part, unit: "", scale: undefined, meaning };
     });
     return [entry, ...runs];
   }
@@ -793,7 +808,7 @@
 
   globalThis.codewheelDecode = {
     table: TABLE, FrameText, Refusal, bytesFor, bytesIn, bytesOfNumber, checked, decodeBits, decodeBytes, decodeFrame,
-    decodeRegister, explained, findCode, inferred, linesOf, numberIn, placedFor, readLabel, UnknownCode,
+    decodeRegister, explained, findCode, inferred, linesOf, numberIn, placedFor, quantityOf, readLabel, UnknownCode,
   };
   if (typeof document === "undefined") return;
 
@@ -826,6 +841,13 @@
 
   const shownValue = (item) => (item === true ? "yes" : item === false ? "no" : `${item}`);
 
+  /** A value with its unit, or a number with the quantity that it stands for. */
+  function inUnits(item) {
+    const shown = shownValue(item.value);
+    if (typeof item.value === "boolean" || !(item.scale || item.unit)) return shown;
+    return item.scale ? `${shown} (${quantityOf(item.scale, item.value)})` : `${shown} ${item.unit}`;
+  }
+
   /** A name that may wrap after each of its words. */
   const breakable = (name) => name.split("_").flatMap((word, place) => (place ? ["_", element("wbr"), word] : [word]));
 
@@ -849,10 +871,9 @@
       const size = item.high - item.low + 1;
       const place = placeOf(found.at, item);
       const where = layout.order ? place : `bit${size > 1 ? "s" : ""} ${place}`;
-      const unit = item.unit && typeof item.value !== "boolean" ? ` ${item.unit}` : "";
       const raw = size > 1 ? ` (${hex(item.raw)})` : ` (${item.raw})`;
       const meaning = item.meaning ? ` ${sentence(item.meaning)}` : "";
-      const told = `: ${where}, ${shownValue(item.value)}${unit}${raw}.${meaning}`;
+      const told = `: ${where}, ${inUnits(item)}${raw}.${meaning}`;
       const from = layout.source ? ` Manual ${layout.source}` : "";
       const name = found.fields.filter((one) => one.high === item.high && one.low === item.low).length > 1
         ? item.name : breakable(item.name);
@@ -877,12 +898,11 @@
   function fieldTable(found) {
     const rows = found.fields.map((item) => {
       const isOneBit = item.high >= 0 && item.high === item.low;
-      const unit = item.unit && typeof item.value !== "boolean" ? ` ${item.unit}` : "";
       const raw = part("span", "raw", isOneBit ? `${item.raw}` : hex(item.raw));
       return element("tr", {},
         element("td", {}, placeOf(found.at, item)),
         element("th", { scope: "row" }, breakable(item.name), item.meaning && part("span", "meaning", item.meaning)),
-        element("td", {}, `${shownValue(item.value)}${unit}`, raw));
+        element("td", {}, inUnits(item), raw));
     });
     const heads = ["Place", "Field", "Value, raw"].map((text) => element("th", { scope: "col" }, text));
     const size = found.at.layout.order ? counted(found.at.bits / 8, "byte") : counted(found.at.bits, "bit");
@@ -1034,7 +1054,7 @@
         `${row.line.number}`);
       button.addEventListener("click", () => pick(row));
       const field = mainField(row, measure);
-      const shown = field ? [`${field.name} ${field.value}${field.unit ? ` ${field.unit}` : ""}`] : [];
+      const shown = field ? [`${field.name} ${inUnits(field)}`] : [];
       const angle = field ? measured(row.found, measure).replace(/^\w+: /, "") : "";
       return element("tr", {},
         element("td", {}, button), ...(hasTimes ? [element("td", {}, row.line.time)] : []),
@@ -1050,14 +1070,21 @@
       element("thead", {}, element("tr", {}, cells)), element("tbody", {}, body));
   }
 
-  /** The lines as CSV, with a column for each field. */
+  /** The cells of a field by column: its value, and the quantity that a number stands for. */
+  function cellsOf(item) {
+    const quantity = item.scale ? [[`${item.name} (${item.scale[3]})`, scaled(item.scale, item.value).decimal]] : [];
+    return [[item.name, shownValue(item.value)], ...quantity];
+  }
+
+  /** The lines as CSV, with a column for each field and each quantity. */
   function csvOf(rows) {
-    const names = [...new Set(rows.flatMap((row) => (row.found?.fields ?? []).map((item) => item.name)))];
+    const found = rows.map((row) => (row.found?.fields ?? []).flatMap(cellsOf));
+    const names = [...new Set(found.flatMap((cells) => cells.map(([name]) => name)))];
     const cell = (text) => (/[",\r\n]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text);
-    const lines = rows.map((row) => {
-      const own = named(...(row.found?.fields ?? []).map((item) => ({ [item.name]: shownValue(item.value) })));
-      const { line, found } = row;
-      return [`${line.number}`, line.time, line.text, found?.at?.name ?? "", found?.verdict ?? "", remarkOf(row),
+    const lines = rows.map((row, place) => {
+      const own = named(...found[place].map(([name, text]) => ({ [name]: text })));
+      const { line } = row;
+      return [`${line.number}`, line.time, line.text, row.found?.at?.name ?? "", row.found?.verdict ?? "", remarkOf(row),
         ...names.map((name) => own[name] ?? "")];
     });
     const heads = ["line", "time", "frame", "layout", "verdict", "remark", ...names];

@@ -7,8 +7,9 @@ from dataclasses import fields, is_dataclass
 from enum import Enum
 from typing import Any
 
-from ..model import CodedValue, Supply
+from ..model import CodedValue, Scale, Supply
 from ..model.expressions import Expression
+from ..say.numbers import formula
 from ..say.words import counted, hertz, microseconds, volts
 
 _LONGEST = 60
@@ -57,6 +58,8 @@ def shown(value: Any, form: str = "") -> str:
         return _cut(", ".join(shown(item, form) for item in value))
     if isinstance(value, Supply):
         return f"{volts(value.min_mv)} to {volts(value.max_mv)}"
+    if isinstance(value, Scale):
+        return f"{formula(value)} {value.unit}"
     if isinstance(value, CodedValue):
         return f"{value.code} = {value.value}"
     if is_dataclass(value):

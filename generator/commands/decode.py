@@ -8,7 +8,7 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from ..model import Crc, Device, Fault, Layout, PlacedLayout, Variant, Verdict
+from ..model import Crc, Device, Fault, Layout, PlacedLayout, Scale, Variant, Verdict
 from ..order_codes.labels import Match
 from ..order_codes.parameters import parameters_of
 from ..reference import codec
@@ -17,7 +17,7 @@ from ..reference.registers import decode_register
 from ..say.lines import WIDTH
 from ..say.lines import wrapped as wrapped_anew
 from ..say.name import words
-from ..say.numbers import decimal
+from ..say.numbers import decimal, quantity
 from ..say.origin import origin
 from ..say.text import BY_NAME
 from ..say.words import WORTH, counted, sentence, with_unit
@@ -161,7 +161,19 @@ def _field_data(item: codec.DecodedField) -> dict[str, Any]:
         "raw": item.raw,
         "value": item.value,
         "unit": item.unit or None,
+        "quantity": _quantity_data(item.scale, item.value) if item.scale is not None else None,
         "meaning": item.meaning,
+    }
+
+
+def _quantity_data(scale: Scale, number: int | str | bool) -> dict[str, Any]:
+    exact = scale.quantity(int(number))
+    return {
+        "decimal": scale.decimal(int(number)),
+        "exact": scale.is_exact(int(number)),
+        "numerator": exact.numerator,
+        "denominator": exact.denominator,
+        "unit": scale.unit,
     }
 
 
@@ -410,6 +422,7 @@ def _table(decoded: codec.Decoded) -> list[str]:
         value = {True: "yes", False: "no"}[item.value] if isinstance(item.value, bool) else str(item.value)
         raw = f"{item.raw:#x}" if item.high > item.low or item.high < 0 else str(item.raw)
         shown = value if isinstance(item.value, bool) else with_unit(value, item.unit)
+        shown += f" ({quantity(item.scale, int(item.value))})" if item.scale is not None else ""
         rows.append((place, item.name, raw, shown, item.meaning))
     widths = [max(len(row[column]) for row in rows) for column in range(4)]
     lines = []

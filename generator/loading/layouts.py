@@ -13,6 +13,7 @@ from ..language.problems import Path
 from ..language.rules.shapes import PLACES
 from ..model import INTERFACES, Constant, Field, Join, Layout, Parity
 from ..model.expressions import Expression
+from ..model.scale import WIDEST
 from .fields import Context, Site, bit_range, equals, kind, pieces, zero_field
 from .from_mapping import Raw, record, sources
 from .layout_rules import is_sound
@@ -289,6 +290,9 @@ def _fields(item: Item, site: Site) -> Iterable[Field]:
         raw, width = part.raw, part.width
         widest = site.widest(width)
         container = raw.get("padded_to", 0)
+        if "scale" in raw and widest > WIDEST:
+            wrong = f"'{raw['name']}' has {widest} bits; a number with 'scale' has at most {WIDEST}"
+            site.context.report.add("scale-of", (*part.path, "scale"), wrong, at_key=True)
         yield record(
             Field,
             raw,

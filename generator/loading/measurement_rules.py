@@ -32,6 +32,7 @@ class _Case:
 def check_measurements(device: Device, report: DocumentReport) -> None:
     """Check measurements against the position of each order code, and report the first contradiction."""
     told: set[Path] = set()
+    _check_scales(device, report)
     for interface in device.interfaces:
         path: Path = (
             ("interfaces", interface.name, "measurement") if interface.measurement is not None else ("measurement",)
@@ -45,6 +46,23 @@ def check_measurements(device: Device, report: DocumentReport) -> None:
             if wrong is not None and path not in told:
                 told.add(path)
                 report.add("measurement-does-not-fit", (*path, wrong[0]), wrong[1])
+
+
+def _check_scales(device: Device, report: DocumentReport) -> None:
+    """Check that no part of a position has a second unit."""
+    told: set[Path] = set()
+    for interface in device.interfaces:
+        measurement = device.measurement_of(interface.name)
+        if measurement is None:
+            continue
+        for layout in interface.layouts:
+            owner = ("interfaces", interface.name, "layouts", layout.name)
+            for field in map(layout.field, layout.names_in(measurement.of)):
+                path: Path = (*(("field_groups", field.group) if field.group else owner), "fields", field.name, "scale")
+                if field.scale is not None and path not in told:
+                    told.add(path)
+                    wrong = f"'measurement' already gives the unit of '{field.name}'; leave 'scale' out"
+                    report.add("scale-of", path, wrong, at_key=True)
 
 
 def _cases(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_Case]:

@@ -91,6 +91,7 @@ from .kinds import (
 from .layout import Crc, Field, Join, Layout, Piece, PlacedField, PlacedLayout, number_from_bytes, number_to_bytes
 from .measurement import Measurement
 from .never import assert_never
+from .scale import Scale
 from .steps import (
     Argument,
     ModifyStep,
@@ -190,6 +191,7 @@ __all__ = [
     "Revision",
     "Rs485",
     "Sample",
+    "Scale",
     "SendStep",
     "Signals",
     "Source",

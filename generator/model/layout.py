@@ -14,6 +14,7 @@ from .expressions import Expression
 from .facts import Sources
 from .kinds import Choice, Constant, CrcValue, Decimal, Digits, Flag, Kind, Number, Parity, Unused, Value, Verdict
 from .record import dataclass
+from .scale import Scale
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +84,7 @@ class Field:
     reserved: str = ""
     explained_by: tuple[str, ...] = ()
     unit: str = ""
+    scale: Scale | None = None
     default: int | None = None
     meaning: str = ""
     note: str = ""

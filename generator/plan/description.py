@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from ..model import Fault, Field, Verdict
+from ..model import Fault, Field, Scale, Verdict
 from ..model.expressions import Expression
 from ..model.never import assert_never
 from ..model.record import dataclass
@@ -43,7 +43,10 @@ class BitField:
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A field, and the operation that converts its bits. ``runs`` lists name, divisor and modulus of runs of digits."""
+    """A field, and the operation that converts its bits. ``runs`` lists name, divisor and modulus of runs of digits.
+
+    ``scale`` gives the quantity that its number stands for. Codecs do not compute it.
+    """
 
     name: Name
     low: Expression
@@ -52,6 +55,7 @@ class Column:
     zero_means: int = 0
     runs: tuple[tuple[Name, int, int], ...] = ()
     power_of_two: bool = False
+    scale: Scale | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +186,7 @@ def _column(field: Field, is_power: bool) -> Column:
             kind = "text"
         case meaning:
             assert_never(meaning)
-    return Column(Name(field.name), field.low, field.width, kind, zero, runs, is_power)
+    return Column(Name(field.name), field.low, field.width, kind, zero, runs, is_power, field.scale)
 
 
 def _check(item: plan.Check) -> Check:

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..language.problems import Path
 from ..language.rules.parameters import kind_of_unit
-from ..model import Digits
+from ..model import Digits, Scale
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, Member
 from ..model.record import dataclass
@@ -86,6 +86,10 @@ def _text(reading: Reading, member: Member, value: Any, interface: str) -> Value
         return str(value.value)
     if isinstance(value, tuple):
         return " ".join(str(one.digits) if isinstance(one, Digits) else str(one) for one in value)
+    if isinstance(value, Scale):
+        # Two readers may write the same formula with different numbers.
+        factor, offset = value.quantity(1) - value.quantity(0), value.quantity(0)
+        return f"number * {factor} + {offset} {value.unit}"
     if is_dataclass(value):
         return str(getattr(value, fields(value)[0].name))
     return kind_of_unit(value) if member.form == "unit" else str(value)

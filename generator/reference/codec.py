@@ -19,6 +19,7 @@ from ..model import (
     Parity,
     PlacedField,
     PlacedLayout,
+    Scale,
     Text,
     Unused,
     Value,
@@ -56,6 +57,7 @@ class DecodedField(NamedTuple):
     """A field of a decoded frame.
 
     ``raw`` is the number on the wire. ``value`` is its meaning: a number, a Boolean, the name of a value, or a string.
+    ``scale`` gives the quantity that a number stands for.
     """
 
     name: str
@@ -65,6 +67,7 @@ class DecodedField(NamedTuple):
     meaning: str
     high: int
     low: int
+    scale: Scale | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -306,7 +309,7 @@ def _decode_field(item: PlacedField, wire: int, raw: int, problems: list[Problem
             pass  # checked later, when the other fields are known
         case _ as kind:
             assert_never(kind)
-    found = [DecodedField(name, wire, value, field.unit, meaning, item.high, item.low)]
+    found = [DecodedField(name, wire, value, field.unit, meaning, item.high, item.low, field.scale)]
     for run in field.runs:
         part = raw // run.divisor % run.modulus
         found.append(DecodedField(run.name, part, part, "", run.meaning, item.high, item.low))

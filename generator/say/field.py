@@ -22,6 +22,7 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from .name import Named, own_names, printed, register_field
+from .numbers import formula
 from .place import hexadecimal
 from .register import reserved
 from .steps import remedied
@@ -44,6 +45,8 @@ def meaning(item: Named, text: str) -> Iterator[Said]:
 def rules(device: Device, item: Field) -> Iterator[Said]:
     """Yield the interpretation of its bits and the rules for its use."""
     yield from told(item.unit, label="Unit")
+    if item.scale is not None:
+        yield said(formula(item.scale), label=f"In {item.scale.unit}", source=item.scale.source)
     yield from _kind(device, item)
     if item.container:
         yield said(f"Right-aligned in {item.container} bits, with zeros above it")

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from fractions import Fraction
 
+    from ..model.scale import Scale
+
 #: Decimals of a number that has no exact decimal, such as 1/3.
 _ROUNDED = 6
 
@@ -27,6 +29,51 @@ def decimal(value: Fraction) -> str:
     whole, part = divmod(round(abs(value) * 10**places), 10**places)
     text = f"{'-' if value < 0 else ''}{whole:,}" + (f".{part:0{places}}" if places else "")
     return f"≈ {text}" if digits is None else text
+
+
+def quantity(scale: Scale, value: int) -> str:
+    """Return the quantity that a number stands for: ``26.9 °C``. Begin with ``≈`` if the decimals are rounded."""
+    text = f"{scale.decimal(value)} {scale.unit}"
+    return text if scale.is_exact(value) else f"≈ {text}"
+
+
+def formula(scale: Scale) -> str:
+    """Return the formula of a quantity in the form that manuals print: ``(value + 152) / 2.776``."""
+    numerator, denominator, offset = scale.numerator, scale.denominator, scale.offset
+    if offset % denominator == 0:
+        return _plus("value" + _times(numerator, denominator), offset // denominator)
+    if offset % numerator == 0:
+        return f"({_plus('value', offset // numerator)}){_times(numerator, denominator)}"
+    factor = f"value × {numerator}" if numerator > 1 else "value"
+    return f"({_plus(factor, offset)}) / {denominator}"
+
+
+def _plus(text: str, number: int) -> str:
+    return f"{text} {'-' if number < 0 else '+'} {abs(number)}" if number else text
+
+
+def _times(numerator: int, denominator: int) -> str:
+    """Return a factor after a value, with a decimal if one of the numbers is a power of ten."""
+    if numerator == denominator:
+        return ""
+    if denominator == 1:
+        return f" × {numerator}"
+    if _is_power_of_ten(numerator):
+        return f" / {_decimal(denominator, numerator)}"
+    if _is_power_of_ten(denominator):
+        return f" × {_decimal(numerator, denominator)}"
+    return f" × {numerator} / {denominator}"
+
+
+def _is_power_of_ten(number: int) -> bool:
+    return str(number).strip("0") == "1"
+
+
+def _decimal(number: int, power: int) -> str:
+    """Return a number divided by a power of ten."""
+    places = len(str(power)) - 1
+    digits = f"{number:0{places + 1}}"
+    return f"{digits[: len(digits) - places]}.{digits[len(digits) - places :]}".rstrip("0").rstrip(".")
 
 
 def _most(value: Fraction) -> int:

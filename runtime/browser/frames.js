@@ -82,11 +82,11 @@ function fieldsOf(item, number, plain) {
   const sent = bits(plain, low, width);
   const entry = {
     name: field.name, raw: bits(number, low, width), value: sent, unit: field.unit ?? "",
-    meaning: field.meaning ?? "", high: low + width - 1, low, ...meantBy(field, sent, width),
+    scale: field.scale, meaning: field.meaning ?? "", high: low + width - 1, low, ...meantBy(field, sent, width),
   };
   const runs = (field.runs ?? []).map(([name, divisor, modulus, meaning = ""]) => {
     const part = (sent / big(divisor)) % big(modulus);
-    return { ...entry, name, raw: part, value: part, unit: "", meaning };
+    return { ...entry, name, raw: part, value: part, unit: "", scale: undefined, meaning };
   });
   return [entry, ...runs];
 }

@@ -36,7 +36,7 @@ function tableOf(rows, measure, pick) {
       `${row.line.number}`);
     button.addEventListener("click", () => pick(row));
     const field = mainField(row, measure);
-    const shown = field ? [`${field.name} ${field.value}${field.unit ? ` ${field.unit}` : ""}`] : [];
+    const shown = field ? [`${field.name} ${inUnits(field)}`] : [];
     const angle = field ? measured(row.found, measure).replace(/^\w+: /, "") : "";
     return element("tr", {},
       element("td", {}, button), ...(hasTimes ? [element("td", {}, row.line.time)] : []),
@@ -52,14 +52,21 @@ function tableOf(rows, measure, pick) {
     element("thead", {}, element("tr", {}, cells)), element("tbody", {}, body));
 }
 
-/** The lines as CSV, with a column for each field. */
+/** The cells of a field by column: its value, and the quantity that a number stands for. */
+function cellsOf(item) {
+  const quantity = item.scale ? [[`${item.name} (${item.scale[3]})`, scaled(item.scale, item.value).decimal]] : [];
+  return [[item.name, shownValue(item.value)], ...quantity];
+}
+
+/** The lines as CSV, with a column for each field and each quantity. */
 function csvOf(rows) {
-  const names = [...new Set(rows.flatMap((row) => (row.found?.fields ?? []).map((item) => item.name)))];
+  const found = rows.map((row) => (row.found?.fields ?? []).flatMap(cellsOf));
+  const names = [...new Set(found.flatMap((cells) => cells.map(([name]) => name)))];
   const cell = (text) => (/[",\r\n]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text);
-  const lines = rows.map((row) => {
-    const own = named(...(row.found?.fields ?? []).map((item) => ({ [item.name]: shownValue(item.value) })));
-    const { line, found } = row;
-    return [`${line.number}`, line.time, line.text, found?.at?.name ?? "", found?.verdict ?? "", remarkOf(row),
+  const lines = rows.map((row, place) => {
+    const own = named(...found[place].map(([name, text]) => ({ [name]: text })));
+    const { line } = row;
+    return [`${line.number}`, line.time, line.text, row.found?.at?.name ?? "", row.found?.verdict ?? "", remarkOf(row),
       ...names.map((name) => own[name] ?? "")];
   });
   const heads = ["line", "time", "frame", "layout", "verdict", "remark", ...names];

@@ -29,6 +29,21 @@ function decimal(numerator, denominator) {
   return exact > places ? `≈ ${text}` : text;
 }
 
+/** The quantity that a number stands for, with a fixed number of decimals, and whether these are exact. */
+function scaled([numerator, denominator, offset, , places = 0], number) {
+  const [found, divisor] = [number * big(numerator) + big(offset), big(denominator)];
+  const power = 10n ** BigInt(places);
+  const size = (2n * (found < 0n ? -found : found) * power + divisor) / (2n * divisor);
+  const part = places ? `.${(size % power).toString().padStart(places, "0")}` : "";
+  return { decimal: `${found < 0n && size ? "-" : ""}${size / power}${part}`, exact: !((found * power) % divisor) };
+}
+
+/** A quantity with its unit. It begins with ≈ if its decimals are rounded. */
+function quantityOf(scale, number) {
+  const { decimal: digits, exact } = scaled(scale, number);
+  return `${exact ? "" : "≈ "}${digits} ${scale[3]}`;
+}
+
 /** The value of an expression, which is a number and terms of a multiple and factors. */
 function value(item, parameters) {
   if (!Array.isArray(item)) return big(item);

@@ -30,6 +30,13 @@ function placeOf(at, { high, low }) {
 
 const shownValue = (item) => (item === true ? "yes" : item === false ? "no" : `${item}`);
 
+/** A value with its unit, or a number with the quantity that it stands for. */
+function inUnits(item) {
+  const shown = shownValue(item.value);
+  if (typeof item.value === "boolean" || !(item.scale || item.unit)) return shown;
+  return item.scale ? `${shown} (${quantityOf(item.scale, item.value)})` : `${shown} ${item.unit}`;
+}
+
 /** A name that may wrap after each of its words. */
 const breakable = (name) => name.split("_").flatMap((word, place) => (place ? ["_", element("wbr"), word] : [word]));
 
@@ -53,10 +60,9 @@ function bitsOf(found, table) {
     const size = item.high - item.low + 1;
     const place = placeOf(found.at, item);
     const where = layout.order ? place : `bit${size > 1 ? "s" : ""} ${place}`;
-    const unit = item.unit && typeof item.value !== "boolean" ? ` ${item.unit}` : "";
     const raw = size > 1 ? ` (${hex(item.raw)})` : ` (${item.raw})`;
     const meaning = item.meaning ? ` ${sentence(item.meaning)}` : "";
-    const told = `: ${where}, ${shownValue(item.value)}${unit}${raw}.${meaning}`;
+    const told = `: ${where}, ${inUnits(item)}${raw}.${meaning}`;
     const from = layout.source ? ` Manual ${layout.source}` : "";
     const name = found.fields.filter((one) => one.high === item.high && one.low === item.low).length > 1
       ? item.name : breakable(item.name);
@@ -81,12 +87,11 @@ function bitsOf(found, table) {
 function fieldTable(found) {
   const rows = found.fields.map((item) => {
     const isOneBit = item.high >= 0 && item.high === item.low;
-    const unit = item.unit && typeof item.value !== "boolean" ? ` ${item.unit}` : "";
     const raw = part("span", "raw", isOneBit ? `${item.raw}` : hex(item.raw));
     return element("tr", {},
       element("td", {}, placeOf(found.at, item)),
       element("th", { scope: "row" }, breakable(item.name), item.meaning && part("span", "meaning", item.meaning)),
-      element("td", {}, `${shownValue(item.value)}${unit}`, raw));
+      element("td", {}, inUnits(item), raw));
   });
   const heads = ["Place", "Field", "Value, raw"].map((text) => element("th", { scope: "col" }, text));
   const size = found.at.layout.order ? counted(found.at.bits / 8, "byte") : counted(found.at.bits, "bit");

@@ -20,6 +20,7 @@ from codewheel.model import Device, Layout, PlacedLayout, Register, Variant, num
 from codewheel.reference import codec
 from codewheel.reference.editions import strange_values
 from codewheel.reference.findings import findings
+from codewheel.say.numbers import quantity
 from rust_frames import numbers
 from test_c_codec import run_time_variants
 
@@ -95,7 +96,7 @@ class Case:
         rows: list[Sequence[object]] = [(decoded.layout.name if decoded.layout is not None else "",)]
         rows += [("problem", item.fault.value, item.field, item.message) for item in decoded.problems]
         rows += [
-            (item.name, item.raw, _shown(item.value), item.unit, item.meaning, item.high, item.low)
+            (item.name, item.raw, _shown(item.value), item.unit, _quantity(item), item.meaning, item.high, item.low)
             for item in decoded.fields
             if item.name != codec.UNUSED or item.high >= 0
         ]
@@ -104,6 +105,10 @@ class Case:
         rows.append(("verdict", found.verdict.value if found.verdict is not None else ""))
         rows += [("difference", item.message) for item in (*found.differences, *strange)]
         return "\n".join("\t".join(map(str, row)) for row in rows)
+
+
+def _quantity(item: codec.DecodedField) -> str:
+    return quantity(item.scale, int(item.value)) if item.scale is not None else ""
 
 
 def _shown(value: int | str | bool) -> str:

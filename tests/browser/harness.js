@@ -33,10 +33,12 @@
 
   function textOf(decoded_) {
     const row = (...values) => values.join("\t");
+    const quantity = (one) => (one.scale ? wheel.quantityOf(one.scale, one.value) : "");
     return [
       decoded_.at ? decoded_.at.name : "",
       ...decoded_.problems.map((one) => row("problem", one.fault, one.field, one.message)),
-      ...decoded_.fields.map((one) => row(one.name, one.raw, one.value, one.unit, one.meaning, one.high, one.low)),
+      ...decoded_.fields.map((one) => row(one.name, one.raw, one.value, one.unit, quantity(one), one.meaning,
+        one.high, one.low)),
       decoded_.crc ? row("crc", decoded_.crc.received, decoded_.crc.computed) : "no crc",
       ...decoded_.reports.map((one) => row("report", one.flag, one.meaning, one.remedy ?? "", one.source ?? "")),
       row("verdict", decoded_.verdict ?? ""),

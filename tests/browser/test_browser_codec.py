@@ -26,6 +26,7 @@ TESTS = Path(__file__).resolve().parents[1]
 MADE_UP = ("specs/words", "specs/bits22", "c/specs/shapes", "c/specs/words", "c/specs/reserved", "c/specs/crcs")
 MADE_UP += ("specs/ring", "specs/ring_turns", "specs/wide", "python/specs/odd_shapes", "browser/specs/names")
 MADE_UP += ("../examples/encoders/ams/as5047p", "../examples/encoders/cui/amt21", "../examples/encoders/sick/skm36")
+MADE_UP += ("../examples/encoders/infineon/tle5012b", "../examples/encoders/rls/orbis_serial")
 #: The order code of the made-up encoder of 22 bits.
 BITS_22 = "T22SC"
 FRAMES = 1_000

@@ -75,7 +75,7 @@ UNUSED = {
     "spi.clock.min_hz": "the same key as in other interfaces",
 }
 #: Units and quantities are names of physics, not words of the language.
-PHYSICS = re.compile(r"quantity\.(unit|quantity)\.")
+PHYSICS = re.compile(r"(quantity\.(unit|quantity)|scale\.unit)\.")
 
 
 def walk(schema: Mapping[str, Any], data: Iterable[Any] | None) -> Iterator[str]:

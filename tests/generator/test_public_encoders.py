@@ -25,6 +25,7 @@ TESTED = {
     "icmu": "ichaus_icmu_biss",
     "ma732_parity": "mps_ma732_parity_spi",
     "mt6835": "magntek_mt6835_spi",
+    "orbis_serial": "rls_orbis_serial_rs485",
     "resolute": "renishaw_resolute_biss",
     "resolute_linear": "renishaw_resolute_linear_biss",
     "skm36": "sick_skm36_rs485",
@@ -108,5 +109,6 @@ def test_each_grade_names_vectors_that_exist() -> None:
     assert counts == {
         "aksim2": 1, "amt21": 0, "amt22": 1, "amt22_multiturn": 0, "as38": 0, "as5047p": 0, "as5048a": 0, "as5147": 0,
         "icmhm": 0, "icmu": 3, "kcd": 0, "la11": 0, "ma732": 0, "ma732_parity": 3, "mt6701": 0, "mt6835": 0,
-        "orbis": 0, "resolute": 11, "resolute_linear": 11, "skm36": 9, "tle5012b": 0, "ts5700": 12, "wdga": 0,
+        "orbis": 0, "orbis_serial": 0, "resolute": 11, "resolute_linear": 11, "skm36": 9, "tle5012b": 0, "ts5700": 12,
+        "wdga": 0,
     }  # fmt: skip

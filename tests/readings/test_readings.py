@@ -89,6 +89,17 @@ def test_what_only_the_spec_has_is_no_problem(folder: pathlib.Path) -> None:
     assert told() == []
 
 
+def test_scales_are_compared_as_formulas(folder: pathlib.Path) -> None:
+    scale = "scale: {{numerator: {}, denominator: {}, offset: {}, unit: °C}}"
+    mine, other = scale.format(1000, 2776, 152_000), scale.format(125, 347, 19_000)
+    changed(folder / "twice.yaml", "{name: position, at: 11:0}", f"{{name: position, at: 11:0, {mine}}}")
+    changed(folder / "twice.second.yaml", "{name: value, at: 11:0}", f"{{name: value, at: 11:0, {other}}}")
+    assert told() == []
+    changed(folder / "twice.second.yaml", "offset: 19000", "offset: 0")
+    wrong = "scale of bits 11:0 of register 0x50: number * 125/347 + 0 °C here, number * 125/347 + 19000/347 °C"
+    assert told()[0].startswith(f"twice.second.yaml:124:45: readings-disagree: {wrong} in twice.yaml:151")
+
+
 ERRATUM = "    affects: [registers.preset]\n"
 
 

@@ -53,6 +53,7 @@ static size_t listed(uint8_t **bytes, size_t *length)
     return count;
 }
 
+/* Return whether every MORE step belongs to a register. */
 static bool is_whole(size_t count)
 {
     size_t at;

@@ -21,7 +21,9 @@ RESERVED = "reserved"
 _MOST_RESERVED_BITS = 4
 _OF_FLAGS = ("when_active", "when_inactive", "makes_position", "sums_up")
 _OF_PARITIES = ("parity", "over")
-_OF_NUMBERS = ("signed", "zero_means", "power_of_two")
+_OF_NUMBERS = ("signed", "zero_means", "power_of_two", "scale")
+#: Keys that are not allowed next to ``scale``: one gives 0 another meaning, the other gives a unit of its own.
+_NOT_SCALED = ("zero_means", "unit")
 #: Keys allowed next to ``use``.
 _BESIDE_USE = frozenset(("use", "note", "source"))
 #: Kinds with an implied width: a flag and a parity bit have one bit, a CRC its own width.
@@ -97,6 +99,10 @@ def _check_kind(path: Path, field: Spec, report: DocumentReport) -> None:
     for key in _OF_NUMBERS:
         if key in field and kinds:
             wrong = f"{quoted(key)} is only for numbers; {name} has {quoted(kinds[0])}, so it is not a number"
+            report.add("layout-keys", (*path, key), wrong, at_key=True)
+    for key in _NOT_SCALED:
+        if key in field and "scale" in field:
+            wrong = f"{quoted(key)} and 'scale' exclude each other; keep one of them"
             report.add("layout-keys", (*path, key), wrong, at_key=True)
     for key in _OF_FLAGS:
         if key in field and "active" not in field and not (key == "makes_position" and "unused" in field):

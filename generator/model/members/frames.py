@@ -25,6 +25,14 @@ FRAMES = (
         MEANING,
     ),
     Part(
+        "scale",
+        "The quantity (number * numerator + offset) / denominator.",
+        Member("numerator", "integer", "Factor of the number."),
+        Member("denominator", "integer", "Divisor of the sum."),
+        Member("offset", "integer", "Number that is added to the product before the division."),
+        Member("unit", "string", "Unit of the quantity."),
+    ),
+    Part(
         "join",
         "A number made of several fields, most significant first.",
         NAME,
@@ -196,6 +204,13 @@ FRAMES = (
             refers_to="dotted",
         ),
         Member("unit", "string", "Unit of one count.", "field-unit", read="value", form="unit"),
+        Member(
+            "scale",
+            "scale?",
+            "Quantity that the number stands for. The number itself is not converted.",
+            "field-reads-otherwise",
+            read="value",
+        ),
         Member("default", "integer?", "Factory default.", "field-default", form="hex"),
         MEANING,
         NOTE,

@@ -7,6 +7,7 @@ from dataclasses import fields
 from enum import Enum
 from typing import Any
 
+from ...model import Scale
 from ...model.expressions import Expression, Term
 
 Data = dict[str, Any]
@@ -59,6 +60,8 @@ def described(value: Any) -> Any:
             return [described(item) for item in value]
         case None | str():
             return value
+        case Scale(numerator, denominator, offset, unit):
+            return [numerator, denominator, offset, unit, value.places]
     members = ((item, getattr(value, item.name)) for item in fields(value) if item.compare)
     return kept(**{item.name: described(member) for item, member in members if member != item.default})
 

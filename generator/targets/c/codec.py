@@ -52,6 +52,7 @@ class StructCodec:
             yield f"{self.name}_bits"
         elif self.about:
             yield self.length_macro
+        yield from (item.name for item in self.struct.scales)
         yield from (f"{self.name}_set_{name}" for name in self.set_names)
         yield from self.reports.names() if self.reports is not None else ()
         if self.word_crc is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...model import Timing
+from ...model import Layout, Timing
 from ...model.record import dataclass
 from ...say.timing import timing as said_of
 from .style import S
@@ -26,3 +26,15 @@ def timing_macros(timing: Timing, stem: str) -> Iterator[Macro]:
         if value is not None:
             yield Macro(f"{stem}_{timing.name}_{bound}_US".upper(), number(value), note)
             note = f"see {timing.name} above"
+
+
+def scale_macros(layout: Layout, stem: str) -> Iterator[Macro]:
+    """Yield the numbers of each scale. They have 64 bits, so that no product overflows."""
+    for field in layout.fields:
+        scale, name = field.scale, f"{stem}_{field.name}".upper()
+        if scale is not None:
+            note = f"{field.name} in {scale.unit}: ({field.name} * NUMERATOR + OFFSET) / DENOMINATOR"
+            yield Macro(f"{name}_NUMERATOR", f"INT64_C({scale.numerator})", note)
+            offset = f"INT64_C({abs(scale.offset)})"
+            yield Macro(f"{name}_OFFSET", f"(-{offset})" if scale.offset < 0 else offset)
+            yield Macro(f"{name}_DENOMINATOR", f"INT64_C({scale.denominator})")

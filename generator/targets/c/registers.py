@@ -84,6 +84,7 @@ class RegisterCode:
         for field in self.moving:
             yield from (f"{self.name}_{field.name}_{ending}" for ending in ("shift", "mask"))
         yield from (item.name for item in self.explained)
+        yield from (item.name for item in self.struct.scales if self.codec is None)
         for bounds in self.limits:
             yield from (name for name, _ in bounds.macros)
             yield from (item.name for item in bounds.functions)

@@ -32,7 +32,7 @@ from .positions import LengthPositions
 from .procedures import ProcedureCode
 from .reserved import c_name
 from .runtime import runtime_tests
-from .types import number, string
+from .types import number, signed_number, string
 
 
 @dataclass(frozen=True, slots=True)
@@ -243,6 +243,8 @@ class SelfTest:
                 return Expected(c_name(name), choice.names.get(found, number(found)) if choice else number(found))
             case Active():
                 return Expected(c_name(name), "true" if value else "false")
+            case TwosComplement() if int(value) < 0:
+                return Expected(c_name(name), signed_number(int(value)))
             case Raw() | TwosComplement() | ZeroMeans() | Named() | DigitRuns():
                 return Expected(c_name(name), number(int(value)))
             case other:

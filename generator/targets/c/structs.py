@@ -22,6 +22,7 @@ from .bits import Reader
 from .context import Context
 from .enumerations import Enumeration
 from .expr import Cast, Expr, Name, Number, Operation, joined
+from .macros import Macro, scale_macros
 from .reserved import c_name
 from .types import signed, unsigned
 from .unused import Unused
@@ -44,6 +45,8 @@ class Struct:
         self.register = register
         self.plan: Codec = codec_of(context.device, layout)
         self.reader = Reader(self.plan, context.scope)
+        #: The numbers of the scales of its fields.
+        self.scales: tuple[Macro, ...] = tuple(scale_macros(layout, name))
         self.unused = Unused(self.reader)
         if self.plan.by_word and layout.widest > 64:
             wrong = f"'{layout.name}' has {layout.widest} bits and fields whose place depends on the order code"

@@ -14,10 +14,12 @@ from ...model import (
     Example,
     FrameExample,
     Interface,
+    Layout,
     MeasureExample,
     Procedure,
     ProcedureExample,
     RegisterExample,
+    Scale,
     Timing,
     assert_never,
 )
@@ -27,6 +29,7 @@ from ...say.erratum import changed, errata
 from ...say.field import value
 from ...say.interface import settings
 from ...say.markdown import STYLE, cited, code, joined, link, text
+from ...say.numbers import quantity
 from ...say.place import hexadecimal
 from ...say.procedure import read_back, step
 from ...say.timing import bounds
@@ -96,7 +99,7 @@ def _yes(value: bool) -> str:
 
 
 def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]:
-    yield from ((fact, said) for fact, said in _worked(example) if said)
+    yield from ((fact, said) for fact, said in _worked(device, example) if said)
     if example.erratum and example.erratum not in {
         item.name for item in errata(device, f"examples.{example.name}", wording=True)
     }:
@@ -106,7 +109,7 @@ def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]
     yield "Source", cited(example.source)
 
 
-def _worked(example: Example) -> Iterator[tuple[str, str]]:
+def _worked(device: Device, example: Example) -> Iterator[tuple[str, str]]:
     """Yield the facts of an example with their values. A value is empty if the example does not have it."""
     match example:
         case FrameExample():
@@ -115,11 +118,14 @@ def _worked(example: Example) -> Iterator[tuple[str, str]]:
             yield "Sent by", f"the {example.sender}"
             for name, answer in example.alternatives.items():
                 yield "Alternative", f"{link(code(name), f'#alternative-{name}')} = {code(answer)}"
-            yield from (_bytes(example.bytes), ("Bits", code(example.bits)), _values(example.values))
+            yield from (_bytes(example.bytes), ("Bits", code(example.bits)))
+            layouts = [item for _, item in device.layouts() if item.name == example.layout]
+            yield _values(example.values, layouts)
             yield "Rejected", f"because of its {text(example.refused)}" if example.refused else ""
         case RegisterExample():
             yield "Register", link(code(example.register), f"#register-{example.register}")
-            yield from (("Order code", code(example.order_code)), _bytes(example.bytes), _values(example.values))
+            yield from (("Order code", code(example.order_code)), _bytes(example.bytes))
+            yield _values(example.values, [device.register(example.register).layout])
         case CrcExample():
             yield "CRC", link(code(example.crc), f"#crc-{example.crc}")
             yield from (_bytes(example.bytes), ("Check value", f"`{hexadecimal(example.check)}`"))
@@ -140,14 +146,17 @@ def _bytes(data: bytes) -> tuple[str, str]:
     return "Bytes", f"`{data.hex(' ').upper()}`" if data else ""
 
 
-def _values(values: Mapping[str, int | str | bool]) -> tuple[str, str]:
-    return "Values", ", ".join(f"{code(name)} = {_value(value)}" for name, value in values.items())
+def _values(values: Mapping[str, int | str | bool], layouts: Iterable[Layout]) -> tuple[str, str]:
+    scales = {item.name: item.scale for layout in layouts for item in layout.fields}
+    return "Values", ", ".join(f"{code(name)} = {_value(value, scales.get(name))}" for name, value in values.items())
 
 
-def _value(value: int | str | bool) -> str:
+def _value(value: int | str | bool, scale: Scale | None) -> str:
     if isinstance(value, bool):
         return _yes(value)
-    return number(value) if isinstance(value, int) else code(value)
+    if not isinstance(value, int):
+        return code(value)
+    return number(value) + (f" ({text(quantity(scale, value))})" if scale is not None else "")
 
 
 def printed_and_used(item: Erratum) -> Iterator[tuple[str, str]]:

@@ -54,8 +54,8 @@ FACTS: Mapping[str, tuple[str, ...]] = {
         "facts": """AboveMax Access Alarm Alignment BissFacts ByteOrder CableLength Characteristic Clock Connector
             ConnectorKind Contact ControlField Crc DataIdFacts Document Edition Erratum Exchange FieldFacts Input
             Led LedState LostFigure Manual MemoryAccess NamedValue Network Port PrintedTimeout Purpose Quantity
-            Register RegisterMeaning Revision Rs485Facts Severity SpiFacts SsiFacts Status Table Timeout TimeoutRule
-            Timing""",
+            Register RegisterMeaning Revision Rs485Facts Scale Severity SpiFacts SsiFacts Status Table Timeout
+            TimeoutRule Timing""",
         "order_codes": "OrderCode Part PartValue SpelledValue Spelling",
         "reports": "Interface ReadOnly Report Reports Verdict",
     }.items()
@@ -64,6 +64,7 @@ FACTS: Mapping[str, tuple[str, ...]] = {
 #: Names that the descriptions of frames can import, by source module.
 SHAPES: Mapping[str, tuple[str, ...]] = {
     "codewheel_runtime.codec": ("BitField",),
+    "codewheel_runtime.facts": ("Scale",),
     "codewheel_runtime.reports": ("Verdict",),
     "codewheel_runtime.shape": tuple("Check Column CrcOf Fold Join Shape Speaks Tells Unused of_bits of_bytes".split()),
     "codewheel_runtime.table": ("ErrorKind",),

@@ -7,7 +7,7 @@ from dataclasses import fields
 from enum import Enum
 from typing import Any
 
-from ...model import Fault
+from ...model import Fault, Scale
 from ...model.expressions import Expression
 from ...plan.codec import FrameCrc, allowed_values
 from ...plan.description import Column, Name, describe
@@ -92,6 +92,8 @@ class Shape:
                 return self.coder.names.attribute(value)
             case Enum():
                 return Member("ErrorKind" if isinstance(value, Fault) else type(value).__name__, value.name)
+            case Scale(numerator, denominator, offset, unit):
+                return call("Scale", numerator, denominator, offset, unit)
             case tuple():
                 return tuple(map(self._shown, value))
             case None | bool() | int() | str():

@@ -9,6 +9,7 @@ from functools import lru_cache
 from typing import Literal, NamedTuple
 
 from .codec import BitField
+from .facts import Scale
 from .reports import Verdict
 from .table import ErrorKind
 
@@ -18,7 +19,7 @@ class Column(NamedTuple):
 
     ``kind`` is the type of value that the bits encode. ``runs`` contains the name, divisor and modulus of each group of
     decimal digits. ``field`` is the name of the field in messages, if it differs from ``name``. ``values`` lists the
-    only allowed values of the field, if they are limited.
+    only allowed values of the field, if they are limited. ``scale`` gives the quantity that a number stands for.
     """
 
     name: str
@@ -30,6 +31,7 @@ class Column(NamedTuple):
     runs: tuple[tuple[str, int, int], ...] = ()
     field: str = ""
     values: type[IntEnum] | tuple[int, ...] = ()
+    scale: Scale | None = None
 
 
 class Check(NamedTuple):
@@ -226,6 +228,12 @@ def measured(shape: Shape) -> frozenset[str]:
         return frozenset((shape.position, *parts))
     is_told = shape.otherwise is not None
     return frozenset(item.name for item in shape.columns if is_told and item.kind in ("number", "signed"))
+
+
+def scales(shape: Shape) -> dict[str, tuple[str, Scale]]:
+    """Return the columns of quantities, each with the column of its number. No field can have such a name."""
+    found = ((item.name, item.scale) for item in shape.columns if item.scale is not None)
+    return {f"{name} ({scale.unit})": (name, scale) for name, scale in found}
 
 
 class Sound(NamedTuple):

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, overload
 from .codec import unwrap
 from .encoder import Encoder
 from .errors import RangeError
+from .facts import Scale
 from .reports import Movement, Verdict
 
 #: Units for positions and speeds.
@@ -63,6 +64,9 @@ class Table(_Columns):
     Frames with a verdict also have a column ``verdict``: the index of the verdict in ``Verdict``. It is 0 if the
     position is not usable or the frame has an error.
 
+    A number with a scale also has a column of its quantity, such as ``temperature (°C)``, with a
+    :class:`decimal.Decimal` for each frame.
+
     A table can also have other columns, such as ``time``. ``table[10:20]`` is a table of some frames, and ``table[7]``
     a dictionary with the values of one.
     """
@@ -77,12 +81,13 @@ class Table(_Columns):
         parts: Mapping[str, tuple[str, int, int]],
         tells: tuple[tuple[str, str, int], ...] = (),
         measured: frozenset[str] = frozenset(),
+        scales: Mapping[str, tuple[str, Scale]] = _NOTHING,
         others: Mapping[str, Any] = _NOTHING,
     ) -> None:
         self.encoder, self._tells, self._measured, self._others = encoder, tells, measured, others
-        self._columns = columns
+        self._columns, self._scales = columns, scales
         self._fault, self._verdict, self._position, self._parts = fault, verdict, position, parts
-        self._names = [*others, *parts, *columns, *(["verdict"] if verdict is not None else []), "fault"]
+        self._names = [*others, *parts, *columns, *scales, *(["verdict"] if verdict is not None else []), "fault"]
 
     @property
     def fault(self) -> Any:
@@ -172,9 +177,8 @@ class Table(_Columns):
         return self._with(self._columns, self._fault, self._verdict, {**self._others, **columns})
 
     def _with(self, columns: dict[str, Any], fault: Any, verdict: Any, others: Mapping[str, Any]) -> Table:
-        return Table(
-            self.encoder, columns, fault, verdict, self._position, self._parts, self._tells, self._measured, others
-        )
+        own = (self._position, self._parts, self._tells, self._measured, self._scales)
+        return Table(self.encoder, columns, fault, verdict, *own, others)
 
     @overload
     def __getitem__(self, name: str) -> Any: ...
@@ -228,10 +232,23 @@ class Table(_Columns):
             return self._fault
         if name == "verdict" and self._verdict is not None:
             return self._verdict
+        if name in self._scales and name not in self._columns:
+            self._columns[name] = self._quantity(*self._scales[name])
         if name in self._parts and name not in self._columns:
             whole, low, width = self._parts[name]
             self._columns[name] = self._columns[whole] >> low & ((1 << width) - 1)
         return self._columns[name]
+
+    def _quantity(self, name: str, scale: Scale) -> Any:
+        np: Any = import_module("numpy")
+        # Numbers such as temperatures repeat, so few of them have to be converted.
+        numbers, places = np.unique(self._column(name), return_inverse=True)
+        made = np.array([scale.decimal(number) for number in numbers.tolist()], object)
+        return made[places]
+
+    def scale(self, name: str) -> Scale | None:
+        """Return the scale of a column of quantities, or None for other columns."""
+        return self._scales[name][1] if name in self._scales else None
 
     def __iter__(self) -> Iterator[str]:
         return iter(dict.fromkeys(self._names))
@@ -384,6 +401,8 @@ class Table(_Columns):
         A column that is the position or a part of it has no meaning in rows without a usable position, and a flag has
         none in rows of missing frames and of frames with a wrong length.
         """
+        if name in self._scales:
+            return self.hidden(self._scales[name][0])
         if name in self._measured:
             return ~self.usable
         column = self._columns.get(name)

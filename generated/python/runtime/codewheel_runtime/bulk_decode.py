@@ -19,6 +19,7 @@ from .shape import (
     kinds,
     late_fields,
     measured,
+    scales,
     smallest,
     sound,
     unused_bits,
@@ -105,7 +106,7 @@ def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
     if worth is not None and len(wrong):
         worth[wrong] = 0
     parts = {name: (join.name, low, width) for join in shape.joins for name, low, width in late_fields(shape, join)}
-    return Table(encoder, out, fault, worth, shape.position, parts, shape.tells, measured(shape))
+    return Table(encoder, out, fault, worth, shape.position, parts, shape.tells, measured(shape), scales(shape))
 
 
 def _is_arrow(frames: object) -> bool:

@@ -8,7 +8,7 @@ from typing import Any
 
 from .bulk_decode import CHUNK, Chunk, crc_difference, np, parity_bits
 from .errors import RangeError
-from .shape import Column, Join, Shape, width_of
+from .shape import Column, Join, Shape, scales, width_of
 
 
 class RowError(RangeError):
@@ -67,8 +67,8 @@ def _given(columns: Mapping[str, Any], shape: Shape) -> dict[str, Any]:
     by_join = {name for join, names in joined.items() if join in columns for name in names}
     optional = {name for name, item in needed.items() if item.kind.endswith("flag") or not item.width} | {"unused"}
     missing = sorted(needed.keys() - columns.keys() - by_join - optional)
-    others: Mapping[str, Any] = getattr(columns, "others", {})
-    unknown = sorted({*columns} - others.keys() - needed.keys() - joined.keys() - {"unused", "fault", "verdict"})
+    others: set[str] = {*getattr(columns, "others", ()), *scales(shape)}
+    unknown = sorted({*columns} - others - needed.keys() - joined.keys() - {"unused", "fault", "verdict"})
     if missing or unknown:
         raise TypeError(f"missing columns: {missing}; unknown columns: {unknown}")
     wanted = [name for name in (*needed, *joined, "unused", "fault") if name in columns]

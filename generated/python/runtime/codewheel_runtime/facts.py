@@ -9,9 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import Enum
-from typing import NamedTuple
+from math import gcd
+from typing import TYPE_CHECKING, NamedTuple
 
 from .reports import Interface, ReadOnly
+
+if TYPE_CHECKING:
+    from decimal import Decimal
+    from fractions import Fraction
 
 _NO_NAMES: ReadOnly[str] = ReadOnly({})
 
@@ -138,19 +143,58 @@ class Crc(NamedTuple):
     source: str = ""
 
 
+class Scale(NamedTuple):
+    """Quantity that a number stands for: ``(number * numerator + offset) / denominator``, in ``unit``."""
+
+    numerator: int
+    denominator: int
+    offset: int
+    unit: str
+    source: str = ""
+
+    def quantity(self, number: int) -> Fraction:
+        """Return the exact quantity for a number."""
+        from fractions import Fraction
+
+        return Fraction(number * self.numerator + self.offset, self.denominator)
+
+    @property
+    def places(self) -> int:
+        """Number of decimals: as many as exact decimals need, otherwise enough for a tenth of a count."""
+        rest = self.denominator // gcd(self.numerator, self.offset, self.denominator)
+        for places in range(rest.bit_length()):
+            if 10**places % rest == 0:
+                return places
+        places = 0
+        while 10**places * self.numerator < 10 * self.denominator:
+            places += 1
+        return places
+
+    def decimal(self, number: int) -> Decimal:
+        """Return the quantity for a number with ``places`` decimals. It is rounded if the exact decimals never end."""
+        from decimal import Decimal
+
+        found = number * self.numerator + self.offset
+        size = (2 * abs(found) * 10**self.places + self.denominator) // (2 * self.denominator)
+        # Arithmetic with decimals would round to the precision of the context.
+        return Decimal(f"{'-' if found < 0 and size else ''}{size}E-{self.places}")
+
+
 class FieldFacts(NamedTuple):
     """Facts about a field. For its position in the frame, see ``bit_fields`` of the class.
 
     ``active`` is ``high`` or ``low`` for a flag. ``constant`` is the value of a constant field, ``unused`` the value of
     unused bits in the manual. ``implemented`` is False for a field that this encoder does not have. ``reserved`` is the
     only party that may use it. ``explained_by`` lists register fields with details, as ``register.field``.
-    ``zero_means`` is the value that is sent as 0, if there is one.
+    ``zero_means`` is the value that is sent as 0, if there is one. ``scale`` gives the quantity that a number stands
+    for.
     """
 
     name: str
     printed_name: str = ""
     meaning: str = ""
     unit: str = ""
+    scale: Scale | None = None
     active: str = ""
     when_active: str = ""
     when_inactive: str = ""

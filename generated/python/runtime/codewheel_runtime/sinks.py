@@ -30,6 +30,8 @@ _WORDS: Final[Mapping[str, tuple[str, ...]]] = {
 }
 
 
+#: Number of digits of quantities in Arrow, which is enough for every scale.
+_DIGITS: Final = 38
 #: Number of CSV rows that are formatted at once.
 _ROWS: Final = 1 << 14
 
@@ -51,6 +53,8 @@ def arrow_columns(table: Table, names: Iterable[str], raw: bool = False) -> dict
         column, hidden = table[name], None if raw else table.hidden(name)
         if name in _WORDS:
             found[name] = pa.DictionaryArray.from_arrays(pa.array(column.view("i1")), pa.array(_WORDS[name]))
+        elif (scale := table.scale(name)) is not None:
+            found[name] = pa.array(column, pa.decimal128(_DIGITS, scale.places), mask=hidden)
         else:
             found[name] = _arrow_array(pa, column, hidden)
     return found
@@ -72,6 +76,11 @@ def pandas_columns(table: Table, names: Iterable[str], raw: bool = False) -> dic
         column, hidden = table[name], None if raw else table.hidden(name)
         if name in _WORDS:
             found[name] = pd.Categorical.from_codes(column.view("i1"), _WORDS[name])
+        elif table.scale(name) is not None:
+            cells = column.tolist()
+            found[name] = (
+                cells if hidden is None else [None if gone else cell for cell, gone in zip(cells, hidden, strict=True)]
+            )
         elif hidden is not None:
             is_flag = column.dtype == bool
             found[name] = (pd.arrays.BooleanArray if is_flag else pd.arrays.IntegerArray)(column, hidden)
@@ -266,6 +275,8 @@ class CsvSink:
     @staticmethod
     def _cells(name: str, column: Any, hidden: Any, rows: slice) -> list[Any]:
         cells: list[Any] = column.tolist()
+        if column.dtype.kind == "O":
+            cells = [f"{item:f}" for item in cells]
         if column.dtype.kind == "b":
             cells = ["true" if item else "false" for item in cells]
         if hidden is not None:
