@@ -6,7 +6,7 @@ import dataclasses
 import inspect
 import itertools
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property, partial
 from pathlib import Path
 from types import ModuleType
@@ -105,16 +105,11 @@ class Case:
 
 @pytest.fixture(scope="session")
 def families(
-    generated_python: tuple[Path, ModuleType],
+    packages: Mapping[str, ModuleType],
     library: Library,
     import_generated: Callable[[Library, str], tuple[Path, ModuleType]],
 ) -> dict[str, Family]:
-    package: Any = generated_python[1]
-    made = {}
-    for device in library.devices:
-        maker = device.manufacturer
-        own = package if maker.main else import_generated(Library((device,)), maker.python_package)[1]
-        made[device.name] = Family(device, getattr(own, device.name))
+    made = {item.name: Family(item, getattr(packages[item.name], item.name)) for item in library.devices}
     for name, folder in MADE_UP.items():
         found, report = load_library([folder / f"{name}.yaml", folder / "manufacturer.yaml"])
         assert not report, "\n".join(problem.format() for problem in report.problems)
