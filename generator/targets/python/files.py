@@ -96,6 +96,8 @@ def _package(
     maker: Manufacturer, devices: tuple[Device, ...], library: Library, folders: Mapping[str, str]
 ) -> dict[str, str]:
     package, folder = maker.python_package, folders[maker.name]
+    # pip would take a path without a dot for the name of a package.
+    here = "./" if folder == "python" else ""
     modules = [Module(device) for device in devices]
     biss = (BISS,) if has_biss(devices) else ()
     values: Package = {
@@ -115,7 +117,7 @@ def _package(
         "rs485": any(device.over(Rs485) for device in devices),
         "runtime": runtime_version(),
         "shared": relpath(_RUNTIME, folder),
-        "neighbours": [relpath(other, folder) for name, other in folders.items() if name != maker.name],
+        "neighbours": [f"{here}{relpath(other, folder)}" for name, other in folders.items() if name != maker.name],
         "public": sorted([*(module.name for module in modules), *biss]),
         "identified": [module.name for module in modules if module.identities and not module.device.base],
     }
