@@ -213,3 +213,17 @@ def generated_python(
 ) -> tuple[Path, ModuleType]:
     """The folder of the generated package, and the package."""
     return import_generated(library, "lika_encoders")
+
+
+@pytest.fixture(scope="session")
+def packages(generated_python: tuple[Path, ModuleType], library: Library) -> Mapping[str, ModuleType]:
+    """The generated package of each family."""
+    folder, main = generated_python
+    found = {}
+    with pytest.MonkeyPatch.context() as patch:
+        for device in library.devices:
+            maker = device.manufacturer
+            if not maker.main:
+                patch.syspath_prepend(folder / maker.python_package)
+            found[device.name] = main if maker.main else importlib.import_module(maker.python_package)
+    return found

@@ -127,8 +127,12 @@ def test_its_first_screen_has_the_badge_a_command_and_its_result() -> None:
 
 def test_its_parts_are_in_order() -> None:
     """Title, picture, installation with a result, encoders, three doors, own encoder, trust, limits, licence."""
-    parts = ["# codewheel", "docs/front.svg", "$ python3 -m venv", "| Encoders of Lika Electronic |", "## Firmware"]
-    parts += [
+    parts = [
+        "# codewheel",
+        "docs/front.svg",
+        "$ python3 -m venv",
+        "| Encoders of Lika Electronic and iC-Haus |",
+        "## Firmware",
         "## BiSS or SSI master, PLC",
         "## Bench",
         "## Your own encoder",

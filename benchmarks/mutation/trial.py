@@ -81,9 +81,13 @@ class Trial:
         return [item.document for item in self._seconds.values()]
 
     def mutants(self, names: Sequence[str] = ()) -> list[Mutant]:
-        """Return every mutant of the documents and second readings, or only of those with one of these file names."""
+        """Return the mutants of the files with these names, or else of all specs that were read twice."""
         documents = [*self.documents, *self.second_readings]
-        wanted = (item for item in documents if not names or Path(item.file).stem in names)
+        if names:
+            wanted = [item for item in documents if Path(item.file).stem in names]
+        else:
+            twice = {file for item in self.families if item.document.file in self._seconds for file in item.files}
+            wanted = [item for item in self.documents if item.file in twice] + self.second_readings
         return [mutant for document in wanted for mutant in mutants(document)]
 
     def place(self, mutant: Mutant) -> str:

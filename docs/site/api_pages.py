@@ -10,8 +10,8 @@ from pathlib import Path
 
 from codewheel.say.markdown import code, text
 
-HEADERS = "generated/c/include/lika"
-MODULES = "generated/python/lika_encoders"
+HEADERS = "generated/c/include"
+MODULES = "generated/python"
 RUNTIME = "generated/python/runtime/codewheel_runtime"
 #: Modules of the runtime that programs use directly, or through the package of a manufacturer.
 _RUNTIME_MODULES = "biss encoder errors facts order_codes reports running steps stream table".split()
@@ -26,14 +26,18 @@ _NAME = re.compile(r"(\w+)(?:\(|;$)")
 
 def api_pages(root: Path) -> Iterator[tuple[str, str]]:
     """Yield the path and text of each page."""
-    headers = sorted((root / HEADERS).glob("*.h"))
-    modules = [path for path in sorted((root / MODULES).glob("[!_]*.py")) if path.stem != "biss"]
+    headers = [path for path in sorted((root / HEADERS).glob("*/*.h")) if path.parent.name != "codewheel"]
+    packages = [path.parent for path in (root / MODULES).rglob("*_encoders/__init__.py")]
+    modules = [path for folder in sorted(packages) for path in sorted(folder.glob("[!_]*.py")) if path.stem != "biss"]
     runtime = [path for path in sorted((root / RUNTIME).glob("*.py")) if path.stem in _RUNTIME_MODULES]
     yield "api/c.md", _index("c", "C headers", "generated/c", headers)
     yield "api/python.md", _index("python", "Python package", "generated/python", modules)
     yield "api/runtime.md", _index("runtime", "Python runtime", "generated/python/runtime", runtime)
     for path in headers:
-        yield f"api/c/{path.stem}.md", _page(f"lika/{path.name}", "c", c_entries(path.read_text(encoding="utf-8")))
+        yield (
+            f"api/c/{path.stem}.md",
+            _page(f"{path.parent.name}/{path.name}", "c", c_entries(path.read_text(encoding="utf-8"))),
+        )
     for path in (*modules, *runtime):
         found = python_entries(ast.parse(path.read_text(encoding="utf-8")))
         kind = "runtime" if path in runtime else "python"

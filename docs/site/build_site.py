@@ -31,7 +31,7 @@ PAGES = (
     "docs/example/**/*.md",
     "generated/docs/**/*.md",
     "generated/*/*.md",
-    "generated/python/runtime/*.md",
+    "generated/python/*/*.md",
     "examples/*/README.md",
 )
 #: The script of the decode box, if it has been generated.

@@ -21,7 +21,7 @@ WORDS_ONLY = frozenset(("source", "note", "meaning", "title", "printed_name", "n
 LONGEST_QUOTE = 60
 _LONGEST_PATH = 200
 #: Largest number of known words listed in a message.
-_FEW_CHOICES = 9
+_FEW_CHOICES = 10
 _BETWEEN = re.compile(r"[_\s-]")
 _DIGITS = re.compile(r"[0-9]+")
 #: Units at the end of a key. Keys with different units are never typos of each other: the number would be wrong.

@@ -219,10 +219,12 @@ def _built_again(makers: Mapping[str, Manufacturer], document: Document, report:
 
 def _makers(checked: Sequence[tuple[Document, dict[str, Any] | None]], report: Report) -> dict[str, Manufacturer]:
     makers: dict[str, Manufacturer] = {}
+    known: dict[str, dict[str, Any]] = {}
     for document, data in checked:
         if data is not None and "device" not in data and "manufacturer" in data:
-            if data["manufacturer"] in makers:
-                wrong = f"there is another manufacturer file for '{data['manufacturer']}'"
+            # Several folders may have the same file, so that each of them can be used alone.
+            if known.setdefault(data["manufacturer"], data) != data:
+                wrong = f"there is a different manufacturer file for '{data['manufacturer']}'"
                 report.add("duplicate-name", document, ("manufacturer",), wrong)
             built = build_manufacturer(data)
             _check_manufacturer(built, makers.values(), document, report)

@@ -32,6 +32,7 @@ from ..model import (
 )
 from ..order_codes.parameters import needed_parameters
 from ..order_codes.run_time import decided
+from ..say.evidence import document
 from ..say.parameter import initial
 from ..say.place import addresses
 from ..say.words import hertz, timeout_words
@@ -72,7 +73,7 @@ class Record:
     ``answers`` are the user's answers to questions that the manual leaves open, by the names of the alternatives.
     ``cable_m`` is the cable length for which the highest clock is chosen, and ``cable_row`` the row of the table for
     it. Both may be None. ``step`` is the exact length of a count in µm. ``numbers`` has it in each unit in which it is
-    whole.
+    whole. ``document`` is the word for what does not state a fact.
     """
 
     code: str
@@ -87,6 +88,7 @@ class Record:
     cable_m: int | None = None
     cable_row: CableRow | None = None
     step: Fraction | None = None
+    document: str = "manual"
 
     @property
     def known(self) -> Mapping[str, int]:
@@ -150,7 +152,10 @@ def record(
     )
     ordered = {name: numbers[name] for name in NUMBERS}
     step = measurement.micrometres(variant.parameters)
-    found = Record(variant.code, device.name, words, ordered, parts, timeout, cables, notes, taken, step=step)
+    source = document(device)
+    found = Record(
+        variant.code, device.name, words, ordered, parts, timeout, cables, notes, taken, step=step, document=source
+    )
     return found if cable_m is None else _with_cable(found, cable_m)
 
 

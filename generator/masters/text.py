@@ -22,12 +22,11 @@ from .writing import Writing, write_order
 VERSION = 1
 
 _MARKS = {"documented": "", "inferred": " *", "tried": " +"}
-NOT_SAID = "the manual does not say"
 
 
 def facts(record: Record) -> Iterator[tuple[str, str]]:
     """Yield the record in words, one fact per row."""
-    number = record.numbers
+    number, unknown = record.numbers, f"the {record.document} does not say"
     yield "Interface", INTERFACES[record.words["interface"]].title
     turns = number["multiturn_bits"]
     yield (
@@ -50,19 +49,16 @@ def facts(record: Record) -> Iterator[tuple[str, str]]:
     if row is not None and row.is_below:
         highest = f"below {hertz(row.hz)}"
     limits = (f"at least {hertz(slowest)}" if slowest is not None else "", highest)
-    yield "Clock", ", ".join(filter(None, limits)) or NOT_SAID
+    yield "Clock", ", ".join(filter(None, limits)) or unknown
     if record.cables.rows:
         yield "Clock by cable", _cables(record)
     if INTERFACES[record.words["interface"]] is Biss:
-        yield "Time-out", record.timeout or NOT_SAID
+        yield "Time-out", record.timeout or unknown
         # The longest in the protocol description, p. 18.
-        busy = f"{NOT_SAID}, but BiSS C allows 40 µs"
-        if number["busy_us"] is not None:
-            busy = _time(number["busy_us"], "at most")
-        yield "Busy time", busy
+        yield "Busy time", _time(number["busy_us"], "at most") or f"{unknown}, but BiSS C allows 40 µs"
     else:
-        yield "Pause", _time(number["pause_us"], "at least")
-    yield "Supply", _supply(record)
+        yield "Pause", _time(number["pause_us"], "at least") or unknown
+    yield "Supply", _supply(record) or unknown
 
 
 def _cables(record: Record) -> str:
@@ -75,11 +71,11 @@ def _cables(record: Record) -> str:
 
 def _supply(record: Record) -> str:
     lowest, highest = record.numbers["supply_min_mv"], record.numbers["supply_max_mv"]
-    return f"{volts(lowest)} to {volts(highest)}" if lowest is not None and highest is not None else NOT_SAID
+    return f"{volts(lowest)} to {volts(highest)}" if lowest is not None and highest is not None else ""
 
 
 def _time(value: int | None, bound: str) -> str:
-    return f"{bound} {microseconds(value)}" if value is not None else NOT_SAID
+    return f"{bound} {microseconds(value)}" if value is not None else ""
 
 
 def _status(record: Record) -> str:

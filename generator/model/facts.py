@@ -286,6 +286,7 @@ class Manufacturer:
     python_package: str
     version: str
     trademarks: tuple[str, ...]
+    main: bool = False
 
     @property
     def distribution(self) -> str:

@@ -25,6 +25,11 @@ def grade(device: Device) -> Said:
     return said(f"{found} ({_MEANING[found]})", label="Evidence")
 
 
+def document(device: Device) -> str:
+    """Return the word for what does not state a fact: the manual, if all of it was read, otherwise the spec."""
+    return "manual" if device.evidence.grade == "manual" else "spec"
+
+
 def basis(device: Device) -> Iterator[Said]:
     """Yield what the grade rests on, unless it is the manual as a whole, and the facts that are left out."""
     found = device.evidence

@@ -9,7 +9,7 @@ request.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
@@ -41,12 +41,23 @@ class Library:
         return self.parts[device.name] if device.name in self.parts else family(device, self, options)
 
     def by_manufacturer(self) -> list[tuple[Manufacturer, tuple[Device, ...]]]:
-        """Return the devices of each manufacturer, sorted by name."""
-        makers = {device.manufacturer.name: device.manufacturer for device in self.devices}
+        """Return the devices of each manufacturer, sorted by name. The main manufacturer is the first."""
         return [
-            (maker, tuple(item for item in self.devices if item.manufacturer.name == name))
-            for name, maker in sorted(makers.items())
+            (maker, tuple(item for item in self.devices if item.manufacturer.name == maker.name))
+            for maker in manufacturers(self.devices)
         ]
+
+
+def manufacturers(devices: Iterable[Device]) -> list[Manufacturer]:
+    """Return the manufacturers of the devices, sorted by name. The main one is the first."""
+    makers = {device.manufacturer.name: device.manufacturer for device in devices}
+    return sorted(makers.values(), key=lambda maker: (not maker.main, maker.name))
+
+
+def main_manufacturer(makers: Sequence[Manufacturer]) -> Manufacturer | None:
+    """Return the manufacturer whose name a folder with the packages of ``makers`` has, or None if no single one has."""
+    mains = [maker for maker in makers if maker.main] if len(makers) > 1 else makers
+    return mains[0] if len(mains) == 1 else None
 
 
 def has_biss(devices: Iterable[Device]) -> bool:

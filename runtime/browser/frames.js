@@ -226,7 +226,7 @@ function encode(at, values) {
   return number;
 }
 
-/** Whether the user provides the value of a field; all others are derived. */
+/** Whether the user provides the value of a field. All others are derived. */
 const isGiven = ({ field }) => !["crc", "parity", "fixed", "unused"].some((name) => name in field);
 
 function rawOf(item, values) {

@@ -40,7 +40,7 @@ def test_each_is_what_show_prints(library: Library, files: Mapping[str, str]) ->
     checker = etree.XMLSchema(read_xml(xsd.schema_text().encode()))
     for device in library.devices:
         for variant in device.variants[::5]:
-            made = files[f"biss/lika-{device.name}/{variant.code.replace('/', '-')}.xml"]
+            made = files[f"biss/{device.manufacturer.name}-{device.name}/{variant.code.replace('/', '-')}.xml"]
             checker.assertValid(read_xml(made.encode()))
             assert from_xml(made.encode()) == variant_dump(device, find(device, variant.code))
 

@@ -31,6 +31,7 @@ COMPUTED = {
     "Crc": {"form"},
     "Constant": {"fills_gap"},
     "Parity": {"constants", "turned"},
+    "Manufacturer": {"main"},
     "Device": {"times_read", "releases", "samples"},
 }
 COMPUTED_AS = {
@@ -41,6 +42,7 @@ COMPUTED_AS = {
     "fills_gap": False,
     "constants": (),
     "turned": False,
+    "main": False,
     "times_read": None,
     "releases": (),
     "samples": (),

@@ -71,11 +71,11 @@ MadeOnce = Callable[[str, Callable[[Path], object]], Path]
 
 #: Interfaces of the families, by the stems of their headers.
 INTERFACES = (
-    *("am36_ssi", "am36_biss", "amm5_ssi", "amm5_biss", "amm5_rs485", "asc85_ssi", "asc85_biss"),
+    *("am36_ssi", "am36_biss", "amm5_ssi", "amm5_biss", "amm5_rs485", "asc85_ssi", "asc85_biss", "icmu_biss"),
     *("sma21_ssi", "sma21_biss", "sma21_rs485"),
 )
-#: Families of the library, as names of tests.
-FAMILIES = ("am36", "amm5", "asc85", "sma21")
+#: Manufacturers of the families of the library, by the names of the families, which are also names of tests.
+FAMILIES = {"am36": "lika", "amm5": "lika", "asc85": "lika", "icmu": "ichaus", "sma21": "lika"}
 
 
 def headers_of(name: str, include: Path) -> list[Path]:

@@ -67,8 +67,12 @@ def test_every_register_is_written_within_its_limits(family: str, machines: Call
     writable = [item for item in made.device.registers if item.writable and not item.reserved and item.bank is None]
     for register in writable:
         variant = variant_of(made.device, register)
-        results = set()
+        placed = register.layout.place(variant.parameters)
+        # A register with one field is a number in C, which has no other bits.
+        is_number, results = register.layout.gaps == "unspecified" and len(placed.fields) == 1, set()
         for data in contents(register):
+            if is_number and number_from_bytes(register.layout, data) >> placed.fields[0].width:
+                continue
             encoder = Encoder()
             answer = made.write(register.name, variant.code, data, encoder)
             results.add(answer.result)
@@ -136,7 +140,11 @@ def test_every_control_byte_selects_its_frame_or_none(family: tuple[Device, Run]
 
 def test_each_byte_of_the_identity_counts(family: tuple[Device, Run]) -> None:
     device, run = family
-    (identity,) = (item for view in views_of(device) for item in view.identities)
+    found = [item for view in views_of(device) for item in view.identities]
+    if device.evidence.grade != "manual":
+        assert found == []  # The registers are known, but not their contents.
+        return
+    (identity,) = found
     registers = [item.register for item in identity.compared]
     variant = variant_of(device, registers[0])
     read = [identity_bytes(register, variant) for register in registers]
@@ -340,7 +348,9 @@ FUNCTIONS: Mapping[str, int] = {
     "(master.phase = (cw_biss_phase)9, cw_biss_master_next(&master, true))": 0,
     "master.phase": 0,
     **{
-        f"lika_{family}_ssi_clock_limit_hz({metres}U)": hertz for family in FAMILIES for metres, hertz in CABLES.items()
+        f"lika_{family}_ssi_clock_limit_hz({metres}U)": hertz
+        for family in ("am36", "amm5", "asc85", "sma21")
+        for metres, hertz in CABLES.items()
     },
 }
 

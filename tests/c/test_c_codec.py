@@ -241,6 +241,7 @@ def test_decode_and_encode_are_inverse_for_every_order_code(machine: tuple[Devic
             "am36": 12,
             "amm5": 36,
             "asc85": 36,
+            "icmu": 42,
             "sma21": 45,
             "banks": 1,
             "bits22": 1,

@@ -153,7 +153,7 @@ def own_words(header: str) -> set[str]:
     return {
         word
         for word in re.findall(r"\b[a-z]\w*", code)
-        if NAME.fullmatch(word) and not word.startswith(("lika_", "cw_", "uint64_c"))
+        if NAME.fullmatch(word) and not word.startswith(("lika_", "ichaus_", "cw_", "uint64_c"))
     }
 
 

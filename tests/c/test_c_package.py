@@ -22,6 +22,7 @@ HOSTILE = "x */ \" ' \\ ${HOME} $(shell) #{} ; ]] %s {{ 1 }}: - @a@\n\t é ??/"
 
 #: The output of each program for the worked examples in the manuals:
 #: AM36 6.5, AMM5 6.4, ASC85 6.4, SMA21 4.1, 6.4, 6.6.2 and 7.3.3.
+#: The EEPROM of an iC-MU is in appendix B of the report that its spec cites.
 #: The reply to the AMM5 was printed by another T-format receiver (20 C7 D1 6A 5E: 6AD1C7h is 7,000,519).
 PRINTED = {
     "am36_biss": [
@@ -53,6 +54,10 @@ PRINTED = {
         "  name: AS85\n",
     ],
     "asc85_ssi": ["position: 22793493\n", f"that is {22793493 / 2**25 * 360:.3f} degrees\n"],
+    "icmu_biss": [
+        f"DEV_ID 78h: 4D 55 07 00 00 00\n  device_id: {0x4D5507000000}\n",
+        f"MFG_ID 7Eh: 69 43\n  manufacturer_id: {0x6943}\n",
+    ],
     "sma21_biss": [
         "  write 50: 00\n  write 51: 01\n  write 52: 86\n  write 53: A0\n  write 48: 02\n  wait 30000 us\n",
         "position: 123\n",
@@ -196,8 +201,12 @@ def test_the_manifests_are_what_their_readers_expect(
     assert (library["name"], library["version"], library["license"]) == ("lika-encoders", "0.1.0", "0BSD")
     assert library["build"] == {"includeDir": "include", "srcFilter": "-<*>"}
     assert all((root / "include" / name).is_file() for name in library["headers"])
-    runtime = {f"codewheel/{path.name}" for path in (RUNTIME / "codewheel").iterdir()}
-    assert set(library["headers"]) == {f"lika/{path.name}" for path in (root / "include" / "lika").iterdir()} | runtime
+    include = root / "include"
+    assert {path.name for path in include.iterdir()} == {"codewheel", "ichaus", "lika"}
+    assert {path.name for path in (RUNTIME / "codewheel").iterdir()} == {
+        path.name for path in (include / "codewheel").iterdir()
+    }
+    assert {*library["headers"]} == {path.relative_to(include).as_posix() for path in include.glob("*/*")}
     assert {f"lika/{name}.h" for name in ("amm5_biss", "amm5_ssi", "amm5_rs485", "asc85_biss")} < {*library["headers"]}
     assert all((root / item["base"] / name).is_file() for item in library["examples"] for name in item["files"])
     module = yaml.safe_load((root / "zephyr" / "module.yml").read_text())
@@ -214,9 +223,33 @@ def test_the_manifests_are_what_their_readers_expect(
 @pytest.mark.slow
 def test_several_manufacturers_share_a_package(every_device: Mapping[str, Device], tmp_path: Path) -> None:
     root = written(tmp_path, (every_device["amm5"], every_device["tv62"]))
-    makers = sorted({every_device[name].manufacturer.name for name in ("amm5", "tv62")})
-    assert json.loads((root / "library.json").read_text())["name"] == "-".join((*makers, "encoders"))
     assert ran(root, "amm5_biss")[0] == ran(root, "tv62_ssi")[0] == 0
+
+
+@pytest.mark.parametrize(("main", "folder"), [((), "acme-lika"), (("lika",), "lika"), (("acme", "lika"), "acme-lika")])
+def test_names_of_a_package_of_several(main: tuple[str, ...], folder: str, every_device: Mapping[str, Device]) -> None:
+    """The folder has the name of the main manufacturer, or else of all. Builds find it by each manufacturer's name."""
+    amm5, tv62 = every_device["amm5"], every_device["tv62"]
+    lika = replace(amm5.manufacturer, main="lika" in main)
+    acme = replace(tv62.manufacturer, name="acme", title="Acme", version="2.0.0", main="acme" in main)
+    files = generate(Library((replace(amm5, manufacturer=lika), replace(tv62, manufacturer=acme))))
+    assert json.loads(files["c/library.json"])["name"] == f"{folder}-encoders"
+    names = {folder, "acme", "lika"}
+    assert {path for path in files if path.startswith("c/share")} == {
+        path
+        for name in names
+        for path in (
+            f"c/share/pkgconfig/{name}-encoders.pc",
+            f"c/share/cmake/{name}-encoders/{name}-encoders-config.cmake",
+            f"c/share/cmake/{name}-encoders/{name}-encoders-config-version.cmake",
+        )
+    }
+    assert "Description: Headers for encoders by Acme\nVersion: 2.0.0\n" in files["c/share/pkgconfig/acme-encoders.pc"]
+    for name in names:
+        assert f"add_library({name}::encoders ALIAS {folder}-encoders)" in files["c/CMakeLists.txt"]
+    called = re.findall(r"(\w+)_selftest\(\) == 0U", files["c/CMakeLists.txt"])
+    assert called == (["lika", "acme"] if folder == "lika" else ["acme", "lika"])
+    assert all(f"uint32_t {name}_selftest(void);\n" in files["c/selftest/selftest.h"] for name in called)
 
 
 def test_without_any_device_there_is_no_package() -> None:

@@ -71,6 +71,18 @@ PRINTED = {
         "Device ID": "_ADDRESS 0x78U",
         "Profile ID": "_DEFAULT 0x281AU",
     },
+    "icmu": {
+        "BANKSEL": "_ADDRESS 0x40U",
+        "PROFILE_ID": "_ADDRESS 0x42U",
+        "EVENT_COUNT": "_ADDRESS 0x73U",
+        "CMD_MU": "_ADDRESS 0x75U",
+        "DEV_ID": "_ADDRESS 0x78U",
+        "MFG_ID": "_ADDRESS 0x7EU",
+        "SOFT_E2P_PRES": "= 0x09,",
+        "STUP": "_MASK 0x10U",
+        "CRC_ERR": "_MASK 0x80U",
+        "Clock": "BISS_CLOCK_MAX_HZ 10000000U",
+    },
     "sma21": {
         "Comando": "_ADDRESS 0x48U",
         "Salva e attiva Preset / Offset": "= 0x02,",
@@ -174,10 +186,12 @@ def test_an_erratum_is_one_line(c_devices: tuple[Device, ...]) -> None:
     """The whole text is on the page of the encoder. If wrong data could be sent, the line has the value used."""
     files = generate(Library(c_devices))
     for device in c_devices:
-        text = "".join(text for path, text in files.items() if path.startswith(f"c/include/lika/{device.name}_"))
+        text = "".join(
+            text for path, text in files.items() if path.startswith(f"c/include/{FAMILIES[device.name]}/{device.name}_")
+        )
         header = " ".join(text.replace("\n *", "\n").split())
         told = [item for item in device.errata if f"Erratum {item.name} (" in header]
-        assert len(told) > 5
+        assert len(told) > (5 if device.evidence.grade == "manual" else 0)
         for item in told:
             assert in_comment(item.printed) not in header
             risky = item.severity == "wrong_data" and item.status == "open"

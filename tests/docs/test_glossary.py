@@ -38,7 +38,7 @@ def test_a_term_leads_nowhere_else(pages: Mapping[str, str]) -> None:
 
 
 def test_terms_of_an_interface_that_nobody_has_are_left_out(library: Library) -> None:
-    alone = [replace(item, interfaces=item.interfaces[:1]) for item in library.devices]
+    alone = [replace(item, interfaces=item.interfaces[:1]) for item in library.devices if len(item.interfaces) > 1]
     assert {item.interfaces[0].name for item in alone} == {"ssi"}
     names = {row[0] for row in page_values(alone)["term_rows"]}
     assert names >= {"Tm, monoflop time", "Singleturn"}

@@ -41,8 +41,13 @@ def test_a_broken_manufacturer_file_is_told_once(tmp_path: Path) -> None:
 
 
 def test_two_manufacturer_files_of_one_name(tmp_path: Path) -> None:
-    found = problems(tmp_path, minimal=MINIMAL, manufacturer=MAKER, another=MAKER)
-    assert found == ["manufacturer.yaml:2: duplicate-name: there is another manufacturer file for 'acme'"]
+    found = problems(tmp_path, minimal=MINIMAL, manufacturer=MAKER, another=MAKER.replace("Acme", "Acme Ltd"))
+    assert found == ["manufacturer.yaml:2: duplicate-name: there is a different manufacturer file for 'acme'"]
+
+
+def test_two_equal_manufacturer_files(tmp_path: Path) -> None:
+    """Each folder of specs of one manufacturer can be used alone, and all of them together."""
+    assert problems(tmp_path, minimal=MINIMAL, manufacturer=MAKER, another=f"# The same facts\n{MAKER}") == []
 
 
 def test_an_order_code_of_two_families(tmp_path: Path) -> None:

@@ -211,7 +211,7 @@ def test_without_specs_of_ones_own_those_that_ship_are_read_and_named(
     for command in (["check"], ["generate", "--target", "biss"]):
         code, out, _ = run(capsys, *command)
         assert code == 0
-        assert out.startswith("read the specs shipped with codewheel: am36, amm5, asc85, sma21\n")
+        assert out.startswith("read the specs shipped with codewheel: am36, amm5, asc85, icmu, sma21\n")
 
 
 def test_a_look_up_takes_the_specs_of_the_folder_and_says_so(capsys: pytest.CaptureFixture[str], own: Path) -> None:

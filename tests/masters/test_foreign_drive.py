@@ -70,7 +70,8 @@ def test_a_drive_takes_the_configuration(
                 held = [servo.read(f"FBK_BISS1_SSI1_{name}", subnode=1) for name in ("FRAME_SIZE", "POS_BITS")]
                 assert tuple(held) == typed[told.code]
             seen += 1
-    assert seen == (40 if servo.most == 32 else 50)
+    # Of the iC-MU, the 36 with at most 28 position bits.
+    assert seen == (76 if servo.most == 32 else 86)
 
 
 def test_a_wrong_register_is_reported(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import pytest
+from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.python.files import generate
 
@@ -12,3 +13,9 @@ from codewheel.targets.python.files import generate
 @pytest.fixture(scope="session")
 def files(library: Library) -> Mapping[str, str]:
     return generate(library)
+
+
+@pytest.fixture(scope="session")
+def devices(library: Library) -> Mapping[str, Device]:
+    """The families in the package of ``generated_python``. ``test_agreement.py`` has those of other manufacturers."""
+    return {device.name: device for device in library.devices if device.manufacturer.main}

@@ -105,12 +105,11 @@ class Case:
 
 @pytest.fixture(scope="session")
 def families(
-    generated_python: tuple[Path, ModuleType],
-    devices: Mapping[str, Device],
+    packages: Mapping[str, ModuleType],
+    library: Library,
     import_generated: Callable[[Library, str], tuple[Path, ModuleType]],
 ) -> dict[str, Family]:
-    package: Any = generated_python[1]
-    made = {name: Family(device, getattr(package, name)) for name, device in devices.items()}
+    made = {item.name: Family(item, getattr(packages[item.name], item.name)) for item in library.devices}
     for name, folder in MADE_UP.items():
         found, report = load_library([folder / f"{name}.yaml", folder / "manufacturer.yaml"])
         assert not report, "\n".join(problem.format() for problem in report.problems)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import doctest
 import importlib.metadata
 import os
@@ -18,7 +19,8 @@ from typing import Any
 import codewheel_runtime
 import pytest
 from codewheel.commands.cli import main
-from codewheel.targets.python.files import RUNTIME, runtime_version
+from codewheel.targets import Library
+from codewheel.targets.python.files import RUNTIME, generate, runtime_version
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "python-two-manufacturers"
@@ -64,12 +66,28 @@ def test_the_names_are_those_of_the_runtime(generated_python: tuple[Path, Module
 
 @pytest.mark.slow
 def test_there_is_one_runtime(both: Path) -> None:
-    assert sorted(path.name for path in both.iterdir() if path.is_dir()) == [*NAMES[:1], "runtime", *NAMES[1:]]
-    for name in NAMES:
-        assert {path.name for path in (both / name).iterdir()} == {
-            *("LICENSE", "README.md", "pyproject.toml", "setup.py", name)
-        }
-    assert "pip install ../lika_encoders ../tolvarn_encoders\n" in (both / NAMES[1] / "README.md").read_text()
+    beside = {"LICENSE", "README.md", "pyproject.toml", "setup.py"}
+    assert {path.name for path in both.iterdir()} == {*beside, *NAMES, "runtime", ".codewheel"}
+    assert {path.name for path in (both / NAMES[1]).iterdir()} == {*beside, NAMES[1]}
+    assert "pip install . ./tolvarn_encoders\n" in (both / "README.md").read_text()
+    assert "pip install . ..\n" in (both / NAMES[1] / "README.md").read_text()
+
+
+def test_without_a_main_manufacturer_each_has_its_folder(library: Library) -> None:
+    lika = library.by_manufacturer()[0][0]
+    devices = tuple(
+        dataclasses.replace(item, manufacturer=dataclasses.replace(item.manufacturer, main=False))
+        for item in library.devices
+        if item.name in ("icmu", "sma21")
+    )
+    assert lika.main
+    files = generate(Library(devices))
+    for name, other in (("lika_encoders", "ichaus_encoders"), ("ichaus_encoders", "lika_encoders")):
+        assert f"python/{name}/pyproject.toml" in files
+        assert f"python/{name}/{name}/__init__.py" in files
+        assert f"pip install . ../{other}\n" in files[f"python/{name}/README.md"]
+        assert "(../runtime/README.md)" in files[f"python/{name}/README.md"]
+    assert "python/pyproject.toml" not in files
 
 
 @pytest.mark.slow
@@ -79,10 +97,10 @@ def test_the_example(both: Path) -> None:
     commands, shown = re.findall(r"```(?:text)?\n(.*?)```", readme, re.DOTALL)
     assert commands.splitlines() == [
         "codewheel generate specs/lika docs/example/tolvarn --target python -o out",
-        "pip install out/python/lika_encoders out/python/tolvarn_encoders",
+        "pip install out/python out/python/tolvarn_encoders",
         f"python {program.relative_to(ROOT).as_posix()}",
     ]
-    folders = (both / NAMES[0], both / NAMES[1], both / "runtime")
+    folders = (both, both / NAMES[1], both / "runtime")
     done = run(sys.executable, program, folders=folders)
     assert (done.stdout, done.stderr) == (shown, "")
     done = run(sys.executable, "-m", "mypy", "--strict", "--no-incremental", program, folders=folders)
@@ -112,11 +130,11 @@ def test_the_readme_of_the_runtime(generated_python: tuple[Path, ModuleType], tm
 
 def test_the_version_stands_in_one_place(both: Path) -> None:
     major, minor = runtime_version().split(".")
-    needed = re.search(r'^NEEDED, FITTING = "(.*)", "(.*)"$', (both / NAMES[0] / "setup.py").read_text(), re.MULTILINE)
+    needed = re.search(r'^NEEDED, FITTING = "(.*)", "(.*)"$', (both / "setup.py").read_text(), re.MULTILINE)
     assert needed is not None
     assert needed.groups() == (f"{major}.{minor}", f"codewheel-runtime>={major}.{minor},<{int(major) + 1}")
-    for name in NAMES:
-        text = (both / name / name / "__init__.py").read_text(encoding="utf-8")
+    for folder, name in ((both, NAMES[0]), (both / NAMES[1], NAMES[1])):
+        text = (folder / name / "__init__.py").read_text(encoding="utf-8")
         assert f'__runtime__: Final = require(__name__, "{major}.{minor}")\n' in text
 
 
@@ -178,8 +196,7 @@ def pip(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., subprocess.Co
 def test_one_command_installs_both_and_one_can_go(both: Path, pip: Any, tmp_path: Path) -> None:
     """Without an index, and in a path with a space."""
     shutil.copytree(both, tmp_path / "a copy")
-    packages = [tmp_path / "a copy" / name for name in NAMES]
-    done = pip("install", *packages)
+    done = pip("install", tmp_path / "a copy", tmp_path / "a copy" / NAMES[1])
     assert done.returncode == 0, done.stderr
     program = "import codewheel_runtime, {0}; print({0}.Verdict is codewheel_runtime.Verdict, {0}.__runtime__)"
     for name in NAMES:

@@ -42,8 +42,8 @@ SPECS = [
     for path in sorted((ROOT / folder).rglob("*.yaml"))
     if "\ndevice: " in path.read_text(encoding="utf-8") and not is_second(path)
 ]
-#: Content of a crate: the shipped families, or a made-up one.
-CRATES = ["specs", *(spec for spec in SPECS if not spec.startswith("specs/"))]
+#: Content of a crate: the shipped families of a manufacturer, or a made-up one.
+CRATES = ["specs/ichaus", "specs/lika", *(spec for spec in SPECS if not spec.startswith("specs/"))]
 LIBRARY = ("--crate-type", "rlib", "--crate-name", "encoders")
 
 
@@ -70,7 +70,8 @@ def write(devices: tuple[Device, ...], folder: Path, edition: str = "2021") -> P
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
-    return next(folder.glob("rust/*/src/lib.rs"))
+    (main,) = folder.glob("rust/*/src/lib.rs")
+    return main
 
 
 class Workshop:

@@ -55,10 +55,11 @@ def test_it_is_installed_and_generates(codewheel: Run, tmp_path: Path) -> None:
     shown = " ".join(codewheel("generate", "--help")[1].split())
     assert "rust crates without the standard library, in Rust 1.56 --option rust.edition=2018|2021: the" in shown
     assert codewheel("generate", "-o", tmp_path, "--target", "rust", "--option", "rust.edition=2018")[0] == 0
-    folder = tmp_path / "rust" / "lika-encoders"
-    made = {path.relative_to(folder).as_posix() for path in folder.rglob("*.*")}
-    families = {f"src/{Path(spec).stem}.rs" for spec in SPECS if spec.startswith("specs/")}
-    assert made == {"Cargo.toml", "src/lib.rs", *families}
+    for maker in ("ichaus", "lika"):
+        folder = tmp_path / "rust" / f"{maker}-encoders"
+        made = {path.relative_to(folder).as_posix() for path in folder.rglob("*.*")}
+        families = {f"src/{Path(spec).stem}.rs" for spec in SPECS if spec.startswith(f"specs/{maker}/")}
+        assert made == {"Cargo.toml", "src/lib.rs", *families}
     assert 'edition = "2018"\n' in (folder / "Cargo.toml").read_text(encoding="utf-8")
     for path in folder.rglob("*.*"):
         first = path.read_text(encoding="utf-8").splitlines()[0]
@@ -208,5 +209,5 @@ def test_no_word_is_a_bad_name(part: int, tmp_path: Path) -> None:
 
 
 def test_no_text_breaks_out(hostile: Library, tmp_path: Path) -> None:
-    main = write(hostile.devices, tmp_path)
+    main = write(hostile.by_manufacturer()[0][1], tmp_path)
     compiled("--edition", "2021", *LIBRARY, "--emit", "metadata", "--out-dir", tmp_path, main)

@@ -6,9 +6,7 @@ code with its defaults. A tenth as many contents of registers are read. ``CODEWH
 
 from __future__ import annotations
 
-import importlib
 import random
-import sys
 import zlib
 from collections import Counter
 from pathlib import Path
@@ -21,17 +19,15 @@ from codewheel.reference.findings import findings
 from codewheel.targets import Library
 from codewheel.targets.browser.files import generate
 from tools import tool
-from tree import generated_tree, library, number_from_environment
+from tree import generated_tree, library, number_from_environment, package_of
 
 FRAMES = min(number_from_environment("CODEWHEEL_FRAMES", 100_000), 100_000)
 KINDS = {"LengthError": "length", "CrcError": "crc", "ConstantError": "constant", "RangeError": "range"}
 
 
 @pytest.fixture(scope="module")
-def package(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    folder = generated_tree(tmp_path_factory.mktemp("tree"))
-    sys.path.insert(0, str(folder / "python"))
-    return importlib.import_module("lika_encoders")
+def packages(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return generated_tree(tmp_path_factory.mktemp("tree")) / "python"
 
 
 def item_of(case: Case, count: int, random_: random.Random, encoder: Any, kinds: Counter[str]) -> dict[str, Any]:
@@ -79,8 +75,9 @@ def given(case: Case, text: str) -> bytes | int | str:
 
 
 @pytest.mark.parametrize("family", sorted(library()))
-def test_frames_and_registers(family: str, package: Any, tmp_path: Path) -> None:
+def test_frames_and_registers(family: str, packages: Path, tmp_path: Path) -> None:
     device = library()[family]
+    package: Any = package_of(device, packages)
     program = tool("chromium")
     ask = Asker(tmp_path, generate(Library((device,)))["browser/decode.js"], program)
     random_, items, kinds = random.Random(family), [], Counter[str]()

@@ -11,7 +11,6 @@ import importlib
 import inspect
 import struct
 import subprocess
-import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
@@ -32,7 +31,7 @@ from codewheel.targets.python.context import Context
 from frames import chunks, input_of, wires
 from test_c_reports import said_by
 from tools import tool
-from tree import generated_tree, interfaces, number_from_environment
+from tree import generated_tree, interfaces, number_from_environment, package_of
 
 FRAMES = number_from_environment("CODEWHEEL_FRAMES", 1_000_000)
 #: Number of frames in memory. A piece has one run of the C program.
@@ -161,10 +160,8 @@ def told(variant: Variant) -> tuple[str, dict[str, str]]:
 
 def compare(family: str, name: str, program: Path, package: Path) -> tuple[int, Counter[int], list[object]]:
     """Compare all frames of a layout. Return their number, the counts of the results, and the differences."""
-    if str(package) not in sys.path:
-        sys.path.insert(0, str(package))
     device = interfaces()[family]
-    module = importlib.import_module(f"{device.manufacturer.python_package}.{device.name}")
+    module = getattr(package_of(device, package), device.name)
     batch = Batch(device)
     codec = next(item for item in batch.codecs if item.name == name)
     peer = Peer(batch, codec, module)

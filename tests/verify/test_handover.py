@@ -48,7 +48,7 @@ CMAKE = """cmake_minimum_required(VERSION 3.14)
 project(user C)
 {lines}
 add_executable(user main.c)
-target_link_libraries(user PRIVATE lika::encoders)
+target_link_libraries(user PRIVATE {maker}::encoders)
 """
 
 
@@ -86,9 +86,9 @@ def prints(program: Path) -> None:
     assert said[said.index("Set,") :] == PRESET
 
 
-def built_by_cmake(user: Path, lines: str, *options: str) -> Path:
+def built_by_cmake(user: Path, lines: str, *options: str, maker: str = "lika") -> Path:
     cmake = tool("cmake")
-    (user / "CMakeLists.txt").write_text(CMAKE.format(lines=lines))
+    (user / "CMakeLists.txt").write_text(CMAKE.format(lines=lines, maker=maker))
     run(cmake, "-S", user, "-B", user / "build", "-Wdev", "-Werror=dev", *options, cwd=user)
     run(cmake, "--build", user / "build", cwd=user)
     return user / "build" / "user"
@@ -123,7 +123,7 @@ def test_cmake_with_the_folder_as_it_is(folder: Path, user: Path) -> None:
 
 def test_cmake_refuses_a_version_to_come(folder: Path, user: Path) -> None:
     cmake = tool("cmake")
-    (user / "CMakeLists.txt").write_text(CMAKE.format(lines="find_package(lika-encoders 9.0 REQUIRED)"))
+    (user / "CMakeLists.txt").write_text(CMAKE.format(lines="find_package(lika-encoders 9.0 REQUIRED)", maker="lika"))
     done = subprocess.run(
         [cmake, "-S", str(user), "-B", str(user / "build"), f"-DCMAKE_PREFIX_PATH={folder}"],
         capture_output=True,
@@ -140,7 +140,7 @@ def test_the_examples_of_the_folder(folder: Path, tmp_path: Path) -> None:
     run(cmake, "--build", tmp_path / "b", cwd=tmp_path)
     programs = sorted(path.stem for path in (folder / "examples").glob("*.c"))
     assert {name.rpartition("_")[2] for name in programs} == {"biss", "dma", "rs485", "ssi"}
-    assert len(programs) == 14
+    assert len(programs) == 15
     for name in programs:
         run(tmp_path / "b" / name, cwd=tmp_path)
     prints(tmp_path / "b" / "amm5_biss")
@@ -167,6 +167,13 @@ def test_the_self_test_of_the_folder(folder: Path, tmp_path: Path) -> None:
     run(cmake, "-S", own, "-B", own / "b", cwd=own)
     run(cmake, "--build", own / "b", cwd=own)
     run(own / "b" / "own", cwd=own)
+
+
+@pytest.mark.parametrize("lines", ['add_subdirectory("../c" c)', "find_package(ichaus-encoders 0.1 REQUIRED)"])
+def test_cmake_by_the_name_of_another_manufacturer(lines: str, folder: Path, user: Path) -> None:
+    shutil.copy(folder / "examples" / "icmu_biss.c", user / "main.c")
+    program = built_by_cmake(user, lines, f"-DCMAKE_PREFIX_PATH={folder}", maker="ichaus")
+    assert "DEV_ID 78h: 4D 55 07 00 00 00\n" in run(program, cwd=user)
 
 
 @pytest.mark.parametrize("installed", [False, True])

@@ -7,7 +7,6 @@ number.
 
 from __future__ import annotations
 
-import importlib
 import subprocess
 import sys
 from collections import Counter
@@ -26,7 +25,7 @@ from codewheel.targets.python.names import CLASS_NAMES, attribute
 from frames import chunks, input_of
 from test_crosscheck import LENGTH, NO_VERDICT, Peer
 from tools import tool
-from tree import generated_tree, interfaces, number_from_environment
+from tree import generated_tree, interfaces, number_from_environment, package_of
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python"))
 
@@ -82,12 +81,10 @@ def frames_of(batch: Batch) -> list[Codec]:
     [(stem, codec.name) for stem, device in interfaces().items() for codec in frames_of(Batch(device))],
 )
 def test_columns_are_what_c_says(family: str, name: str, programs: Callable[[str], Path], tree: Path) -> None:
-    if str(tree / "python") not in sys.path:
-        sys.path.insert(0, str(tree / "python"))
     device = interfaces()[family]
     batch = Batch(device)
     codec = next(item for item in batch.codecs if item.name == name)
-    peer = Peer(batch, codec, importlib.import_module(f"{device.manufacturer.python_package}.{device.name}"))
+    peer = Peer(batch, codec, getattr(package_of(device, tree / "python"), device.name))
     kinds: Counter[int] = Counter()
     for variant, records in chunks(batch, codec, FRAMES, "columns", PIECE):
         sent = input_of(batch, codec, [(variant, records)])

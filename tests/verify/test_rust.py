@@ -53,7 +53,7 @@ def test_clippy_finds_nothing(specs: str, tmp_path: Path) -> None:
 
 
 def test_clippy_finds_nothing_in_hostile_texts(hostile: Library, tmp_path: Path) -> None:
-    clippy(write(hostile.devices, tmp_path), tmp_path)
+    clippy(write(hostile.by_manufacturer()[0][1], tmp_path), tmp_path)
 
 
 def clippy(main: Path, folder: Path) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import random
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -59,14 +60,14 @@ def test_exchanges_with_faults(modules: dict[str, Any], code: str, fault: str) -
 
 @pytest.mark.parametrize(("family", "interface", "name"), LAYOUTS)
 def test_the_package_decodes_what_a_virtual_encoder_sends(
-    generated_python: Package, library: Library, family: str, interface: str, name: str
+    packages: Mapping[str, Any], library: Library, family: str, interface: str, name: str
 ) -> None:
     """Random positions, flags and order codes: every column has the value that was sent."""
     numpy = pytest.importorskip("numpy")
-    lika: Any = generated_python[1]
+    package = packages[family]
     device = next(item for item in library.devices if item.name == family)
     codes = [item.code for item in device.variants if item.interface == interface]
-    module, chance = getattr(lika, family), random.Random(name)
+    module, chance = getattr(package, family), random.Random(name)
     for at, code in enumerate(codes):
         count = (at + 1) * FRAMES // len(codes) - at * FRAMES // len(codes)
         answers = {item.name: chance.choice(item.answers).name for item in device.alternatives}
@@ -76,7 +77,7 @@ def test_the_package_decodes_what_a_virtual_encoder_sends(
         rows: Any = frames
         if layout.in_bytes:
             rows = numpy.frombuffer(b"".join(frames), dtype=numpy.uint8).reshape(count, -1)
-        encoder = lika.lookup(code)
+        encoder = package.lookup(code)
         chosen = {
             key: getattr(getattr(module, "".join(part.title() for part in key.split("_"))), value.upper())
             for key, value in answers.items()

@@ -7,9 +7,12 @@ They are generated from the present specs. ``CODEWHEEL_GENERATED`` names a folde
 from __future__ import annotations
 
 import functools
+import importlib
 import os
+import sys
 from collections.abc import Mapping
 from pathlib import Path
+from types import ModuleType
 
 from c_harness import devices_of, interfaces_of, write
 from codewheel.model import Device
@@ -41,6 +44,14 @@ def generated_tree(folder: Path) -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
     return folder
+
+
+def package_of(device: Device, folder: Path) -> ModuleType:
+    """Import the package of a device's manufacturer from the Python packages in ``folder``."""
+    for path in sorted(item.parent for item in folder.rglob("pyproject.toml")):
+        if str(path) not in sys.path:
+            sys.path.insert(0, str(path))
+    return importlib.import_module(device.manufacturer.python_package)
 
 
 def include_of(device: Device, folder: Path) -> Path:

@@ -27,3 +27,19 @@ uint32_t lika_selftest(void)
     }
     return 0U;
 }
+
+uint32_t ichaus_selftest(void)
+{
+    static uint32_t (*const tests[])(void) = {
+        ichaus_icmu_biss_selftest,
+        cw_selftest
+    };
+    uint32_t index;
+    for (index = 0U; index < (uint32_t)(sizeof(tests) / sizeof(tests[0])); index++) {
+        const uint32_t failed = tests[index]();
+        if (failed != 0U) {
+            return ((index + 1U) * 1000U) + failed;
+        }
+    }
+    return 0U;
+}

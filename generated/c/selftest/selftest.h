@@ -6,8 +6,8 @@
  * The checks are worked examples from the manuals and public examples from other projects. Each
  * one cites its source.
  */
-#ifndef LIKA_ENCODERS_SELFTEST_H
-#define LIKA_ENCODERS_SELFTEST_H
+#ifndef LIKA_ICHAUS_ENCODERS_SELFTEST_H
+#define LIKA_ICHAUS_ENCODERS_SELFTEST_H
 
 #include <stdint.h>
 
@@ -23,15 +23,18 @@ uint32_t lika_asc85_biss_selftest(void);
 uint32_t lika_sma21_ssi_selftest(void);
 uint32_t lika_sma21_biss_selftest(void);
 uint32_t lika_sma21_rs485_selftest(void);
+uint32_t ichaus_icmu_biss_selftest(void);
 
 /** Check the runtime, which all families share. */
 uint32_t cw_selftest(void);
 
 /**
- * Run all these functions in this order. Return 0 if all checks pass, else 1000 times the position
- * of the function that failed, counted from 1, plus the number of the check.
+ * Run the functions of one manufacturer in this order, then cw_selftest. Return 0 if all checks
+ * pass, else 1000 times the position of the function that failed, counted from 1, plus the number
+ * of the check.
  */
 uint32_t lika_selftest(void);
+uint32_t ichaus_selftest(void);
 
 #ifdef __cplusplus
 }

@@ -26,6 +26,7 @@ IDENTITY = (
         Member("python_package", "name", "Name of the generated Python package.", "maker", "Python package"),
         Member("version", "name", "Version of the generated packages."),
         Member("trademarks", "[text]", "Notes on trademarks.", "words"),
+        Member("main"),
         is_sourced=False,
     ),
     Part(

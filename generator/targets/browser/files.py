@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, TypedDict
 
-from ...language.problems import LONGEST_QUOTE
+from ...language.problems import LONGEST_QUOTE, listed
 from ...model import UNEXPLAINED, Device, Fault
 from ...order_codes import messages
 from ...order_codes.labels import LONGEST, NEAR
@@ -82,7 +82,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return the page, the script and the README."""
     codes = [item.code for device in library.devices for item in device.variants]
     page: Page = {
-        "title": ", ".join(plain(maker.title) for maker, _ in library.by_manufacturer()),
+        "title": listed(plain(maker.title) for maker, _ in library.by_manufacturer()),
         "codes": len(set(codes)),
         "example": codes[0] if codes else "",
         "table": table(library),

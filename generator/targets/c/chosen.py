@@ -27,6 +27,7 @@ from ...model import (
     number_from_bytes,
 )
 from ...model.record import dataclass
+from ...say.evidence import document
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +137,7 @@ class Chosen:
         sample = self.device.sample_of(sent[0])
         if sample is None:
             raise NoFrame
-        about = "made up, since the manual has no example"
+        about = f"made up, since the {document(self.device)} has no example"
         if sample.source:
             about = f"made up, with the position of a worked example [{cite(sample.source)}]"
         return Frame(sent[0], sample.frame, about, sample.values)

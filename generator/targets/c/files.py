@@ -26,7 +26,7 @@ from .examples import ExampleCode
 from .filters import FILTERS, TESTS
 from .lines import documented, laid_out
 from .names import called, clashes
-from .package import FILES, Package, own_programs, package_files
+from .package import FILES, FOUND_BY_NAME, Named, Package, own_programs, package_files
 from .receivers import ReceiverCode
 from .runtime import FOLDER, runtime_headers, runtime_version
 from .selftest import AllTests, FamilyTest, SelfTest, own_test, selftest_files
@@ -154,6 +154,7 @@ TEMPLATES = Templates(
         "selftest.h.jinja": AllTests,
         TEMPLATE: Assumptions,
         **dict.fromkeys(FILES.values(), Package),
+        **dict.fromkeys(FOUND_BY_NAME.values(), Named),
     },
     filters=FILTERS,
     tests=TESTS,

@@ -9,6 +9,7 @@ from typing import Annotated, TypedDict
 
 from ...model import Biss, Manufacturer
 from ...model.record import dataclass
+from .. import main_manufacturer, manufacturers
 from .comments import ascii_text
 from .crcs import CrcCode
 from .device import DeviceView
@@ -18,31 +19,38 @@ from .receivers import ReceiverCode, receiver_codes
 from .reserved import c_name
 from .runtime import FOLDER, runtime_headers
 
-#: The other files of the package, and their templates. ``{package}`` is the name of the package. The folder has the
-#: layout of an installation.
+#: The other files of the folder, and their templates. The folder has the layout of an installation.
 FILES = {
     "README.md": "README.md.jinja",
     "MISRA.md": "MISRA.md.jinja",
     "CMakeLists.txt": "CMakeLists.txt.jinja",
-    "share/cmake/{package}/{package}-config.cmake": "config.cmake.jinja",
-    "share/cmake/{package}/{package}-config-version.cmake": "config-version.cmake.jinja",
-    "share/pkgconfig/{package}.pc": "pkgconfig.pc.jinja",
     "library.json": "library.json.jinja",
     "library.properties": "library.properties.jinja",
     "zephyr/module.yml": "zephyr_module.yml.jinja",
     "zephyr/CMakeLists.txt": "zephyr_CMakeLists.txt.jinja",
     "zephyr/Kconfig": "zephyr_Kconfig.jinja",
 }
+#: The files by which a build finds the headers under the name ``{package}``, and their templates.
+FOUND_BY_NAME = {
+    "share/cmake/{package}/{package}-config.cmake": "config.cmake.jinja",
+    "share/cmake/{package}/{package}-config-version.cmake": "config-version.cmake.jinja",
+    "share/pkgconfig/{package}.pc": "pkgconfig.pc.jinja",
+}
 
 Render = Callable[[str, Mapping[str, object]], str]
 
 
-class Package(TypedDict):
+class Named(TypedDict):
     package: Annotated[str, "the name of the package, for example acme-encoders"]
-    namespace: Annotated[str, "the folder with the headers, below include"]
+    namespace: Annotated[str, "the namespace of its CMake targets, for example acme"]
     option: Annotated[str, "the name of the package in uppercase, for settings"]
     version: Annotated[str, "its version"]
     title: Annotated[str, "its description in one line of plain ASCII"]
+
+
+class Package(Named):
+    makers: Annotated[list[str], "the names of the manufacturers, which prefix the functions of their self-tests"]
+    others: Annotated[list[str], "further namespaces under which the same headers are found"]
     guide: Annotated[Guide | None, "the family and program that the README shows"]
     families: Annotated[list[str], "the names of the families"]
     views: Annotated[Sequence[DeviceView], "the interfaces of the families"]
@@ -58,14 +66,14 @@ def package_files(views: Sequence[DeviceView], tests: Iterable[str], render: Ren
     """Return the files of the package that are not those of a family nor ``tests``, by their path in the C folder."""
     programs = [example for view in views for example in example_codes(view)]
     shown: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
-    makers = makers_of(views)
-    package = "-".join((*makers, "encoders"))
+    makers = manufacturers(view.device for view in views)
+    main = main_manufacturer(makers)
+    namespace = main.name if main else "-".join(maker.name for maker in makers)
+    names = [_named(maker.name, [maker]) for maker in makers]
     values: Package = {
-        "package": package,
-        "namespace": "-".join(makers),
-        "option": package.replace("-", "_").upper(),
-        "version": max((maker.version for maker in makers.values()), key=_order),
-        "title": bare(f"Headers for encoders by {' and '.join(maker.title for maker in makers.values())}"),
+        **_named(namespace, makers),
+        "makers": [maker.name for maker in makers],
+        "others": [maker.name for maker in makers if maker is not main],
         "guide": guide(programs),
         "families": list(dict.fromkeys(view.device.name for view in views)),
         "views": views,
@@ -83,7 +91,23 @@ def package_files(views: Sequence[DeviceView], tests: Iterable[str], render: Ren
         "examples": [item.name for item in shown],
         "tests": sorted(path for path in tests if path.endswith(".c")),
     }
-    return {path.format(package=package): render(template, values) for path, template in FILES.items()}
+    files = {path: render(template, values) for path, template in FILES.items()}
+    for named in names if main else [*names, _named(namespace, makers)]:
+        for path, template in FOUND_BY_NAME.items():
+            files[path.format(package=named["package"])] = render(template, named)
+    return files
+
+
+def _named(namespace: str, makers: Sequence[Manufacturer]) -> Named:
+    """Return the headers of these manufacturers as a package with a name of its own."""
+    package = f"{namespace}-encoders"
+    return {
+        "package": package,
+        "namespace": namespace,
+        "option": package.replace("-", "_").upper(),
+        "version": max((maker.version for maker in makers), key=_order),
+        "title": bare(f"Headers for encoders by {' and '.join(maker.title for maker in makers)}"),
+    }
 
 
 def own_programs(view: DeviceView, render: Render) -> Iterator[tuple[str, str]]:
@@ -95,11 +119,6 @@ def own_programs(view: DeviceView, render: Render) -> Iterator[tuple[str, str]]:
         yield f"examples/{item.name}.c", render(_template(item), used)
         if isinstance(item, ReceiverCode):
             yield f"examples/{item.sketch}/{item.sketch}.ino", render("sketch.ino.jinja", used)
-
-
-def makers_of(views: Iterable[DeviceView]) -> Mapping[str, Manufacturer]:
-    """Return the manufacturers by name, in order of their names."""
-    return dict(sorted(((view.maker.name, view.maker) for view in views), key=lambda item: item[0]))
 
 
 def _template(program: ExampleCode | ReceiverCode) -> str:

@@ -25,6 +25,7 @@ from ...model.record import dataclass
 from ...plan.codec import Part
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
 from ...plan.vectors import CONTROL_FIELDS, vectors_of
+from .. import manufacturers
 from .codec import StructCodec
 from .device import DeviceView
 from .folds import WordCrc
@@ -293,9 +294,7 @@ class FamilyTest(TypedDict):
 
 
 class AllTests(TypedDict):
-    namespace: Annotated[str, "the folder with the headers, below include"]
-    option: Annotated[str, "the name of the package in uppercase"]
-    tests: Annotated[list[SelfTest], "the self-tests of the families"]
+    makers: Annotated[dict[str, list[SelfTest]], "the self-tests of the families, by manufacturer"]
 
 
 def own_test(view: DeviceView, render: Callable[[str, Mapping[str, object]], str]) -> Iterator[tuple[str, str]]:
@@ -311,12 +310,8 @@ def selftest_files(
 ) -> dict[str, str]:
     """Return the files of the self-test other than those of the families, by their path in the C folder."""
     files = {}
-    names = sorted({view.maker.name for view in views})
-    values: AllTests = {
-        "namespace": "_".join(names),
-        "option": "_".join((*names, "encoders")).upper(),
-        "tests": list(tests),
-    }
+    names = [maker.name for maker in manufacturers(view.device for view in views)]
+    values: AllTests = {"makers": {name: [test for test in tests if test.view.maker.name == name] for name in names}}
     for name, template in (("selftest.h", "selftest.h.jinja"), ("selftest.c", "selftest_all.c.jinja")):
         files[f"selftest/{name}"] = render(template, values)
     return files | {f"selftest/{name}": text for name, text in runtime_tests().items()}

@@ -36,6 +36,7 @@ from ...plan.replies import exchanges
 from ...plan.reports import Judgement, Only, Speaks, reportings
 from ...plan.values import Active, Raw, TwosComplement, meaning_of
 from ...say.box import as_words
+from ...say.evidence import document
 from ...say.interface import PURPOSES, settings
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import title
@@ -180,7 +181,7 @@ def _clock(device: Device, interface: Ssi | Biss, layout: Layout | None) -> Spee
     if lengths:
         durations = _either(_duration(bits + before, shown) for bits in lengths)
         facts.append(f"{_either(map(str, lengths))} bits at {hertz(shown)}: {durations}{plus}.")
-    facts += _pauses(interface)
+    facts += _pauses(device, interface)
     table = cable_table(device, interface)
     fitting = [(row.metres, min(row.hz, clock.max_hz)) for row in table.rows if row.hz >= clock.min_hz]
     rows = tuple((f"{m} m", hertz(hz), _either(_duration(bits + before, hz) for bits in lengths)) for m, hz in fitting)
@@ -191,7 +192,7 @@ def _clock(device: Device, interface: Ssi | Biss, layout: Layout | None) -> Spee
     return Speed("Clock and cable", tuple(facts), head, rows)
 
 
-def _pauses(interface: Ssi | Biss) -> Iterator[str]:
+def _pauses(device: Device, interface: Ssi | Biss) -> Iterator[str]:
     """Yield the time between frames, and the time until the encoder answers."""
     match interface:
         case Ssi():
@@ -201,7 +202,7 @@ def _pauses(interface: Ssi | Biss) -> Iterator[str]:
         case Biss():
             if interface.timeout is not None:
                 yield f"Time-out after a frame: {timeout_words(interface.timeout)} ({cited(interface.timeout.source)})."
-            yield "Reply time (acknowledge): the manual does not say."
+            yield f"Reply time (acknowledge): the {document(device)} does not say."
 
 
 def _baud(device: Device, interface: Rs485) -> Speed:
@@ -213,7 +214,7 @@ def _baud(device: Device, interface: Rs485) -> Speed:
     facts = (
         f"{rate} ({cited(port.source)}).",
         f"Duration on the line, with {bits} bits per byte: {times}.",
-        "Reply time and cable length: the manual does not say.",
+        f"Reply time and cable length: the {document(device)} does not say.",
     )
     return Speed("Baud rate and times", facts)
 
@@ -355,9 +356,9 @@ def sending(family: Device, device: Device, interface: Interface, variant: Varia
             facts.append("SSI only reads the position. It has no preset, reset or save command.")
         case Biss():
             if not commands:
-                facts.append("The manual describes no commands over BiSS: no preset, reset or save.")
+                facts.append(f"The {document(device)} describes no commands over BiSS: no preset, reset or save.")
             elif preset is None:
-                facts.append("The manual describes no preset over BiSS.")
+                facts.append(f"The {document(device)} describes no preset over BiSS.")
             else:
                 facts.append("Addresses and bytes are in hexadecimal. The preset is 0 in these rows.")
         case Rs485():

@@ -8,6 +8,7 @@ from typing import Annotated, TypedDict
 from ...model import Device, Field, Interface, Layout, Verdict
 from ...plan.reports import Judgement, Only, Reporting, reportings, reports_of, sums_up, verdict_of
 from ...plan.values import Active, meaning_of
+from ...say.evidence import document
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import own_names
 from ...say.report import advice, alarm_of, by_hand, deciding, meaning, source
@@ -108,7 +109,7 @@ def _reports(device: Device) -> Iterator[Row]:
         alarm = alarm_of(device, item.field)
         name = joined([code(item.name), text(own_names(item.field))])
         advised = joined([text(advice(item.field, alarm)), *to_steps(f"{device.name}/", by_hand(item.field, alarm))])
-        what_to_do = advised or "The manual gives no remedy"
+        what_to_do = advised or f"The {document(device)} gives no remedy"
         yield name, text(meaning(item.field, alarm)), what_to_do, cited(source(item.field, alarm))
 
 

@@ -7,15 +7,16 @@ the templates, and names and expressions from this package.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from posixpath import relpath
 from runpy import run_path
 from typing import Annotated, TypedDict
 
 from ...model import Device, Manufacturer, Rs485
 from ...render import Templates, our_templates
 from ...say.lines import plain
-from .. import NO_OPTIONS, Library, Options, Target, has_biss
+from .. import NO_OPTIONS, Library, Options, Target, has_biss, main_manufacturer
 from ..licence import licence_in
 from ..runtime import copied, our_runtime
 from .filters import FILTERS, FUNCTIONS, TESTS
@@ -30,6 +31,8 @@ _INSIDE = ("__init__", "_codes")
 #: Source files that are copied: the runtime with its package, and files that every manufacturer's package needs.
 RUNTIME = our_runtime("python")
 _PROJECT = RUNTIME / "project"
+#: The folder of the runtime in the output.
+_RUNTIME = "python/runtime"
 
 
 class Package(TypedDict):
@@ -46,7 +49,8 @@ class Package(TypedDict):
     biss: Annotated[tuple[str, ...], "the name of the module for all BiSS encoders, if there is one"]
     rs485: Annotated[bool, "whether one of the encoders has RS-485"]
     runtime: Annotated[str, "the version of the runtime that the package needs, as major and minor number"]
-    neighbours: Annotated[list[str], "the folders of the other manufacturers' packages in the same tree"]
+    shared: Annotated[str, "the folder of the runtime, from that of the package"]
+    neighbours: Annotated[list[str], "the folders of the other manufacturers' packages, from that of the package"]
     public: Annotated[list[str], "the names of all public modules"]
     identified: Annotated[list[str], "the modules of families that can be identified by registers"]
 
@@ -61,14 +65,18 @@ class Family(TypedDict):
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """Return the runtime and the files of every manufacturer's package. If there are several, each has its folder."""
-    files = _runtime_files("python/runtime")
+    """Return the runtime and the files of every manufacturer's package.
+
+    The package of the main manufacturer is at the top, and each other package has a folder.
+    """
+    files = _runtime_files(_RUNTIME)
     makers = library.by_manufacturer()
+    main = main_manufacturer([maker for maker, _ in makers])
+    folders = {maker.name: "python" if maker is main else f"python/{maker.python_package}" for maker, _ in makers}
     for maker, devices in makers:
-        folder = "python" if len(makers) == 1 else f"python/{maker.python_package}"
+        folder = folders[maker.name]
         files |= licence_in(folder)
-        others = [other.python_package for other, _ in makers if other is not maker]
-        for path, text in _package(maker, devices, library, others).items():
+        for path, text in _package(maker, devices, library, folders).items():
             files[f"{folder}/{path}"] = text
     return files
 
@@ -84,8 +92,12 @@ def runtime_version() -> str:
     return version[: version.rindex(".")]
 
 
-def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library, others: list[str]) -> dict[str, str]:
-    package = maker.python_package
+def _package(
+    maker: Manufacturer, devices: tuple[Device, ...], library: Library, folders: Mapping[str, str]
+) -> dict[str, str]:
+    package, folder = maker.python_package, folders[maker.name]
+    # pip would take a path without a dot for the name of a package.
+    here = "./" if folder == "python" else ""
     modules = [Module(device) for device in devices]
     biss = (BISS,) if has_biss(devices) else ()
     values: Package = {
@@ -104,7 +116,8 @@ def _package(maker: Manufacturer, devices: tuple[Device, ...], library: Library,
         "biss": biss,
         "rs485": any(device.over(Rs485) for device in devices),
         "runtime": runtime_version(),
-        "neighbours": others,
+        "shared": relpath(_RUNTIME, folder),
+        "neighbours": [f"{here}{relpath(other, folder)}" for name, other in folders.items() if name != maker.name],
         "public": sorted([*(module.name for module in modules), *biss]),
         "identified": [module.name for module in modules if module.identities and not module.device.base],
     }
