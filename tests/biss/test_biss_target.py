@@ -221,7 +221,8 @@ LENGTHS = {
 
 def test_each_order_code_has_a_file_with_its_length(files: dict[str, str], library: Library) -> None:
     roots = {name: check_format(text) for name, text in files.items() if "/idbiss-" in name}
-    # There are two files for each of the twelve order codes of ASC85, because its manual leaves the zero bit open. The iC-MU has none, because its spec has no device ID.
+    # There are two files for each of the twelve order codes of ASC85, because its manual leaves the zero bit open.
+    # The iC-MU has none, because its spec has no device ID.
     known = [device for device in library.devices if device.manufacturer.main]
     listed = [item for device in known for item in device.variants if item.interface == "biss"]
     assert len(roots) == len(listed) + sum(item.code.startswith("ASC85") for item in listed) == 50
