@@ -96,7 +96,7 @@ SURROUNDINGS = (
         "write",
         "One register write.",
         Member("address", "hex", "Register address."),
-        Member("value", "hex", "Byte written."),
+        Member("value", "hex", "Byte written. Over SPI, the number in the register."),
     ),
     Part(
         "example",
