@@ -64,7 +64,6 @@ FACTS: Mapping[str, tuple[str, ...]] = {
 #: Names that the descriptions of frames can import, by source module.
 SHAPES: Mapping[str, tuple[str, ...]] = {
     "codewheel_runtime.codec": ("BitField",),
-    "codewheel_runtime.facts": ("Scale",),
     "codewheel_runtime.reports": ("Verdict",),
     "codewheel_runtime.shape": tuple("Check Column CrcOf Fold Join Shape Speaks Tells Unused of_bits of_bytes".split()),
     "codewheel_runtime.table": ("ErrorKind",),

@@ -93,7 +93,8 @@ class Shape:
             case Enum():
                 return Member("ErrorKind" if isinstance(value, Fault) else type(value).__name__, value.name)
             case Scale(numerator, denominator, offset, unit):
-                return call("Scale", numerator, denominator, offset, unit)
+                # Without the class, whose name a register may have.
+                return (numerator, denominator, offset, unit)
             case tuple():
                 return tuple(map(self._shown, value))
             case None | bool() | int() | str():

@@ -19,7 +19,7 @@ class Column(NamedTuple):
 
     ``kind`` is the type of value that the bits encode. ``runs`` contains the name, divisor and modulus of each group of
     decimal digits. ``field`` is the name of the field in messages, if it differs from ``name``. ``values`` lists the
-    only allowed values of the field, if they are limited. ``scale`` gives the quantity that a number stands for.
+    only allowed values of the field, if they are limited. ``scale`` has the first members of its ``Scale``.
     """
 
     name: str
@@ -31,7 +31,7 @@ class Column(NamedTuple):
     runs: tuple[tuple[str, int, int], ...] = ()
     field: str = ""
     values: type[IntEnum] | tuple[int, ...] = ()
-    scale: Scale | None = None
+    scale: tuple[int, int, int, str] | None = None
 
 
 class Check(NamedTuple):
@@ -232,7 +232,7 @@ def measured(shape: Shape) -> frozenset[str]:
 
 def scales(shape: Shape) -> dict[str, tuple[str, Scale]]:
     """Return the columns of quantities, each with the column of its number. No field can have such a name."""
-    found = ((item.name, item.scale) for item in shape.columns if item.scale is not None)
+    found = ((item.name, Scale(*item.scale)) for item in shape.columns if item.scale is not None)
     return {f"{name} ({scale.unit})": (name, scale) for name, scale in found}
 
 
