@@ -71,8 +71,8 @@ UNREACHED = (
     ),
     Unreached(
         r"cw_(runner_accessed|runner_begin|run_step)",
-        r"case CW_STEP_(WAIT|MORE)",
-        4,
+        r"case CW_STEP_(WAIT|MORE):?",
+        5,
         "a wait has no access, and further bytes belong to the step before them; the cases stand for readers",
     ),
     Unreached(
