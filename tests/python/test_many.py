@@ -61,7 +61,10 @@ def agree(case: Case, table: Any, frames: list[Any], faults: list[int]) -> None:
             texts = [text.decode("latin-1") for text in column[sound].tolist()]
             assert texts == [getattr(frames[place], name).rstrip("\0") for place in sound], name
             continue
-        assert column[sound].tolist() == [getattr(frames[place], name) for place in sound], (case.layout.name, name)
+        number, scale = name.partition(" (")[0], table.scale(name)
+        wanted = [getattr(frames[place], number) for place in sound]
+        wanted = wanted if scale is None else [scale.decimal(item) for item in wanted]
+        assert column[sound].tolist() == wanted, (case.layout.name, name)
     if hasattr(case.view, "verdict"):
         order = [item.name for item in type(frames[sound[0]].verdict)] if sound else []
         expected = [order.index(frame.verdict.name) if frame is not None else 0 for frame in frames]

@@ -241,7 +241,7 @@ class Table(_Columns):
 
     def _quantity(self, name: str, scale: Scale) -> Any:
         np: Any = import_module("numpy")
-        # Numbers such as temperatures repeat, so few of them have to be converted.
+        # Numbers such as temperatures repeat, so only a few conversions are needed.
         numbers, places = np.unique(self._column(name), return_inverse=True)
         made = np.array([scale.decimal(number) for number in numbers.tolist()], object)
         return made[places]
