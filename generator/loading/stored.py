@@ -17,12 +17,25 @@ from typing import Any
 
 from .. import model
 from ..cache import Cache
-from ..model import by_hand, device, examples, expressions, facts, kinds, layout, limits, measurement, only, steps
-from ..model.interfaces import biss, common, rs485, ssi
+from ..model import (
+    by_hand,
+    device,
+    examples,
+    expressions,
+    facts,
+    kinds,
+    layout,
+    limits,
+    measurement,
+    only,
+    scale,
+    steps,
+)
+from ..model.interfaces import biss, common, rs485, spi, ssi
 
 _MODULES: tuple[ModuleType, ...] = (
-    *(by_hand, device, examples, expressions, facts, kinds, layout, limits, measurement, only, steps),
-    *(biss, common, rs485, ssi),
+    *(by_hand, device, examples, expressions, facts, kinds, layout, limits, measurement, only, scale, steps),
+    *(biss, common, rs485, spi, ssi),
 )
 _CLASSES: tuple[type, ...] = tuple(
     item

@@ -182,7 +182,8 @@ def test_procedures_take_the_steps_of_the_model(family: Family) -> None:
                     )
     check(run, pairs)
     answers = {expected.split(" ")[0] for _, expected in pairs}
-    assert answers == ({"0", "4"} if any(item.arguments for item in device.procedures) else {"0"})
+    possible = {"0", "4"} if any(item.arguments for item in device.procedures) else {"0"}
+    assert answers == (possible if device.procedures else set())
 
 
 def arguments(device: Device, procedure: Procedure, variant: Variant) -> Iterable[Mapping[str, int]]:
@@ -393,7 +394,9 @@ def test_positions_mean_what_the_model_says(family: Family) -> None:
     pairs = []
     for variant in (*device.variants, *run_time_variants(device)):
         measurement = device.measurement_of(variant.interface)
-        assert measurement is not None
+        if measurement is None:  # Its spec does not state the size of a count.
+            assert device.name == "icmu"
+            continue
         start = f"{variant.code} measure "
         parts = {
             name: item.value(variant.parameters)
@@ -483,7 +486,11 @@ def small_functions_agree(view: DeviceView, run: Run) -> None:
 
 def test_candidates_are_the_order_codes_that_read_so(family: Family) -> None:
     device, run = family
-    (identity,) = (item for view in views_of(device) for item in view.identities)
+    identities = [item for view in views_of(device) for item in view.identities]
+    if device.name == "icmu":  # Its registers do not tell order codes apart.
+        assert identities == []
+        return
+    (identity,) = identities
     registers = [item.register for item in identity.compared]
     pairs = []
     variants = [item for item in device.variants if item.interface == registers[0].interface]

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import json
 import os
+import pkgutil
 import random
 import select
 import shutil
@@ -13,11 +15,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import pytest
 from codewheel import cache as cache_module
+from codewheel import model
 from codewheel.cache import Cache, content_of, default_folder, key_of
 from codewheel.commands.cli import main
 from codewheel.commands.terminal import Stop
@@ -26,7 +30,7 @@ from codewheel.language.check import check_document
 from codewheel.language.document import Document
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
-from codewheel.loading import selected
+from codewheel.loading import selected, stored
 from codewheel.loading.library import Family, load_families, load_library
 from codewheel.loading.selected import families_for
 from codewheel.loading.stored import NotStorable, as_data, from_data
@@ -91,6 +95,19 @@ def test_a_model_survives_the_cache(library: Library) -> None:
         rows = json.loads(json.dumps(as_data(device)))
         assert from_data(rows) == device
         assert repr(from_data(rows)) == repr(device)
+
+
+def test_every_class_of_a_model_can_be_stored() -> None:
+    """A family with another class would be checked and rendered again by every command."""
+    packages = pkgutil.walk_packages(model.__path__, "codewheel.model.")
+    classes = {
+        item
+        for module in (import_module(found.name) for found in packages if ".members" not in found.name)
+        for item in vars(module).values()
+        if dataclasses.is_dataclass(item) and item.__module__ == module.__name__
+    }
+    assert len(classes) > 50
+    assert classes - set(stored._CLASSES) == set()
 
 
 @pytest.mark.parametrize(
