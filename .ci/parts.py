@@ -23,7 +23,7 @@ DEADLINE, LEAST = 85 * 60, 60
 #: Parts at a time. Most have a few long tests, and while the last of them runs, the other processors would wait.
 LANES = 2
 #: Frames of each layout, and seconds of each fuzzer. By themselves, the parts take up to a million, and 20 s.
-SIZES = {"CODEWHEEL_FRAMES": "20000", "CODEWHEEL_FUZZ_SECONDS": "6"}
+SIZES = {"CODEWHEEL_FRAMES": "10000", "CODEWHEEL_FUZZ_SECONDS": "5"}
 #: Reasons for which a test is skipped on a complete Debian 12.
 KNOWN = re.compile(r"no Python 3\.\d+ here|root may read everything")
 
