@@ -27,6 +27,12 @@ def variant_of(device: Device, register: Register) -> Variant:
     return next(item for item in device.variants if item.interface == register.interface)
 
 
+def selecting(device: Device, register: Register) -> list[tuple[int, int]]:
+    """Return the address and the value that select the bank of a register, or nothing for one outside banks."""
+    name = device.bank_selector(register)
+    return [(device.register(name).address, register.bank)] if name and register.bank is not None else []
+
+
 def contents(register: Register) -> Iterable[bytes]:
     """Return values for a register: every value if it is one byte, otherwise few bits, all bits and its default."""
     if register.length == 1:
@@ -39,7 +45,7 @@ def contents(register: Register) -> Iterable[bytes]:
 @pytest.mark.parametrize("family", FAMILIES)
 def test_every_register_is_read_and_its_faults_are_told(family: str, machines: Callable[[str], Machine]) -> None:
     made = machines(family)
-    readable = [item for item in made.device.registers if item.readable and item.bank is None]
+    readable = [item for item in made.device.registers if item.readable]
     assert readable
     for register in readable:
         variant = variant_of(made.device, register)
@@ -56,15 +62,21 @@ def test_every_register_is_read_and_its_faults_are_told(family: str, machines: C
                 register.name,
                 data,
             )
-            assert answer.record == [f"r {register.address:02X} {register.length}"]
-        failed = made.read(register.name, variant.code, Encoder(fail_at=0, error=5))
-        assert (failed.result, failed.failure, failed.data) == (TRANSPORT, (0, READ, READ, register.address, 5), b"")
+            banks = selecting(made.device, register)
+            assert answer.record == [
+                *(f"w {address:02X} {bank:02X}" for address, bank in banks),
+                f"r {register.address:02X} {register.length}",
+            ]
+        calls = [*((WRITE, address) for address, _ in banks), (READ, register.address)]
+        for at, (kind, address) in enumerate(calls):
+            failed = made.read(register.name, variant.code, Encoder(fail_at=at, error=5))
+            assert (failed.result, failed.failure, failed.data) == (TRANSPORT, (0, kind, kind, address, 5), b"")
 
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_every_register_is_written_within_its_limits(family: str, machines: Callable[[str], Machine]) -> None:
     made = machines(family)
-    writable = [item for item in made.device.registers if item.writable and not item.reserved and item.bank is None]
+    writable = [item for item in made.device.registers if item.writable and not item.reserved]
     for register in writable:
         variant = variant_of(made.device, register)
         placed = register.layout.place(variant.parameters)
@@ -77,13 +89,16 @@ def test_every_register_is_written_within_its_limits(family: str, machines: Call
             answer = made.write(register.name, variant.code, data, encoder)
             results.add(answer.result)
             written = [line for line in encoder.record if line.startswith("w ")]
-            assert written == ([f"w {register.address:02X} {data.hex(' ').upper()}"] if answer.result == OK else []), (
-                register.name,
-                data,
-            )
-            if answer.result == OK:
-                failed = made.write(register.name, variant.code, data, Encoder(fail_at=0, error=-5))
-                assert (failed.result, failed.failure) == (TRANSPORT, (0, WRITE, WRITE, register.address, -5))
+            banks = selecting(made.device, register)
+            expected = [
+                *(f"w {address:02X} {bank:02X}" for address, bank in banks),
+                f"w {register.address:02X} {data.hex(' ').upper()}",
+            ]
+            assert written == (expected if answer.result == OK else []), (register.name, data)
+            for at, address in enumerate([*(address for address, _ in banks), register.address]):
+                if answer.result == OK:
+                    failed = made.write(register.name, variant.code, data, Encoder(fail_at=at, error=-5))
+                    assert (failed.result, failed.failure) == (TRANSPORT, (0, WRITE, WRITE, address, -5))
         assert OK in results
         assert results <= {OK, RANGE, -1}
 
@@ -328,6 +343,11 @@ FUNCTIONS: Mapping[str, int] = {
         "(measured.output_code = (lika_sma21_biss_output_code)2, "
         "lika_sma21_biss_write_configuration(&none, sma21, &measured, NULL))"
     ): RANGE,
+    # The widths of these fields in the iC-MU: BANKSEL 5 bits, OUT_ZERO 3, OUT_LSB 4. Codes of MODEA have 3 bits.
+    "ichaus_icmu_biss_write_bank(&none, icmu, &bank, NULL)": RANGE,
+    "ichaus_icmu_biss_write_output_length(&none, icmu, &zeros, NULL)": RANGE,
+    "ichaus_icmu_biss_write_output_selection(&none, icmu, &lowest, NULL)": RANGE,
+    "ichaus_icmu_biss_write_mode(&none, icmu, &mode, NULL)": RANGE,
     "cw_run_step(&none, &reading, 1U, NULL)": RANGE,
     # x^4 = x + 1, x^35 = x^5 = x^2 + x, all inverted. Of more than 32 bits, only the last 32 count.
     "cw_biss_crc(0U, 32U)": 15,
@@ -354,7 +374,9 @@ FUNCTIONS: Mapping[str, int] = {
     },
 }
 
-PROGRAM = """#include "lika/am36_biss.h"
+PROGRAM = """#include "ichaus/icmu_biss.h"
+#include "ichaus/icmu_biss_registers.h"
+#include "lika/am36_biss.h"
 #include "lika/am36_ssi.h"
 #include "lika/amm5_ssi.h"
 #include "lika/sma21_ssi.h"
@@ -378,6 +400,12 @@ int main(void)
     static const lika_am36_biss_reg_number_of_revolutions turns = { 0U };
     static const lika_am36_biss_reg_preset beyond = { UINT64_C(0x1000000000) };
     static const lika_amm5_biss_reg_preset disagreeing = { 1U, 2U, 3U };
+    static const ichaus_icmu_biss *const icmu = &ICHAUS_ICMU_BISS_IC_MU_16_0;
+    static const ichaus_icmu_biss_reg_bank bank = { 32U };
+    static const ichaus_icmu_biss_reg_output_length zeros = { 8U, 0U };
+    static const ichaus_icmu_biss_reg_output_selection lowest
+        = { false, false, ICHAUS_ICMU_BISS_MODE_ST_ABSOLUTE, 16U };
+    static const ichaus_icmu_biss_reg_mode mode = { (ichaus_icmu_biss_mode)8 };
     const cw_step reading = cw_step_read(0x44U);
     lika_am36_biss_reg_configuration coded;
     lika_sma21_biss_reg_configuration measured;
