@@ -376,7 +376,7 @@ CW_NODISCARD
 static inline cw_result cw_run_write(
     const cw_transport *transport, const cw_step *step, size_t length, cw_failure *failure)
 {
-    uint8_t bytes[CW_STEP_BYTES] = { 0U };
+    uint8_t bytes[CW_STEP_BYTES] = { 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U };
     if (cw_step_change(step, bytes, length)) {
         const cw_result result = cw_read(transport, step->address, bytes, length, failure);
         if (result != CW_OK) {
@@ -415,7 +415,7 @@ static inline cw_result cw_run_compare(
     const uint32_t pause = bounded ? transport->poll_pause_us : CW_POLL_PAUSE_US;
     uint32_t readings;
     for (readings = 0U; readings < at_most; readings++) {
-        uint8_t held[CW_STEP_BYTES] = { 0U };
+        uint8_t held[CW_STEP_BYTES] = { 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U };
         cw_result result = CW_OK;
         size_t differs;
         if ((readings != 0U) && (pause != 0U)) {
@@ -451,8 +451,11 @@ static inline bool cw_run_fits(const cw_step *steps, size_t count, size_t length
     size_t index;
     for (index = 0U; index < count; index++) {
         const bool is_more = steps[index].kind == CW_STEP_MORE;
-        kind = is_more ? kind : steps[index].kind;
-        bytes = is_more ? (bytes + 1U) : 1U;
+        if (!is_more) {
+            kind = steps[index].kind;
+            bytes = 0U;
+        }
+        bytes++;
         if ((is_more && ((kind == CW_STEP_WAIT) || (kind == CW_STEP_SEND))) ||
             (bytes > CW_STEP_BYTES)) {
             return false;
