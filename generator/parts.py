@@ -28,8 +28,8 @@ _MEMORY = 256 * 2**20
 #: Least number of parts that justifies more processes, and largest number that a process holds before returning them.
 _FEWEST, _MOST = 4, 256
 _NUMBER = 4
-#: The targets that take longest come first, after the first one also C: other processes are busy by then, and this one
-#: has done half the work for C when it looked for problems.
+#: The targets that take longest come first, except C. This process has done half the work for C when it has looked for
+#: problems, and by then the other processes are busy with the first target.
 _ORDER = ("masters", "c", "docs", "python", "biss", "browser", "opcua")
 
 

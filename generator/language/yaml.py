@@ -28,8 +28,8 @@ MAX_DIGITS = 40
 
 # Forbidden in addition to YAML's own rules: line breaks of YAML 1.1 that are not in 1.2 (they would shift the line
 # numbers), characters that reorder the text around them, and invisible ones (a spec, and the comments generated from
-# it, would look different from their content). A class of the allowed
-# characters would take ten times as long to compile.
+# it, would look different from their content). A class of the allowed characters would take ten times as long to
+# compile.
 _UNSEEN = r"\u00ad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\U000e0000-\U000e0fff"
 FORBIDDEN = re.compile(f"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff{_UNSEEN}]")
 

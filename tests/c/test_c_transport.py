@@ -894,7 +894,7 @@ def test_all_bytes_of_a_register_are_accessed_at_once(ways: Callable[[str], Mach
 
 
 def test_a_later_byte_that_differs_is_reported(ways: Callable[[str], Machine]) -> None:
-    """What the failed list wrote is closed with all of its bytes."""
+    """After a failure, a closing step writes all bytes of its register."""
     steps = [
         (WRITE, 0x10, 0xFF, 1, 1, 0),
         (MORE, 0x10, 0xFF, 2, 1, 0),
