@@ -132,6 +132,10 @@ class _Given:
             elif kind.endswith("*") and follows == "size_t" and plain in ("uint8_t", "cw_step"):
                 counted = f"{local}_count"
                 self._several(plain, kind, local, counted)
+            elif kind == "const cw_step *" and ("size_t", "length") in function.arguments:
+                # The length of the bytes after them is theirs, too.
+                self.lines.append(f"{plain} {local}[{STEPS}];")
+                self.passed.append(local)
             elif kind.endswith("*"):
                 self._pointer(plain, kind, local)
             else:
@@ -152,7 +156,9 @@ class _Given:
         else:
             self.lines.append(f"{plain} *{local} = malloc({count} * sizeof({plain})); __CPROVER_assume({local} != 0);")
         if plain != "uint8_t" and kind.startswith("const"):
-            self.lines.append(f"for (size_t at = 0; at < {count}; at++) {{ {_bounded(f'{local}[at]')} }}")
+            # The first step is there even if the number is that of its bytes and is 0.
+            bounded = most if self._any_steps else count
+            self.lines.append(f"for (size_t at = 0; at < {bounded}; at++) {{ {_bounded(f'{local}[at]')} }}")
         self.passed.append(local)
 
     def _pointer(self, plain: str, kind: str, local: str) -> None:
