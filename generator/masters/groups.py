@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from ..model import Device, Interface, Variant, choices
 from .record import NoRecord, Record, Undecided, record
+from .sheet import Master, Sheet, sheet
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +26,33 @@ def groups_of(device: Device, interface: Interface) -> list[Group]:
     for item in records_of(device, interface):
         found.setdefault(repr(replace(item, code="")), []).append(item)
     return [Group(device, tuple(item.code for item in alike), alike[0]) for alike in found.values()]
+
+
+@dataclass(frozen=True, slots=True)
+class GroupSheets:
+    """The sheets of each master for the groups of one interface, in the order of the groups."""
+
+    interface: Interface
+    groups: tuple[Group, ...]
+    sheets: tuple[tuple[Master, tuple[Sheet, ...]], ...]
+
+
+def sheets_of(device: Device, masters: Sequence[Master]) -> tuple[GroupSheets, ...]:
+    """Return the sheets of each interface with an order code for masters. Those of the last family are remembered."""
+    if not _LATEST or _LATEST[0][0] is not device or _LATEST[0][1] != tuple(map(id, masters)):
+        _LATEST[:] = [(device, tuple(map(id, masters)), tuple(_sheets_of(device, masters)))]
+    return _LATEST[0][2]
+
+
+#: Families are compared by identity, because comparing their members takes longer than making the sheets.
+_LATEST: list[tuple[Device, tuple[int, ...], tuple[GroupSheets, ...]]] = []
+
+
+def _sheets_of(device: Device, masters: Sequence[Master]) -> Iterator[GroupSheets]:
+    for interface in device.interfaces:
+        if groups := tuple(groups_of(device, interface)):
+            found = ((master, tuple(sheet(master, group.record) for group in groups)) for master in masters)
+            yield GroupSheets(interface, groups, tuple(found))
 
 
 def records_of(device: Device, interface: Interface) -> Iterator[Record]:

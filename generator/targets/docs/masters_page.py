@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from math import prod
 from typing import Annotated, Any, TypedDict
 
-from ...masters.groups import Group, groups_of, records_of
+from ...masters.groups import Group, records_of, sheets_of
 from ...masters.places import Device as MasterDevice
 from ...masters.places import Place, place_words
-from ...masters.sheet import Master, Refusal, Setting, Sheet, sheet
+from ...masters.sheet import Master, Refusal, Setting, Sheet
 from ...masters.text import bound, cited, condition, conditions, facts, legend, mark
 from ...model import Device, Interface
 from ...say.markdown import code, joined, text
@@ -39,9 +39,12 @@ class MastersPage(TypedDict):
 
 def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
     parts = [
-        (item, groups, [(master, [(group, sheet(master, group.record)) for group in groups]) for master in masters])
-        for item in device.interfaces
-        if (groups := groups_of(device, item))
+        (
+            item.interface,
+            item.groups,
+            [(master, list(zip(item.groups, sheets, strict=True))) for master, sheets in item.sheets],
+        )
+        for item in sheets_of(device, masters)
     ]
     sheets = [found for _, _, told in parts for _, rows in told for _, found in rows]
     return {

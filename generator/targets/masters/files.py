@@ -7,14 +7,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import chain
 from typing import Annotated, TypedDict
 
 from ...language.master_items import FILE_FORMATS
 from ...language.problems import listed
-from ...masters.groups import groups_of
+from ...masters.groups import sheets_of
 from ...masters.places import Place
 from ...masters.record import Record
-from ...masters.sheet import Sheet, sheet, shipped_masters
+from ...masters.sheet import Sheet, shipped_masters
 from ...masters.text import cited, condition
 from ...model import Device
 from ...render import Templates, our_templates
@@ -150,11 +151,11 @@ def _family(device: Device, library: Library, options: Options) -> dict[str, str
     """Return the files of a family by path."""
     write = _each if options.get(_BY_CODE.name, _BY_CODE.default) == _EACH else _bulk
     files: dict[str, str] = {}
-    groups = [group for item in device.interfaces for group in groups_of(device, item)]
-    records = [(group.record, group.codes) for group in groups]
-    for master in shipped_masters() if records else ():
-        sheets = [(sheet(master, record), record, codes) for record, codes in records]
-        taken = [item for item in sheets if not item[0].refusals]
+    masters = shipped_masters()
+    found = sheets_of(device, masters)
+    for number, master in enumerate(masters):
+        sheets = (zip(item.sheets[number][1], item.groups, strict=True) for item in found)
+        taken = [(of, group.record, group.codes) for of, group in chain(*sheets) if not of.refusals]
         for rule in master.files if taken else ():
             for on in dict.fromkeys(name for item in taken for name in item[0].devices_with(rule)):
                 folder = f"masters/{master.name}/{rule['format']}"
