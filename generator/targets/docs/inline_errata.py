@@ -83,7 +83,7 @@ class Badges:
         self._editions |= {item.name: item for item in elsewhere}
         links = [(item, link(text(heading(item.name)), f"#erratum-{item.name}")) for item in about]
         parts = [
-            f"{mark} {', '.join(found)}"
+            f"{mark} {status}: {', '.join(found)}"
             for status, mark in _MARKS.items()
             if (found := [shown for item, shown in links if item.status == status])
         ]

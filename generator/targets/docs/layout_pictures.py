@@ -120,8 +120,22 @@ def group_stack(caption: str, fields: Sequence[tuple[Field, int, int]], bits: in
 
 
 def told(stacks: Sequence[Stack]) -> str:
-    """Return the text alternative for a picture of these stacks."""
-    return "; ".join(f"{item.caption}: {item.says}" if item.caption else item.says for item in stacks)
+    """Return the text alternative for a picture of these stacks, with the first ones in words."""
+    rest = [f"and {len(stacks) - _IN_WORDS} more, in the tables"] if len(stacks) > _IN_WORDS + 1 else []
+    return "; ".join([*map(_told, stacks[: _IN_WORDS if rest else None]), *rest])
+
+
+#: Number of stacks that are told in words. More are in the tables beside the picture.
+_IN_WORDS = 4
+
+
+def _told(item: Stack) -> str:
+    # The caption of a frame ends with its number of bits, and so its text need not begin with it.
+    return (
+        f"{item.caption}: {item.says.removeprefix(item.caption.rpartition(': ')[2] + ': ')}"
+        if item.caption
+        else item.says
+    )
 
 
 def _lows(bits: int, low_byte_first: bool) -> range:
