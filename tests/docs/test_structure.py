@@ -62,7 +62,7 @@ def test_an_erratum_is_a_badge_with_one_line_on_the_page_of_an_order_code(pages:
     """AMM5 4.1.3 p.21: A and B without + or -."""
     page = pages["docs/amm5/AMM5A23-65KJP1.md"]
     wiring = page.partition("## Wiring")[2].partition("\n## ")[0]
-    assert " ⚠ [Ground wire](#erratum-ground_wire), [RS-485 polarity](#erratum-rs485_polarity)\n" in wiring
+    assert " ⚠ open: [Ground wire](#erratum-ground_wire), [RS-485 polarity](#erratum-rs485_polarity)\n" in wiring
     line = (
         '- <a id="erratum-rs485_polarity"></a>⚠ **open** [RS-485 polarity](errata.md#erratum-rs485_polarity): '
         "The names are given as printed. No polarity is assumed.\n"
