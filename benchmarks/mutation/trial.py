@@ -131,7 +131,9 @@ class Trial:
 
     def _of_second(self, document: Document, changed: Document) -> Verdict:
         family = next(
-            item for item in self.families if self._seconds[item.document.file].document.file == document.file
+            item
+            for item in self.families
+            if (found := self._seconds.get(item.document.file)) is not None and found.document is document
         )
         report = Report()
         second = second_of(changed, family.device.manufacturer, report)
