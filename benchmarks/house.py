@@ -23,7 +23,7 @@ from figures.imports import cycles, graph, packages
 from figures.kinds import comparisons
 from figures.reading import Search, searches
 from figures.sizes import is_real, lines_without_docstrings, statements_of
-from figures.statements import ORIGINS, Printed, by_output, printed
+from figures.statements import ORIGINS, Printed, by_output, families_of, printed
 from figures.tree import COLUMNS, Checkout, Source, unpack
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -102,8 +102,8 @@ def _to_own(checkout: Checkout, files: Mapping[str, Printed]) -> Iterator[Figure
     yield Figure("lines of the runtime", f"{sum(item.lines for item in runtime):,}")
     compared = (item.lines for item in checkout.modules if Path(item.path).parts[1] in ("changes", "readings"))
     yield Figure("lines of changes and readings", f"{sum(compared):,}")
-    families = {path.stem for path in (checkout.root / "specs").rglob("*.yaml")}
-    made = {name: Source(name, file.text) for name, file in files.items() if Path(name).stem in families}
+    families = families_of(checkout)
+    made = {name: Source(name, file.text) for name, file in files.items() if families.fullmatch(Path(name).stem)}
     tables = ("_shapes", "facts")
     modules = [item for item in made.values() if item.path.endswith(".py")]
     bodies = (lines_without_docstrings(item) for item in modules if Path(item.path).parent.name not in tables)

@@ -53,6 +53,12 @@ class Statement:
     from_python: int
 
 
+def families_of(checkout: Checkout) -> re.Pattern[str]:
+    """Return a pattern of the names of a family's files, such as ``amm5`` and ``amm5_biss_registers``."""
+    names = {path.stem for path in (checkout.root / "specs").rglob("*.yaml")}
+    return re.compile(f"({'|'.join(map(re.escape, sorted(names)))})(_.*)?")
+
+
 def printed(checkout: Checkout) -> dict[str, Printed]:
     """Return the headers and modules that a checkout generates from its own specs, without the runtime that it copies.
 
@@ -96,14 +102,14 @@ def _lay_out(checkout: Checkout, package: Path) -> None:
 
 def by_output(checkout: Checkout, files: Mapping[str, Printed]) -> dict[str, list[Statement]]:
     """Return the statements of each kind of file. The runtime is copied, so it is not counted."""
-    families = {path.stem for path in (checkout.root / "specs").rglob("*.yaml")}
+    families = families_of(checkout)
     copied = {item.text for suffix in (".h", ".py") for item in checkout.files("runtime", suffix)}
     found: dict[str, list[Statement]] = {
         f"{language}, {sort}": [] for language in ("C", "Python") for sort in ("families", "shared by all")
     }
     for path, file in files.items():
         language = "C" if path.endswith(".h") else "Python"
-        sort = "families" if Path(path).stem in families else "shared by all"
+        sort = "families" if families.fullmatch(Path(path).stem) else "shared by all"
         if file.text not in copied:
             found[f"{language}, {sort}"] += statements(path, file)
     return found

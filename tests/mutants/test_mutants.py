@@ -40,6 +40,13 @@ def test_no_wrong_value_passes_where_it_moves_a_position_or_breaks_an_access(tri
     assert outcome.crashes == []
 
 
+def test_mutants_of_second_readings_are_tried(trial: Trial) -> None:
+    """Other specs have no second reading."""
+    assert len(trial.second_readings) == len(SPECS) < len(trial.families)
+    for document in trial.second_readings:
+        assert trial.verdict(next(iter(mutants(document)))).crash == ""
+
+
 def test_a_fact_that_is_left_out_of_a_second_reading_is_missed(trial: Trial) -> None:
     """``check --coverage`` notices it by the counts next to each spec."""
     mutant = found(trial, "amm5.second", ("interfaces", "ssi", "clock"), "max_hz", "off by one")
