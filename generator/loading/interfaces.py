@@ -63,8 +63,9 @@ def _check_word(text: int | str, layouts: Sequence[Layout], site: Site) -> None:
         site.report("width-mismatch", f"a word has {length} bits, but {low} to {high} are possible", "word_bits")
     for layout in layouts:
         if layout.bits != bits:
-            wrong = f"'{layout.name}' has {layout.bits.render()} bits, but a word has {bits.render()}"
-            site.report("width-mismatch", f"{wrong}; correct 'word_bits' or the fields", "layouts", layout.name)
+            wrong = f"'{layout.name}' has {layout.bits.render()} bits, but 'word_bits' is {bits.render()}"
+            way = "all words over SPI have the same length, so correct 'word_bits' or the fields"
+            site.report("width-mismatch", f"{wrong}; {way}", "layouts", layout.name)
 
 
 def build_measurement(raw: Raw, context: Context) -> Measurement | None:

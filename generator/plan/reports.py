@@ -172,7 +172,7 @@ def sums_up(field: Field) -> tuple[str, ...]:
 
 
 def _is_told(field: Field) -> bool:
-    """Return whether the field reports a problem. A flag that leaves the position usable may not."""
+    """Return whether the field reports a problem. Those that leave the position usable do not."""
     return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is not Verdict.USABLE
 
 

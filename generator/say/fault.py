@@ -17,7 +17,7 @@ def constant(name: str, found: str, always: str) -> str:
 
 
 def parity(name: str, found: str, of: str, right: str) -> str:
-    return f"{name} is {found}, but it must be {right} for this {of}"
+    return f"{name} is {found}, but it must be {right} as the parity of {of}"
 
 
 def no_value(name: str, found: str) -> str:

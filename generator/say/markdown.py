@@ -59,7 +59,11 @@ def cited_html(sources: Sources) -> str:
 
 
 def _numbered(sources: Sources) -> str:
-    return cite(tuple(replace(it, section=f"§{it.section}") if it.section[:1].isdigit() else it for it in sources))
+    return cite(tuple(replace(it, section=f"§{it.section}") if _NUMBER.match(it.section) else it for it in sources))
+
+
+#: The number of a section, in contrast to that of a register, such as 0x07.
+_NUMBER = re.compile(r"\d+(?![\dx])")
 
 
 def html(value: object) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from ...model import Spi
@@ -32,6 +33,7 @@ def exchanges(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for name, parameter in mapping(spec, "parameters").items():
         if interface_of(registers.get(str(parameter.get("read_from")).partition(".")[0], {})) == Spi.name:
             wrong = f"a parameter cannot be read from a register over SPI; leave 'read_from' out of {quoted(name)}"
+            wrong += ", and give it a value for each order code"
             report.add("spi-exchange", ("parameters", name, "read_from"), wrong, at_key=True)
     _check_frames(spec, found, report)
     _check_parities(spec, report)
@@ -54,17 +56,18 @@ def _check_frames(spec: Spec, found: list[tuple[Path, Spec]], report: DocumentRe
 
 
 def _check_parities(spec: Spec, report: DocumentReport) -> None:
-    """Check that the parity bits of a word without a CRC cover all other fields, unless a note explains it."""
+    """Check that the parity bits of a word without a CRC cover the other fields, unless a note names those left out."""
     for path, layout in items(spec, *_HERE, "layouts"):
         found = [(below, field) for below, field in items(layout, "fields") if "parity_of" in field]
         covered = {name for _, field in found for name in _covered(layout, field["parity_of"])}
         fields = [field for _, field in items(layout, "fields") if "parity_of" not in field]
-        left_out = [field["name"] for field in fields if "name" in field and field["name"] not in covered]
-        explained = any("note" in field for _, field in found)
-        if found and left_out and not explained and not any("crc" in field for field in fields):
+        notes = {word for _, field in found for word in re.findall(r"\w+", str(field.get("note", "")))}
+        named = [field["name"] for field in fields if "name" in field]
+        left_out = [name for name in named if name not in covered and name not in notes]
+        if found and left_out and not any("crc" in field for field in fields):
             below, field = found[0]
             wrong = f"{quoted(field.get('name', ''))} leaves out {quoted(left_out[0])}"
-            way = "add it to 'parity_of', or add a 'note' that the manual leaves it out"
+            way = f"add it to 'parity_of', or add a 'note' that the manual leaves out {left_out[0]}"
             report.add("spi-parity", (*path, *below, "parity_of"), f"{wrong}; {way}")
 
 

@@ -159,11 +159,10 @@ def _of_manual(device: Device) -> list[Erratum]:
 def page_values(device: Device) -> ErrataPage:
     of_manual = _of_manual(device)
     is_open = [item for item in of_manual if item.status == "open"]
+    summary = _summary(len(of_manual), len(is_open))
     return {
         "device": device,
-        "errata_summary": f"The manual has {len(of_manual)} known errata. {len(is_open)} of them are open, which means "
-        "that only hardware or the manufacturer can settle them. The others are settled by the manual's own evidence "
-        "or by arithmetic." + fact_tables.changes(len(device.errata) - len(of_manual)),
+        "errata_summary": summary + fact_tables.changes(len(device.errata) - len(of_manual)),
         "erratum_links": [
             (text(standing), [link(code(item.name), f"#erratum-{item.name}") for item in found])
             for standing, found in _by_standing(device.errata)
@@ -184,6 +183,20 @@ def page_values(device: Device) -> ErrataPage:
             for item in device.errata
         ],
     }
+
+
+def _summary(count: int, is_open: int) -> str:
+    """Return how many errata there are, and the meaning of their status."""
+    if not count:
+        return "No errata are known."
+    parts = ["There is 1 known erratum." if count == 1 else f"There are {count} known errata."]
+    if is_open:
+        verb = "is" if is_open == 1 else "are"
+        parts.append(f"{is_open} {verb} open, which means that only hardware or the manufacturer can decide.")
+    if is_open < count:
+        verb = "is" if count - is_open == 1 else "are"
+        parts.append(f"{count - is_open} {verb} settled by the manual's own evidence or by arithmetic.")
+    return " ".join(parts)
 
 
 def _by_standing(found: Sequence[Erratum]) -> Iterator[tuple[str, list[Erratum]]]:

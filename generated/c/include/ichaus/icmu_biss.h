@@ -15,7 +15,7 @@
  *   icmu_biss_simulate.h         the encoder's side, for simulators and tests
  *
  * Manual: "iC-MU magnetic off-axis position encoder - pole width 1.28 mm", revision D1 (en)
- * Its sections and pages are cited in brackets.
+ * Sections and pages are cited in brackets.
  * Evidence: quoted (every fact is in the manufacturer's words, an independent implementation
  * agrees, and data from real hardware pass).
  *

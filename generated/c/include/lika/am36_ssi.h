@@ -29,7 +29,7 @@
  *   am36_ssi_simulate.h          the encoder's side, for simulators and tests
  *
  * Manual: "AM36 AMC36", revision 1.0 of 2014 (en)
- * Its sections and pages are cited in brackets.
+ * Sections and pages are cited in brackets.
  * Evidence: manual (all pages of the manufacturer's document were read).
  *
  * Differences from other editions of the manual are noted inline. For the files of another edition,

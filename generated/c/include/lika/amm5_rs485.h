@@ -26,7 +26,7 @@
  *   amm5_rs485_simulate.h        the encoder's side, for simulators and tests
  *
  * Manual: "AMM5A AMM5B", revision 1.9 of 2021-12-09 (en, compared with: it 1.9)
- * Its sections and pages are cited in brackets.
+ * Sections and pages are cited in brackets.
  * Evidence: manual (all pages of the manufacturer's document were read).
  *
  * Differences from other editions of the manual are noted inline. For the files of another edition,

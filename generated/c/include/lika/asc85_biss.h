@@ -27,7 +27,7 @@
  *   asc85_biss_simulate.h        the encoder's side, for simulators and tests
  *
  * Manual: "ASC85", revision 1.0 of 2017-05-19 (en)
- * Its sections and pages are cited in brackets.
+ * Sections and pages are cited in brackets.
  * Evidence: manual (all pages of the manufacturer's document were read).
  *
  * Other documents, cited by the word before the colon:

@@ -30,7 +30,7 @@
  *   asc85_ssi_simulate.h         the encoder's side, for simulators and tests
  *
  * Manual: "ASC85", revision 1.0 of 2017-05-19 (en)
- * Its sections and pages are cited in brackets.
+ * Sections and pages are cited in brackets.
  * Evidence: manual (all pages of the manufacturer's document were read).
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual

@@ -30,7 +30,7 @@
  *   sma21_ssi_simulate.h         the encoder's side, for simulators and tests
  *
  * Manual: "SMA21 + MTA-A154", revision 1.2 of 2024-05-10 (it)
- * Its sections and pages are cited in brackets.
+ * Sections and pages are cited in brackets.
  * Evidence: manual (all pages of the manufacturer's document were read).
  *
  * Differences from other editions of the manual are noted inline. For the files of another edition,
