@@ -13,6 +13,7 @@ from ...say import layout as say_layout
 from ...say import procedure as say_procedure
 from ...say import register as say_register
 from ...say.alternative import needs
+from ...say.evidence import document
 from ...say.interface import PURPOSES
 from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.name import title, words
@@ -30,6 +31,7 @@ Section = dict[str, Any]
 
 class Sections(TypedDict):
     device: Annotated[Device, "the family, with only the data relevant to this page"]
+    document: Annotated[str, "manual, or spec if not all of the manual was read"]
     origin: Annotated[list[Said], "overlays and the edition of the family"]
     usable_page: Annotated[str, "the page on verdicts"]
     errata_at: Annotated[
@@ -52,6 +54,7 @@ class Sections(TypedDict):
 def sections(device: Device) -> Sections:
     return {
         "device": device,
+        "document": document(device),
         "origin": [*origin(device), *other_editions(device)],
         "usable_page": verdict_page.PAGE,
         "errata_at": inline_errata.OnPage(device),

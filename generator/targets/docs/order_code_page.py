@@ -11,7 +11,6 @@ from ...model import INTERFACES, Biss, Device, Interface, Layout, Parameter, Var
 from ...order_codes.narrowing import for_codes
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.with_numbers import applied
-from ...say.evidence import document
 from ...say.layout import size
 from ...say.markdown import STYLE, cited, code, link, text
 from ...say.measurement import measurement
@@ -43,7 +42,6 @@ class CodePage(Sections, OverValues):
     lead: Annotated[str, "first sentences of the note on the interface"]
     position: Annotated[str, "unit and range of the position"]
     wiring: Annotated[bench_answers.Wiring, "contacts and signals: head, rows, about, notes, errata"]
-    document: Annotated[str, "manual, or spec if not all of the manual was read"]
     supply: Annotated[list[str], "supply, with order codes if it differs between them"]
     speed: Annotated[bench_answers.Speed, "clock or baud rate by cable length: title, facts, head, rows"]
     frame: Annotated[Section | None, "frame with the position: title, name, size, wide, narrow, facts"]
@@ -154,7 +152,6 @@ def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage
         "lead": lead(interface.note) if isinstance(interface, Biss) else "",
         "position": STYLE.phrase(measurement(measured)) if measured is not None else "",
         "wiring": bench_answers.wiring(here),
-        "document": document(here),
         "supply": bench_answers.supply(here, alike.variants),
         "speed": bench_answers.speed(here, interface, alike.frame),
         "frame": _frame(alike, alike.frame, {**pictures, **alike.pictures}) if alike.frame is not None else None,

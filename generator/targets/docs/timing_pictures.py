@@ -14,6 +14,7 @@ from ...model import Biss, Device, Interface, Rs485, SendStep, Spi, Ssi, assert_
 from ...plan.codec import Codec, codec_of
 from ...plan.values import Active, meaning_of
 from ...say.box import DATA, colour
+from ...say.evidence import document
 from ...say.interface import REPLIES
 from ...say.name import words
 from ...say.timing import bounds
@@ -23,7 +24,6 @@ from .svg import card, number, rect, text, width
 _HIGH, _ROW, _NAME, _MARGIN = 24.0, 58.0, 70.0, 16.0
 #: Width of a clock pulse, including its low and high parts.
 _PERIOD = 24.0
-_MANUAL = "the text of the manual"
 
 
 class Trace(Enum):
@@ -59,14 +59,14 @@ class Span:
 class Wave:
     """Stacked signal lines, with a row of times below them.
 
-    ``told`` is the text alternative, and ``drawn_from`` lists the sources of the picture.
+    ``told`` is the text alternative, and ``also`` is a further source.
     """
 
     title: str
     lines: tuple[tuple[str, tuple[Part, ...]], ...]
     spans: tuple[Span, ...]
     told: str
-    drawn_from: str = _MANUAL
+    also: str = ""
 
 
 def wave(device: Device, interface: Interface) -> Wave | None:
@@ -174,7 +174,7 @@ def _biss(device: Device, interface: Biss) -> Wave:
         Part(Trace.EITHER, 90, "not CDM", "choice"),
         Part(Trace.UP, 46),
     )
-    timeout = timeout_words(interface.timeout) if interface.timeout is not None else "not specified in the manual"
+    timeout = timeout_words(interface.timeout) if interface.timeout is not None else f"not in the {document(device)}"
     names = ", ".join(name for name, _ in fields)
     return Wave(
         "BiSS C-mode: a frame",
@@ -183,7 +183,7 @@ def _biss(device: Device, interface: Biss) -> Wave:
         "MA and SLO are high between frames. SLO is low (acknowledge) from the second rising edge of MA until the "
         f"start bit, which is high. The CDS bit, {names} and a low stop bit follow, until the time-out ({timeout}). "
         "During the time-out, MA is the inverse of the CDM bit.",
-        f"{_MANUAL} and the public protocol description of BiSS C-mode",
+        "the public protocol description of BiSS C-mode",
     )
 
 
