@@ -132,3 +132,15 @@ def test_a_file_is_named_like_its_family(tmp_path: Path, capsys: pytest.CaptureF
     assert "the file of a spec has its family's name" in capsys.readouterr().err
     assert main(["new", "demo", "-o", str(tmp_path / "nowhere" / "demo.yaml")]) == 1
     assert "No such file or directory" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("gain", "problems"), [(5, 0), (4, 1)])
+def test_an_example_may_have_anything_in_unspecified_bits(tmp_path: Path, gain: int, problems: int) -> None:
+    """The byte B5 has the flag of bit 7, 5 in bits 3:0, and 011 in the bits without a field."""
+    assert main(["new", "my_encoder", "--like", "spi", "-o", str(tmp_path)]) == 0
+    spec = tmp_path / "my_encoder.yaml"
+    example = "{name: read, kind: register, register: diagnostics, order_code: MY-ENCODER-SP, bytes: B5, "
+    example += f'values: {{field_weak: true, gain: {gain}}}, source: "6.1"}}'
+    text = spec.read_text(encoding="utf-8")
+    spec.write_text(text.replace("\nexamples:\n", f"\nexamples:\n  - {example}\n"), encoding="utf-8")
+    assert len(load_for([tmp_path], targets_named())[1].problems) == problems
