@@ -307,7 +307,8 @@ def _last_words(decoded: codec.Decoded, said: Findings) -> list[str]:
         return [*lines, f"so {WORTH[said.verdict]}"] if said.verdict else lines
     is_frame = decoded.layout is not None and decoded.layout.layout.sender != ""
     words = ["no other error" if said.differences else "no frame error" if is_frame else "the value is valid"]
-    words += ["this frame has no CRC"] if is_frame and decoded.crc is None else []
+    if decoded.layout is not None and is_frame and decoded.crc is None:
+        words.append(f"this frame has no CRC{', only parity' if decoded.layout.layout.has_parity else ''}")
     words += [WORTH[said.verdict]] if said.verdict is not None else []
     return [wrapped("; ".join(words), WIDTH, "  ", "")]
 

@@ -19,7 +19,7 @@ static const lika_am36_biss *const encoder = &LIKA_AM36_BISS_AM3616_4096_I7;
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
-/* Single cycle data, as sent by the encoder: made up, since the manual has no example. */
+/* Single cycle data, as sent by the encoder: made up, since the manual has no example of it. */
 static uint64_t receive_word(void)
 {
     return UINT64_C(0x2ABCD15EF);

@@ -20,7 +20,7 @@ static const lika_am36_ssi *const encoder = &LIKA_AM36_SSI_AM3619_4096_GG;
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
-/* SSI word, as sent by the encoder: made up, since the manual has no example. */
+/* SSI word, as sent by the encoder: made up, since the manual has no example of it. */
 static void spi_receive(uint8_t *buffer, size_t size)
 {
     static const uint8_t sent[LIKA_AM36_SSI_AM3619_4096_GG_RX_BYTES] = {

@@ -19,7 +19,7 @@ static const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A21_65KSC1;
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
-/* Single cycle data, as sent by the encoder: made up, since the manual has no example. */
+/* Single cycle data, as sent by the encoder: made up, since the manual has no example of it. */
 static uint64_t receive_word(void)
 {
     return UINT64_C(0x55BCD15E2);

@@ -20,7 +20,7 @@ static const lika_amm5_ssi *const encoder = &LIKA_AMM5_SSI_A23_65KBG1;
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
-/* SSI word, as sent by the encoder: made up, since the manual has no example. */
+/* SSI word, as sent by the encoder: made up, since the manual has no example of it. */
 static void spi_receive(uint8_t *buffer, size_t size)
 {
     static const uint8_t sent[LIKA_AMM5_SSI_A23_65KBG1_RX_BYTES] = {

@@ -24,7 +24,7 @@ static const lika_asc85_biss_zero_bit my_zero_bit = LIKA_ASC85_BISS_ZERO_BIT_AS_
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
-/* Single cycle data, as sent by the encoder: made up, since the manual has no example. */
+/* Single cycle data, as sent by the encoder: made up, since the manual has no example of it. */
 static uint64_t receive_word(void)
 {
     return UINT64_C(0x2B79A2AC1);

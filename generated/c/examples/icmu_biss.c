@@ -18,7 +18,7 @@ static const ichaus_icmu_biss *const encoder = &ICHAUS_ICMU_BISS_IC_MU_28_2;
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
-/* Single cycle data, as sent by the encoder: made up, since the spec has no example. */
+/* Single cycle data, as sent by the encoder: made up, since the spec has no example of it. */
 static uint64_t receive_word(void)
 {
     return UINT64_C(0x1D6F3454D2);

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Annotated, TypedDict
 
-from ...model import Crc, Device, Layout, Manufacturer, choices
+from ...model import Crc, Device, Layout, Manufacturer, Spi, choices
 from ...model.record import dataclass
 from ...plan.crc_residual import Residual, residual
 from ...say.name import words
@@ -28,6 +28,7 @@ class Assumptions(TypedDict):
     frames: Annotated[list[Frames], "the frames with a CRC, by CRC and length"]
     silent: Annotated[list[str], "the frames with a position that have no status bit"]
     interfaces: Annotated[frozenset[str], "the interfaces of the encoders"]
+    later: Annotated[bool, "whether an encoder over SPI answers with the next word"]
     parity: Annotated[list[str], "the frames with a position that have a parity bit and no CRC"]
 
 
@@ -41,6 +42,9 @@ def assumptions_files(
             "frames": list(_frames(devices)),
             "silent": list(_silent(devices)),
             "interfaces": frozenset(item.name for device in devices for item in device.interfaces),
+            "later": any(
+                isinstance(item, Spi) and item.reply == "next_word" for device in devices for item in device.interfaces
+            ),
             "parity": list(_with_parity(devices)),
         }
         yield f"ASSUMPTIONS-{maker.name}.md", render(TEMPLATE, values)

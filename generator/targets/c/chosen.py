@@ -137,7 +137,7 @@ class Chosen:
         sample = self.device.sample_of(sent[0])
         if sample is None:
             raise NoFrame
-        about = f"made up, since the {document(self.device)} has no example"
+        about = f"made up, since the {document(self.device)} has no example of it"
         if sample.source:
             about = f"made up, with the position of a worked example [{cite(sample.source)}]"
         return Frame(sent[0], sample.frame, about, sample.values)

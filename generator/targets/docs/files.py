@@ -143,7 +143,7 @@ def _order_codes(codes: order_code_page.Codes) -> Iterator[Section]:
         if of_part:
             yield {
                 "pages": codes.page_links(part.name),
-                "counted": counted(len(of_part), "order code"),
+                "counted": f"All {counted(len(of_part), 'order code')}" if len(of_part) > 1 else "The order code",
                 "interface": link(f"{device.name.upper()}, {part.title}", f"{device.name}/{part.name}.md"),
                 "links": [codes.links[one] for one in of_part],
             }

@@ -53,6 +53,8 @@ def _decides(device: Device, told: Sequence[Reporting]) -> Iterator[Row]:
             rows = tuple(_speaking(device, item.interface, layout, item.judgement))
             last = ("none of these" if rows else "no field decides", "", code(item.judgement.otherwise.value), "", "")
             found.setdefault((item.interface.title, (*rows, last)), []).append(layout)
+    if not found:
+        yield ", ".join(item.title for item in device.interfaces), "no frame with a position", "", "", "", "", ""
     for (title, rows), layouts in found.items():
         for index, row in enumerate(rows):
             yield *((title, _links(device, layouts)) if index == 0 else ("", "")), *row
