@@ -135,7 +135,7 @@ def _add_show(parser: Parser) -> None:
 
 
 _ABOUT_FRAMES = (
-    "For RS-485, FRAME is a sequence of bytes in hexadecimal. For SSI and BiSS, it is one number whose most "
+    "For RS-485, FRAME is a sequence of bytes in hexadecimal. For SSI, BiSS and SPI, it is one number whose most "
     "significant bit is the first bit sent: 0b... with every digit, 0x..., or hex bytes. The notations of "
     "programs and logs are also accepted, such as 0F:42, [0x0F, 0x42], \\x0F\\x42 and F4243D3h. With -, lines "
     "may begin with a time, and empty lines and text after # are skipped. The exit code is 0 on success, 1 "
