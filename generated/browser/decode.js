@@ -424,14 +424,18 @@
     const text = withoutBlanks(label).toUpperCase();
     const special = (family) => family.special && text.endsWith(`/${family.special}`);
     let first = null;
+    let found = null;
     for (const family of [...TABLE.families.filter(special), ...TABLE.families.filter((one) => !one.base)]) {
       try {
-        return readFor(family, label);
+        const here = readFor(family, label);
+        // What is a tail after the code of one family can be a part of the code of another one.
+        if (!found || here.tail.length < found.tail.length) found = here;
       } catch (error) {
         if (!(error instanceof UnknownCode)) throw error;
         if (error.isClose) first = first ?? error;
       }
     }
+    if (found) return found;
     throw first ?? new UnknownCode(unknownLabel(label), false);
   }
 

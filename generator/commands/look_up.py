@@ -137,7 +137,7 @@ def _only_match(devices: Sequence[Device], text: str) -> tuple[Device, Match] | 
 
 
 def find(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
-    """Return the family and variant of an order code among ``devices``.
+    """Return the family and variant of an order code among ``devices``, with the shortest tail after the code.
 
     Raises:
         Stop: There is no such code. The exit code is 2.
@@ -145,12 +145,14 @@ def find(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
     from ..order_codes.labels import UnknownOrderCode
     from ..order_codes.labels import find as find_in
 
-    explanation = ""
+    explanation, found = "", []
     for device in in_order(devices, text):
         try:
-            return device, find_in(device, text)
+            found.append((device, find_in(device, text)))
         except UnknownOrderCode as reason:
             explanation = explanation or (str(reason) if reason.close else "")
+    if found:
+        return min(found, key=lambda item: len(item[1].tail))
     raise Stop(explanation or _unknown(devices, text), 2)
 
 

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import random
+from pathlib import Path
 from typing import Any
 
 import pytest
 from browser_harness import Asker
+from codewheel.commands.cli import main
 from codewheel.commands.look_up import find
 from codewheel.commands.terminal import Stop
+from codewheel.loading.library import load_library
 from codewheel.targets import Library
+from conftest import Ask
 
 LABELS = (
     "AMM5A21/65KSC1",
@@ -85,3 +89,16 @@ def test_labels_with_mistakes(node: Asker, library: Library) -> None:
         if answer != read(library, text)
     }
     assert wrong == {}
+
+
+@pytest.mark.slow
+def test_a_code_is_not_read_as_a_shorter_one_with_a_tail(ask: Ask, tmp_path: Path) -> None:
+    """``A-SP`` of one family with the tail ``-X-SP`` is also a code of another one."""
+    for name in ("a", "a_sp_x"):
+        assert main(["new", name, "--like", "spi", "-o", str(tmp_path)]) == 0
+    devices, report = load_library([tmp_path])
+    assert not report
+    library = Library(devices)
+    answers = ask(library, "node")("labels", [{"texts": ["A-SP-X-SP", "A-SP-X", "A-SP"]}])[0]
+    assert [answer[:2] for answer in answers] == [["a_sp_x", "A-SP-X-SP"], ["a", "A-SP"], ["a", "A-SP"]]
+    assert answers == [read(library, text) for text in ("A-SP-X-SP", "A-SP-X", "A-SP")]
