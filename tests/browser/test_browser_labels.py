@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,6 @@ from codewheel.commands.look_up import find
 from codewheel.commands.terminal import Stop
 from codewheel.loading.library import load_library
 from codewheel.targets import Library
-from conftest import Ask
 
 LABELS = (
     "AMM5A21/65KSC1",
@@ -92,7 +92,7 @@ def test_labels_with_mistakes(node: Asker, library: Library) -> None:
 
 
 @pytest.mark.slow
-def test_a_code_is_not_read_as_a_shorter_one_with_a_tail(ask: Ask, tmp_path: Path) -> None:
+def test_a_code_is_not_read_as_a_shorter_one_with_a_tail(ask: Callable[[Library, str], Asker], tmp_path: Path) -> None:
     """``A-SP`` of one family with the tail ``-X-SP`` is also a code of another one."""
     for name in ("a", "a_sp_x"):
         assert main(["new", name, "--like", "spi", "-o", str(tmp_path)]) == 0
