@@ -837,10 +837,11 @@
     if (high < 0) return "";
     const range = (from, to) => (from === to ? `${from}` : `${from}:${to}`);
     if (!at.layout.order) return range(high, low);
-    const ends = [byteOf(at, low), byteOf(at, high)].sort((one, other) => one - other);
+    const bits = [low, high].sort((one, other) => byteOf(at, one) - byteOf(at, other));
+    const ends = bits.map((bit) => byteOf(at, bit));
     const isWhole = low % 8 === 0 && high % 8 === 7;
     if (ends[0] === ends[1]) return `byte ${ends[0]}${isWhole ? "" : `.${range(high % 8, low % 8)}`}`;
-    return isWhole ? `bytes ${ends[0]}-${ends[1]}` : `bytes ${ends[0]}.${low % 8}-${ends[1]}.${high % 8}`;
+    return isWhole ? `bytes ${ends[0]}-${ends[1]}` : `bytes ${ends[0]}.${bits[0] % 8}-${ends[1]}.${bits[1] % 8}`;
   }
 
   const shownValue = (item) => (item === true ? "yes" : item === false ? "no" : `${item}`);

@@ -402,12 +402,15 @@ def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
     if not layout.in_bytes:
         return f"{high}:{low}" if high != low else f"{high}"
     last = bits // 8 - 1
-    first_byte, last_byte = (
-        (low // 8, high // 8) if layout.byte_order == "low_byte_first" else (last - high // 8, last - low // 8)
-    )
+    ends = (low, high) if layout.byte_order == "low_byte_first" else (high, low)
+    first_byte, last_byte = (end // 8 if ends[0] == low else last - end // 8 for end in ends)
     if first_byte != last_byte:
         whole = low % 8 == 0 and high % 8 == 7
-        return f"bytes {first_byte}-{last_byte}" if whole else f"bytes {first_byte}.{low % 8}-{last_byte}.{high % 8}"
+        return (
+            f"bytes {first_byte}-{last_byte}"
+            if whole
+            else f"bytes {first_byte}.{ends[0] % 8}-{last_byte}.{ends[1] % 8}"
+        )
     if high - low == 7:
         return f"byte {first_byte}"
     return f"byte {first_byte}.{high % 8}" + (f":{low % 8}" if high != low else "")

@@ -13,13 +13,15 @@ import subprocess
 import sys
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import jsonschema
 import pytest
 from codewheel.commands.cli import main
+from codewheel.commands.decode import bit_place
 from codewheel.loading.library import load_library
-from codewheel.model import Flag, Verdict
+from codewheel.model import Flag, Layout, Verdict
 from planted import crc
 
 SPECS = Path(__file__).parents[1] / "specs"
@@ -611,3 +613,20 @@ def test_many_frames_lead_to_the_command_of_the_package(
         assert main(["decode", "AMM5A21/65KSC1", "-", "--json"]) == 0
         out, err = capsys.readouterr()
         assert (out.count("\n"), err) == (count, expected)
+
+
+@pytest.mark.parametrize(
+    ("byte_order", "high", "low", "place"),
+    [
+        # Bits 11:0 of two bytes are the whole low byte, and bits 3:0 of the high byte.
+        ("high_byte_first", 11, 0, "bytes 0.3-1.0"),
+        ("low_byte_first", 11, 0, "bytes 0.0-1.3"),
+        ("high_byte_first", 13, 4, "bytes 0.5-1.4"),
+        ("low_byte_first", 13, 4, "bytes 0.4-1.5"),
+        ("high_byte_first", 15, 0, "bytes 0-1"),
+        ("high_byte_first", 12, 12, "byte 0.4"),
+    ],
+)
+def test_the_place_of_a_field_in_bytes(byte_order: str, high: int, low: int, place: str) -> None:
+    layout = cast(Layout, SimpleNamespace(in_bytes=True, byte_order=byte_order))
+    assert bit_place(layout, 16, high, low) == place
