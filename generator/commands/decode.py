@@ -402,8 +402,9 @@ def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
     if not layout.in_bytes:
         return f"{high}:{low}" if high != low else f"{high}"
     last = bits // 8 - 1
-    ends = (low, high) if layout.byte_order == "low_byte_first" else (high, low)
-    first_byte, last_byte = (end // 8 if ends[0] == low else last - end // 8 for end in ends)
+    low_first = layout.byte_order == "low_byte_first"
+    ends = (low, high) if low_first else (high, low)
+    first_byte, last_byte = (end // 8 if low_first else last - end // 8 for end in ends)
     if first_byte != last_byte:
         whole = low % 8 == 0 and high % 8 == 7
         return (
