@@ -18,6 +18,7 @@ from ..model import (
     Text,
     Unused,
     Value,
+    Verdict,
     assert_never,
 )
 from ..model.expressions import Expression
@@ -118,7 +119,9 @@ def _flag(kind: Flag, implemented: bool) -> Iterator[Said]:
             yield said(Level.INACTIVE, f" when {other}: {kind.when_inactive}")
     if kind.sums_up:
         yield said("Combines ", *listed(list(map(Code, kind.sums_up))))
-    if kind.makes_position and implemented:
+    if kind.makes_position is Verdict.USABLE and implemented:
+        yield said("It does not affect the position")
+    elif kind.makes_position and implemented:
         instead = ". If a flag that it combines is active in the same frame, that flag decides instead"
         yield said(
             "While it is ", Level.WHILE_ACTIVE, f", {WORTH[kind.makes_position]}{instead if kind.sums_up else ''}"
