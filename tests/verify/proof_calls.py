@@ -133,7 +133,7 @@ class _Given:
                 counted = f"{local}_count"
                 self._several(plain, kind, local, counted)
             elif kind == "const cw_step *" and ("size_t", "length") in function.arguments:
-                # The length of the bytes after them is theirs, too.
+                # The last argument is the length of both the steps and the bytes.
                 self.lines.append(f"{plain} {local}[{STEPS}];")
                 self.passed.append(local)
             elif kind.endswith("*"):
@@ -156,7 +156,7 @@ class _Given:
         else:
             self.lines.append(f"{plain} *{local} = malloc({count} * sizeof({plain})); __CPROVER_assume({local} != 0);")
         if plain != "uint8_t" and kind.startswith("const"):
-            # The first step is there even if the number is that of its bytes and is 0.
+            # A function that accesses one step at once receives its number of bytes, which may be 0.
             bounded = most if self._any_steps else count
             self.lines.append(f"for (size_t at = 0; at < {bounded}; at++) {{ {_bounded(f'{local}[at]')} }}")
         self.passed.append(local)

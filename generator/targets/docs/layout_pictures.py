@@ -120,13 +120,13 @@ def group_stack(caption: str, fields: Sequence[tuple[Field, int, int]], bits: in
 
 
 def told(stacks: Sequence[Stack]) -> str:
-    """Return the text alternative for a picture of these stacks, with the first ones in words."""
-    rest = [f"and {len(stacks) - _IN_WORDS} more, in the tables"] if len(stacks) > _IN_WORDS + 1 else []
-    return "; ".join([*map(_told, stacks[: _IN_WORDS if rest else None]), *rest])
+    """Return the text alternative for a picture of these stacks. It describes the first ones."""
+    rest = [f"and {len(stacks) - _DESCRIBED} more, in the tables"] if len(stacks) > _DESCRIBED + 1 else []
+    return "; ".join([*map(_told, stacks[: _DESCRIBED if rest else None]), *rest])
 
 
-#: Number of stacks that are told in words. More are in the tables beside the picture.
-_IN_WORDS = 4
+#: Highest number of stacks that the text describes. The tables beside the picture describe all of them.
+_DESCRIBED = 4
 
 
 def _told(item: Stack) -> str:
