@@ -257,13 +257,17 @@ def _save_late_files(left: Path, place: Path) -> None:
     if not (left / LIST).is_file() or not place.is_dir():
         return
     ours = {*listed_in(left), *listed_in(place), LIST}
-    for root, _, names in os.walk(left):
-        for name in names:
-            late = Path(root) / name
-            path = late.relative_to(left)
-            if path.as_posix() not in ours and _is_later(late, place / path):
-                (place / path).parent.mkdir(parents=True, exist_ok=True)
-                os.replace(late, place / path)
+    for path in _files_in(left):
+        if path not in ours and _is_later(late := left / path, kept := place / path):
+            kept.parent.mkdir(parents=True, exist_ok=True)
+            os.replace(late, kept)
+
+
+def _files_in(folder: Path) -> Iterator[str]:
+    """Yield the path of each file in a folder, as text, because making a ``Path`` takes longer than walking."""
+    for root, _, names in os.walk(folder):
+        here = Path(root).relative_to(folder)
+        yield from names if here == Path() else (f"{here.as_posix()}/{name}" for name in names)
 
 
 def _is_later(late: Path, kept: Path) -> bool:
@@ -392,27 +396,29 @@ class _Stage:
         (self.new / LIST).write_text(_LIST_HEAD + listed, encoding="utf-8", newline="\n")
         for parent in {os.path.dirname(path) for path in inside}:
             self._make(Path(parent))
+        into, place = os.path.join(self.new, ""), os.path.join(self.place, "")
         for path, name in inside.items():
-            new = os.path.join(self.new, path)
+            new = into + path
             if name in unchanged:
-                _same(os.path.join(self.place, path), new)
+                _same(place + path, new)
             else:
                 with open(new, "x", encoding="utf-8", newline="\n") as file:
                     file.write(files[name])
-        self._carry_over(set(map(Path, listed_in(self.place))))
+        self._carry_over({*listed_in(self.place), LIST})
         for made, mode in reversed(self._modes.items()):
             if mode & 0o700 != 0o700:
                 made.chmod(mode)
 
-    def _carry_over(self, ours: set[Path]) -> None:
+    def _carry_over(self, ours: set[str]) -> None:
         """Keep foreign files and empty folders in the new content. A folder that held only our files is not kept."""
         for root, folders, names in os.walk(self.place, onerror=_raise) if self.place.is_dir() else ():
             here = Path(root).relative_to(self.place)
-            for name in (*names, *(name for name in folders if (Path(root) / name).is_symlink())):
-                path = here / name
-                if path not in ours and path != Path(LIST) and not os.path.lexists(self.new / path):
+            start = "" if here == Path() else f"{here.as_posix()}/"
+            for name in (*names, *(name for name in folders if os.path.islink(os.path.join(root, name)))):
+                path = start + name
+                if path not in ours and not os.path.lexists(self.new / path):
                     self._make(here)
-                    _same(Path(root) / name, self.new / path)
+                    _same(os.path.join(root, name), self.new / path)
             if not names and not folders:
                 self._make(here)
 

@@ -67,6 +67,13 @@ def test_no_line_is_too_wide_to_read() -> None:
     assert list(checkout().wide_lines()) == []
 
 
+@pytest.mark.parametrize(("word", "most"), [("zero_means", 3), ("active_low", 3), ("xorout", 6)])
+def test_a_word_of_the_language_is_in_few_files_of_the_targets(word: str, most: int) -> None:
+    files = [path for top in ("generator/targets", "templates") for path in (ROOT / top).rglob("*")]
+    texts = {path: path.read_text(encoding="utf-8") for path in files if path.suffix in (".py", ".jinja")}
+    assert len([path for path, text in texts.items() if re.search(rf"\b{word}\b", text)]) <= most
+
+
 @pytest.mark.slow
 def test_there_is_no_cycle() -> None:
     assert cycles(arrows()) == []

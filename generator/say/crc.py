@@ -38,3 +38,8 @@ def sent(item: Crc) -> str:
     if item.xorout == item.mask:
         return "sent inverted"
     return f"sent after an XOR with 0x{item.xorout:X}" if item.xorout else "sent unchanged"
+
+
+def inverted(item: Crc) -> str:
+    """Return in two words how the remainder is changed before it is sent."""
+    return {0: "not inverted", item.mask: "inverted"}.get(item.xorout, f"XOR {item.xorout:#X}")

@@ -36,6 +36,7 @@ from ...plan.replies import exchanges
 from ...plan.reports import Judgement, Only, Speaks, reportings
 from ...plan.values import Active, Raw, TwosComplement, meaning_of
 from ...say.box import as_words
+from ...say.crc import inverted
 from ...say.evidence import document
 from ...say.interface import PURPOSES, settings
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
@@ -285,12 +286,11 @@ def crc_line(crc: Crc) -> str:
         for part in powers[1:]
     )
     reflected = {(True, True): "input and output reflected", (True, False): "input reflected"}
-    after = {0: "not inverted", crc.mask: "inverted"}.get(crc.xorout, f"XOR {crc.xorout:#X}")
     parts = [
         f"poly `0x{crc.poly_with_top_bit:X}` ({text(polynomial)})",
         f"init {crc.init:#x}" if crc.init else "init 0",
         reflected.get((crc.refin, crc.refout), "output reflected" if crc.refout else ""),
-        after,
+        inverted(crc),
         counted(crc.width, "bit"),
         "over everything before it",
         "which is the XOR of these bytes" if crc.is_xor else "",
