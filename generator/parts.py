@@ -25,19 +25,19 @@ from .targets.registry import BUILT_IN, load_target
 #: Highest number of processes, and the free memory in bytes that each of them needs.
 _MOST_PROCESSES = 4
 _MEMORY = 256 * 2**20
-#: Least number of parts that justifies more processes, and largest number that a process holds before returning them.
+#: Least number of tasks that justifies more processes, and largest number of tasks whose parts a process holds.
 _FEWEST, _MOST = 4, 256
 _NUMBER = 4
-#: The targets that take longest come first, except C. This process has done half the work for C when it has looked for
-#: problems, and by then the other processes are busy with the first target.
-_ORDER = ("masters", "c", "docs", "python", "biss", "browser", "opcua")
+#: Targets whose parts of a family one process makes. The files for masters and their page need the same settings. What
+#: takes longest comes first. C is second, because this process has done half the work when it has looked for problems.
+_TOGETHER = (("masters", "docs"), ("c",), ("python",), ("biss",), ("opcua",), ("browser",))
 
 
 @dataclass(frozen=True)
 class Kept:
     """Parts of earlier runs. ``digests`` has the digest of each model, by the name of its family.
 
-    ``tell`` is called with the number of parts that have been begun and the number of all that are not in the cache.
+    ``tell`` is called with the number of tasks that have been begun and the number of all of them.
     """
 
     cache: Cache
@@ -45,8 +45,8 @@ class Kept:
     tell: Callable[[int, int], None] = lambda begun, all_of_them: None
 
 
-#: Name of a target, and a family.
-_Task = tuple[str, Device]
+#: Names of targets, and a family.
+_Task = tuple[tuple[str, ...], Device]
 
 
 def is_plain(target: Target, options: Options) -> bool:
@@ -67,17 +67,21 @@ class Rendering:
         self._kept, self._masters = kept, content_of(sorted(packaged_masters().iterdir()))
         self._found: dict[str, dict[str, Any]] = {name: {} for name in targets}
         self._missing: list[_Task] = []
-        for name, device in ((name, device) for name in targets for device in devices):
-            entry = kept.cache.get(f"part {name}", self._content(device)) if self._content(device) else None
-            if isinstance(entry, dict) and "part" in entry:
-                self._found[name][device.name] = entry["part"]
-            else:
-                self._missing.append((name, device))
+        for together, device in ((together, device) for together in _TOGETHER for device in devices):
+            missing = tuple(name for name in together if name in targets and not self._finds(name, device))
+            self._missing += [(missing, device)] if missing else []
         if self._missing:
             with suppress(ValueError):  # The target reports it.
                 shipped_masters(kept.cache)
-        self._missing.sort(key=lambda task: _ORDER.index(task[0]))
         self._first = _Pool(self._missing[:_MOST], self._make)
+
+    def _finds(self, name: str, device: Device) -> bool:
+        """Return whether an earlier run made a part, and take it."""
+        entry = self._kept.cache.get(f"part {name}", self._content(device)) if self._content(device) else None
+        if isinstance(entry, dict) and "part" in entry:
+            self._found[name][device.name] = entry["part"]
+            return True
+        return False
 
     def __enter__(self) -> Rendering:
         return self
@@ -99,20 +103,23 @@ class Rendering:
 
             with self._first if start == 0 else _Pool(some, self._make) as pool:
                 for number, made in pool.finished(tell).items():
-                    name, device = some[number]
-                    self._found[name][device.name] = made
+                    for name, part in made.items():
+                        self._found[name][some[number][1].name] = part
         return self._found
 
     def _content(self, device: Device) -> list[bytes | str]:
         digest = self._kept.digests.get(device.name)
         return [digest, *self._masters] if digest else []
 
-    def _make(self, task: _Task) -> Any:
-        name, device = task
-        target = load_target(name)
-        made = target.family(device, Library((device,)), _defaults(target)) if target.family is not None else None
-        if self._content(device):
-            self._kept.cache.put(f"part {name}", self._content(device), {"part": made})
+    def _make(self, task: _Task) -> dict[str, Any]:
+        """Return the parts of a family by the name of the target."""
+        names, device = task
+        made: dict[str, Any] = {}
+        for target in map(load_target, names):
+            part = target.family(device, Library((device,)), _defaults(target)) if target.family is not None else None
+            if self._content(device):
+                self._kept.cache.put(f"part {target.name}", self._content(device), {"part": part})
+            made[target.name] = part
         return made
 
 
