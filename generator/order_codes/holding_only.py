@@ -7,9 +7,12 @@ from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from typing import Any
 
-from ..model import Device, Field, Flag
+from ..model import Device, Field, Flag, Quantity, Source
+from ..model.expressions import Expression
 from ..model.only import fits
 
+#: What holds for every order code. Most of a device is made of it, so looking into it would take most of the time.
+_ALWAYS = (str, int, Source, Expression, Quantity)
 #: Parts of a device that have ``only``, or that refer to such parts.
 _PARTS = ("interfaces", "registers", "alarms", "timings", "connectors", "leds", "characteristics", "errata")
 
@@ -26,6 +29,8 @@ def held_by(device: Device, codes: Collection[str]) -> Device:
 
 def _held(item: Any, codes: Collection[str], steps: Collection[str]) -> Any:
     """Return the item without parts of other order codes and without manual steps that are not among ``steps``."""
+    if isinstance(item, _ALWAYS) or (isinstance(item, tuple) and all(isinstance(one, _ALWAYS) for one in item)):
+        return item
     if isinstance(item, tuple):
         kept = tuple([_held(one, codes, steps) for one in item if not _is_of_others(one, codes)])
         is_same = len(kept) == len(item) and all(new is old for new, old in zip(kept, item, strict=True))
