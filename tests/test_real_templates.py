@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from codewheel.render import Templates, environment
+from codewheel.environments import environment
+from codewheel.render import Templates
 from codewheel.targets.registry import BUILT_IN, load_target
 from jinja2 import Environment, meta, nodes
 

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 
 from ..changes.report import Files
 from ..model import Device
-from ..render import TemplateFault
 from ..targets import Library, TargetError
 from ..targets.registry import BUILT_IN, files_of, load_target
+from ..template_fault import TemplateFault
 
 
 def changed_files(old: Sequence[Device], new: Sequence[Device]) -> Files | None:

@@ -12,9 +12,10 @@ from ..language.problems import Report, listed, suggestion
 from ..loading.library import Family, load_families, sound_families
 from ..model import Device
 from ..parts import Rendering, is_plain
-from ..render import TemplateFault, unused_templates
+from ..render import unused_templates
 from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import BUILT_IN, PackageMissing, files_of, load_target, problems_of, target_names
+from ..template_fault import TemplateFault
 from .editions import beside
 from .terminal import Stop
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..render import TemplateFault
+from ..template_fault import TemplateFault
 from . import NO_OPTIONS, Library, Options, Target, TargetError, TargetProblem
 
 if TYPE_CHECKING:

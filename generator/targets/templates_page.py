@@ -17,7 +17,8 @@ from typing import Annotated, Any, ClassVar, get_args, get_origin, get_type_hint
 
 from jinja2 import Environment, meta, nodes
 
-from ..render import COMMON_FILTERS, Templates, environment
+from ..environments import COMMON_FILTERS, environment
+from ..render import Templates
 from ..say.markdown import STYLE, code, paragraph, table, text
 from . import Target
 from .registry import BUILT_IN, load_target

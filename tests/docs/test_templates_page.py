@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, TypedDict, get_type_hints
 
 import pytest
-from codewheel import render
+from codewheel import environments
 from codewheel.commands.cli import main
 from codewheel.render import Templates
 from codewheel.targets import Library
@@ -96,5 +96,5 @@ def test_its_example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: py
     place.write_text(template[2], encoding="utf-8")
     assert main(shlex.split(command)[1:]) == 0, capsys.readouterr().err
     assert (tmp_path / made[1]).read_text(encoding="utf-8").endswith(f"\n\n{ending}")
-    render.environment.cache_clear()
-    render._own_loader.cache_clear()
+    environments.environment.cache_clear()
+    environments.own_loader.cache_clear()

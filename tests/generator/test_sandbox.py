@@ -7,8 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from codewheel import render, sandbox
-from codewheel.render import TemplateFault, Templates
+from codewheel import environments, sandbox
+from codewheel.render import Templates
+from codewheel.template_fault import TemplateFault
 
 Render = Callable[..., str]
 
@@ -35,8 +36,8 @@ def rendered(tmp_path: Path) -> Render:
 
     def rendered(text: str, name: str = "x.jinja") -> str:
         (tmp_path / "own" / name).write_text(text)
-        render.environment.cache_clear()
-        render._own_loader.cache_clear()
+        environments.environment.cache_clear()
+        environments.own_loader.cache_clear()
         return templates.render("x.jinja", values, tmp_path / "own")
 
     return rendered

@@ -12,8 +12,9 @@ from pathlib import Path
 
 import jinja2
 import pytest
-from codewheel import render as module
+from codewheel import environments as module
 from codewheel.commands.cli import main
+from codewheel.render import Templates
 from codewheel.targets.registry import BUILT_IN, load_target
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -37,7 +38,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Captur
     capsys.readouterr()
     yield tmp_path
     module.environment.cache_clear()
-    module._own_loader.cache_clear()
+    module.own_loader.cache_clear()
 
 
 def generate(capsys: pytest.CaptureFixture[str], *arguments: str, spec: str = "demo.yaml") -> tuple[int, str]:
@@ -143,7 +144,7 @@ def compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 def text_of(template: Path) -> str:
     module.environment.cache_clear()
-    return module.Templates(template.parent).render(template.name, {}, None)
+    return Templates(template.parent).render(template.name, {}, None)
 
 
 def test_compiled_templates_are_next_to_their_sources(compiled: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -186,7 +187,7 @@ def test_compiled_templates_that_cannot_be_written_are_done_without(
     assert not (compiled.parent / "__pycache__").exists()
 
 
-def templates_of(name: str) -> module.Templates:
+def templates_of(name: str) -> Templates:
     found = load_target(name).templates
     assert found is not None
     return found

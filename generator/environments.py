@@ -1,0 +1,158 @@
+"""The Jinja environments in which templates are rendered: ours, and a sandbox for templates of the user.
+
+Errors in a user's template are reported with file and line.
+"""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Hashable, Mapping
+from functools import cache, partial
+from pathlib import Path
+from typing import Protocol
+
+from jinja2 import (
+    ChoiceLoader,
+    Environment,
+    FileSystemLoader,
+    PrefixLoader,
+    StrictUndefined,
+    TemplateNotFound,
+    TemplateSyntaxError,
+)
+
+from .compiled import CompiledTemplates
+from .sandbox import Sandbox
+from .say.lines import plain, wrapped
+from .template_fault import SUFFIX, TemplateFault
+
+#: Filters of all targets.
+COMMON_FILTERS: Mapping[str, Callable[..., object]] = {"plain": plain, "wrapped": wrapped}
+#: Prefix for template names that selects the target's own template, even if the user overrides it.
+_SHIPPED = "shipped"
+
+
+class Settings(Hashable, Protocol):
+    """What the environment of a target needs, see ``codewheel.render.Templates``."""
+
+    @property
+    def folder(self) -> Path: ...
+    @property
+    def filters(self) -> Mapping[str, Callable[..., object]]: ...
+    @property
+    def functions(self) -> Mapping[str, Callable[..., object]]: ...
+    @property
+    def autoescape(self) -> bool: ...
+    @property
+    def tests(self) -> Mapping[str, type]: ...
+
+
+class _OwnTemplates(FileSystemLoader):
+    """The user's templates in one folder. ``used`` collects the names of those that were read."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder, encoding="utf-8-sig")
+        self.folder = folder
+        self.used: set[str] = set()
+
+    def get_source(self, environment: Environment, template: str) -> tuple[str, str, Callable[[], bool]]:
+        path = self.folder / template
+        if not path.resolve().is_relative_to(self.folder.resolve()):
+            raise TemplateFault(f"{path.as_posix()}: this path is outside the folder of templates")
+        try:
+            found = super().get_source(environment, template)
+        except TemplateNotFound:
+            raise
+        except UnicodeDecodeError:
+            place = f"{path.as_posix()}:{_first_bad_line(path)}"
+            raise TemplateFault(f"{place}: not UTF-8; save the template as UTF-8") from None
+        except OSError as error:
+            raise TemplateFault(f"{path.as_posix()}: cannot read the template: {error.strerror or error}") from None
+        self.used.add(template)
+        return found
+
+
+def _first_bad_line(path: Path) -> int:
+    content = path.read_bytes()
+    try:
+        content.decode()
+    except UnicodeDecodeError as error:
+        return content.count(b"\n", 0, error.start) + 1
+    return 1
+
+
+@cache
+def own_loader(own: Path) -> _OwnTemplates:
+    return _OwnTemplates(own)
+
+
+def text_of(templates: Settings, template: str, values: Mapping[str, object], own: Path | None) -> str:
+    """Render a template of a target. ``own`` is the folder of the user's templates for it.
+
+    Raises:
+        TemplateFault: A user's template has an error.
+    """
+    try:
+        made = environment(templates, own)
+        if isinstance(made, Sandbox):
+            text = made.text_of(template, values)
+        else:
+            text = made.get_template(template).render(values)
+        text.encode()
+        return text
+    except TemplateFault:
+        raise
+    except Exception as error:
+        if own is None or not own_loader(own).used:
+            raise
+        raise TemplateFault(f"{_place(error, own) or (own / template).as_posix()}: {_reason(error)}") from None
+
+
+@cache
+def environment(templates: Settings, own: Path | None = None) -> Environment:
+    """Return the environment for rendering templates. It is a sandbox if the user has templates."""
+    shipped = FileSystemLoader(templates.folder, encoding="utf-8-sig")
+    by_name = PrefixLoader({_SHIPPED: shipped})
+    # The two environments compile templates differently, so code for the sandbox is not cached.
+    kind = Environment if own is None else Sandbox
+    made = kind(
+        loader=shipped if own is None else ChoiceLoader([own_loader(own), by_name, shipped]),
+        bytecode_cache=CompiledTemplates() if own is None else None,
+        undefined=StrictUndefined,
+        autoescape=templates.autoescape,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    made.filters |= {**COMMON_FILTERS, **templates.filters}
+    tests: dict[str, Callable[..., bool]] = {name: partial(_is, kind) for name, kind in templates.tests.items()}
+    made.tests.update(tests)
+    made.globals |= templates.functions
+    if isinstance(made, Sandbox):
+        made.finish({*COMMON_FILTERS, *templates.filters})
+    return made
+
+
+def _is(kind: type, item: object) -> bool:
+    return isinstance(item, kind)
+
+
+def _place(error: Exception, own: Path) -> str:
+    """Return file and line of an error, either in the user's template or in one of ours that includes it."""
+    if isinstance(error, TemplateSyntaxError):
+        return f"{error.filename or error.name}:{error.lineno}"
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.endswith(SUFFIX)]
+    theirs = [frame for frame in frames if Path(frame.filename).is_relative_to(own)]
+    return next((f"{Path(frame.filename).as_posix()}:{frame.lineno}" for frame in reversed(theirs or frames)), "")
+
+
+def _reason(error: Exception) -> str:
+    if isinstance(error, TemplateNotFound):
+        return f"there is no template '{plain(error.name)}'"
+    if isinstance(error, UnicodeEncodeError):
+        return f"the text contains U+{ord(error.object[error.start]):04X}, which is not a character"
+    if isinstance(error, MemoryError):
+        return "the template uses too much memory"
+    module = type(error).__module__
+    kind = "" if module.startswith("jinja2") else f"{type(error).__name__}: "
+    return f"{kind}{plain(error)}"
