@@ -12,7 +12,8 @@ from types import MappingProxyType
 
 from .expressions import Expression
 from .facts import Sources
-from .kinds import Choice, Constant, CrcValue, Decimal, Digits, Flag, Kind, Number, Parity, Unused, Value, Verdict
+from .kinds import Choice, Constant, CrcValue, Decimal, Digits, Flag, Kind, Number, Parity, Text, Unused, Value, Verdict
+from .never import assert_never
 from .record import dataclass
 from .scale import Scale
 
@@ -124,8 +125,14 @@ class Field:
 
     @property
     def number(self) -> Number:
-        """Kind of the field if that is a number, else a plain number."""
-        return self.kind if isinstance(self.kind, Number) else Number()
+        """Kind of the field if that is a number, else a plain number: limits and parameters then apply to the bits."""
+        match self.kind:
+            case Number():
+                return self.kind
+            case Flag() | Choice() | Constant() | Unused() | CrcValue() | Parity() | Decimal() | Text():
+                return Number()
+            case _:
+                assert_never(self.kind)
 
     @property
     def values(self) -> tuple[Value, ...]:

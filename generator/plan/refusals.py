@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from ..model import Digits, Field, Layout
 from ..model.expressions import Expression
-from ..model.kinds import Choice, Decimal, Number
+from ..model.kinds import Choice, Constant, CrcValue, Decimal, Flag, Number, Parity, Text, Unused
 from ..model.never import assert_never
 from ..model.record import dataclass
 from .codec import Codec, NotAbove, Whole, allowed_values
@@ -165,8 +165,10 @@ def _of_field(layout: Layout, item: Field) -> Iterator[Refusal]:
         case Decimal(runs=runs):
             yield from (DigitTooHigh(item, run) for run in runs)
             yield DigitsDisagree(item, runs)
-        case _:
+        case Flag() | Text() | Constant() | Unused() | CrcValue() | Parity():
             return
+        case _:
+            assert_never(item.kind)
 
 
 def _of_number(item: Field, number: Number) -> Refusal:
