@@ -8,7 +8,7 @@ from functools import lru_cache, reduce
 from importlib import import_module
 from typing import Any, Final, cast
 
-from .codec import as_bytes, whole_number
+from .codec import as_bytes, assert_never, whole_number
 from .encoder import Encoder
 from .reports import Verdict
 from .shape import (
@@ -412,29 +412,35 @@ def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
 
 
 def _write_column(chunk: Chunk, item: Column, out: Mapping[str, Any]) -> None:
-    if item.kind in ("flag", "not_flag"):
-        chunk.flag(item.low, item.kind == "flag", out[item.name])
-    elif item.kind == "choice":
-        out[item.name][:] = chunk.take(item.low, item.width)
-    elif item.kind == "digits":
-        bits = chunk.take(item.low, item.width).astype(np.uint64, copy=False)
-        for name, divisor, modulus in item.runs:
-            out[name][:] = bits // np.uint64(divisor) % np.uint64(modulus)
-    elif item.kind == "text":
-        length = item.width // 8
-        rows = np.empty((len(chunk.limbs[0]), length), np.uint8)
-        for place in range(length):
-            rows[:, place] = chunk.take(item.low + 8 * (length - 1 - place), 8)
-        out[item.name][:] = rows.view(f"S{length}")[:, 0]
-    else:
-        number = out[item.name].view(np.uint64)
-        chunk.take(item.low, item.width, number)
-        if item.kind == "signed" and item.width:
-            top = np.uint64(1 << item.width - 1)
-            number ^= top
-            number -= top
-        elif item.zero_means:
-            number[number == 0] = item.zero_means
+    match item.kind:
+        case "flag" | "not_flag":
+            chunk.flag(item.low, item.kind == "flag", out[item.name])
+        case "choice":
+            out[item.name][:] = chunk.take(item.low, item.width)
+        case "digits":
+            bits = chunk.take(item.low, item.width).astype(np.uint64, copy=False)
+            for name, divisor, modulus in item.runs:
+                out[name][:] = bits // np.uint64(divisor) % np.uint64(modulus)
+        case "text":
+            length = item.width // 8
+            rows = np.empty((len(chunk.limbs[0]), length), np.uint8)
+            for place in range(length):
+                rows[:, place] = chunk.take(item.low + 8 * (length - 1 - place), 8)
+            out[item.name][:] = rows.view(f"S{length}")[:, 0]
+        case "number":
+            number = out[item.name].view(np.uint64)
+            chunk.take(item.low, item.width, number)
+            if item.zero_means:
+                number[number == 0] = item.zero_means
+        case "signed":
+            number = out[item.name].view(np.uint64)
+            chunk.take(item.low, item.width, number)
+            if item.width:
+                top = np.uint64(1 << item.width - 1)
+                number ^= top
+                number -= top
+        case _:
+            assert_never(item.kind)
 
 
 def _judge(shape: Shape, out: Mapping[str, Any]) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from .bulk_decode import CHUNK, Chunk, crc_difference, np, parity_bits
+from .codec import assert_never
 from .errors import RangeError
 from .shape import Column, Join, Shape, scales, width_of
 
@@ -123,26 +124,29 @@ def _put(limbs: list[Any], low: int, width: int, bits: Any) -> None:
 def _bits(given: Mapping[str, Any], item: Column, refused: Refused) -> Iterator[tuple[int, int, Any]]:
     """Yield the pieces of a field: lowest bit, width and bits."""
     values = given[names_of(item)[0]]
-    if item.kind in ("flag", "not_flag"):
-        yield item.low, item.width, ((values != 0) == (item.kind == "flag")).astype(np.uint64)
-    elif item.kind == "digits":
-        number = np.zeros(len(values), np.uint64)
-        for name, divisor, modulus in item.runs:
-            digits = _unsigned(given[name], refused, name, modulus - 1)
-            number += digits * np.uint64(divisor)
-        yield item.low, item.width, _fitting(number, item.width, number, refused, item.name)
-    elif item.kind == "text":
-        yield from _text(values, item, refused)
-    elif item.kind == "signed":
-        top = 1 << item.width >> 1
-        high = max(top, 1) - 1
-        wrong = values > high if top else values != 0
-        if values.dtype.kind == "i":
-            wrong = wrong | (values < -top)
-        refused.add(wrong, item.name, values, f"{-top} to {top - 1}")
-        yield item.low, item.width, values.astype(np.int64).view(np.uint64) & np.uint64((1 << item.width) - 1)
-    else:
-        yield item.low, item.width, _number(values, item, refused)
+    match item.kind:
+        case "flag" | "not_flag":
+            yield item.low, item.width, ((values != 0) == (item.kind == "flag")).astype(np.uint64)
+        case "digits":
+            number = np.zeros(len(values), np.uint64)
+            for name, divisor, modulus in item.runs:
+                digits = _unsigned(given[name], refused, name, modulus - 1)
+                number += digits * np.uint64(divisor)
+            yield item.low, item.width, _fitting(number, item.width, number, refused, item.name)
+        case "text":
+            yield from _text(values, item, refused)
+        case "signed":
+            top = 1 << item.width >> 1
+            high = max(top, 1) - 1
+            wrong = values > high if top else values != 0
+            if values.dtype.kind == "i":
+                wrong = wrong | (values < -top)
+            refused.add(wrong, item.name, values, f"{-top} to {top - 1}")
+            yield item.low, item.width, values.astype(np.int64).view(np.uint64) & np.uint64((1 << item.width) - 1)
+        case "number" | "choice":
+            yield item.low, item.width, _number(values, item, refused)
+        case _:
+            assert_never(item.kind)
 
 
 def _number(values: Any, item: Column, refused: Refused) -> Any:

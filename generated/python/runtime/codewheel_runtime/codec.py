@@ -8,7 +8,7 @@ from enum import Enum, IntEnum
 from functools import cache
 from operator import index
 from types import MappingProxyType
-from typing import Any, Final, NamedTuple, Protocol, SupportsIndex, TypeAlias, TypeVar, cast, get_args
+from typing import Any, Final, NamedTuple, NoReturn, Protocol, SupportsIndex, TypeAlias, TypeVar, cast, get_args
 
 from .encoder import Encoder
 from .errors import FamilyError, FrameError, InterfaceError, LengthError, RangeError
@@ -196,6 +196,11 @@ def as_bytes(data: Data) -> bytes:
         shape = "items" if view.ndim == 1 else f"items in {view.ndim} dimensions"
         raise TypeError(f"expected a row of bytes, got a buffer of {shape} of the format '{view.format}': pass bytes")
     return view.tobytes()
+
+
+def assert_never(kind: NoReturn) -> NoReturn:
+    """Make mypy reject a ``match`` that misses a kind of column."""
+    raise AssertionError(f"no case for {kind!r}")
 
 
 def check_width(field: str, value: SupportsIndex, bits: int) -> int:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Generic, NoReturn, TypeVar, cast, get_typ
 
 from .codec import (
     BitField,
+    assert_never,
     check_bits,
     check_limits,
     check_power_of_two,
@@ -335,12 +336,22 @@ def _bits(fields: Any, column: Column) -> int:
         runs = [(check_limits(run, getattr(fields, run), (0, modulus - 1)), by) for run, by, modulus in column.runs]
         return sum(number * divisor for number, divisor in runs)
     value = getattr(fields, column.name)
-    if column.kind == "flag" or column.kind == "not_flag":
-        return bool(value) == (column.kind == "flag")
-    if column.kind == "text":
-        return text_number(name, value, width // 8)
-    if column.kind == "signed":
-        return check_signed(name, value, width) & (1 << width) - 1
+    match column.kind:
+        case "flag" | "not_flag":
+            return bool(value) == (column.kind == "flag")
+        case "text":
+            return text_number(name, value, width // 8)
+        case "signed":
+            return check_signed(name, value, width) & (1 << width) - 1
+        case "number" | "choice":
+            return _number_bits(name, value, column)
+        case _:
+            assert_never(column.kind)
+
+
+def _number_bits(name: str, value: Any, column: Column) -> int:
+    """Return the bits of an unsigned number, which may be limited to certain values."""
+    width = column.width
     if isinstance(column.values, type):
         return choice(column.values, name, value)
     if column.values:

@@ -8,7 +8,7 @@ from enum import IntEnum
 from functools import lru_cache
 from typing import Literal, NamedTuple
 
-from .codec import BitField
+from .codec import BitField, assert_never
 from .facts import Scale
 from .reports import Verdict
 from .table import ErrorKind
@@ -169,13 +169,19 @@ def kinds(shape: Shape) -> dict[str, str]:
     for item in shape.columns:
         if item.name in late:
             continue
-        if item.kind == "digits":
-            found |= {name: "i8" for name, _, _ in item.runs}
-        elif item.kind == "text":
-            found[item.name] = f"S{item.width // 8}"
-        else:
-            found[item.name] = "?" if item.kind.endswith("flag") else "u8" if item.width == 64 else "i8"
-            found |= {item.name: smallest(item.width)} if item.kind == "choice" else {}
+        match item.kind:
+            case "digits":
+                found |= {name: "i8" for name, _, _ in item.runs}
+            case "text":
+                found[item.name] = f"S{item.width // 8}"
+            case "flag" | "not_flag":
+                found[item.name] = "?"
+            case "choice":
+                found[item.name] = smallest(item.width)
+            case "number" | "signed":
+                found[item.name] = "u8" if item.width == 64 else "i8"
+            case _:
+                assert_never(item.kind)
     found |= {join.name: "u8" if width_of(shape, join) == 64 else "i8" for join in shape.joins}
     found |= {"unused": smallest(unused_bits(shape))} if shape.unused else {}
     return found | ({"verdict": "u1"} if shape.otherwise is not None else {})
