@@ -10,14 +10,18 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import get_args
+from types import SimpleNamespace
+from typing import Any, cast, get_args
 
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Fault, Field, Kind, Layout
 from codewheel.plan import values
 from codewheel.plan.codec import Bits, bits_of
+from codewheel.plan.refusals import _of_field
 from codewheel.targets import Library, Target
+from codewheel_runtime import bulk_decode, bulk_encode, frames
+from codewheel_runtime.shape import Column, Shape, kinds
 
 ROOT = Path(__file__).parents[2]
 #: Specs that between them have every operation, registers, examples and parameters that registers hold.
@@ -149,7 +153,7 @@ def test_an_unknown_check_is_refused(output: str, monkeypatch: pytest.MonkeyPatc
         rendered(output)
 
 
-@pytest.mark.parametrize("output", ["c"])
+@pytest.mark.parametrize("output", ["c", "rust"])
 def test_an_unknown_refusal_is_refused(output: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """By the code that prints it. A limit that depends on the order code is refused earlier, by the plan."""
 
@@ -162,11 +166,36 @@ def test_an_unknown_refusal_is_refused(output: str, monkeypatch: pytest.MonkeyPa
         rendered(output)
 
 
-def test_an_unknown_kind_is_refused() -> None:
+#: Decisions about a field that depend on its kind.
+DECISIONS: dict[str, Callable[[Layout, Field], object]] = {
+    "meaning": lambda layout, field: values.meaning_of(field),
+    "refusals": lambda layout, field: list(_of_field(layout, field)),
+    "limits": lambda layout, field: field.number,
+}
+
+
+@pytest.mark.parametrize("decision", DECISIONS)
+def test_an_unknown_kind_is_refused(decision: str) -> None:
     devices, _ = load_library([ROOT / SPECS[0]])
-    field = next(field for _, layout in devices[0].layouts() for field in layout.fields)
+    layout, field = next((layout, field) for _, layout in devices[0].layouts() for field in layout.fields)
     with pytest.raises(AssertionError, match="no case for Unknown"):
-        values.meaning_of(replace(field, kind=Unknown()))
+        DECISIONS[decision](layout, replace(field, kind=Unknown()))
+
+
+LEVEL = Column("level", 0, 8, kind=cast("Any", "unknown"))
+#: Parts of the Python runtime that go by the kind of a column.
+INTERPRETERS: dict[str, Callable[[], object]] = {
+    "types": lambda: kinds(Shape(8, columns=(LEVEL,))),
+    "encode": lambda: frames._bits(SimpleNamespace(level=1), LEVEL),
+    "decode_many": lambda: bulk_decode._write_column(cast("Any", None), LEVEL, {}),
+    "encode_many": lambda: list(bulk_encode._bits({"level": [1]}, LEVEL, cast("Any", None))),
+}
+
+
+@pytest.mark.parametrize("part", INTERPRETERS)
+def test_an_unknown_kind_of_column_is_refused(part: str) -> None:
+    with pytest.raises(AssertionError, match="no case for 'unknown'"):
+        INTERPRETERS[part]()
 
 
 #: Outputs that look at no kind, the folder of the source of each, and that of its templates.
