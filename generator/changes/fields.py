@@ -12,12 +12,14 @@ from ..model import (
     Device,
     Field,
     Flag,
+    Kind,
     Layout,
     Number,
     Parity,
     Rs485,
     Text,
     Unused,
+    assert_never,
 )
 from .change import Change, Thing
 from .compare import members, things
@@ -26,17 +28,6 @@ from .family_pair import FamilyPair
 from .pairs import Pair
 from .value_text import shown
 
-_WORDS = {
-    Number: "number",
-    Flag: "flag",
-    Choice: "named values",
-    Constant: "fixed bits",
-    Unused: "unused bits",
-    CrcValue: "CRC",
-    Parity: "parity",
-    Decimal: "decimal digits",
-    Text: "text",
-}
 #: Kinds among which a change affects only how bits are read.
 _PLAIN = (Number, Decimal, Text)
 
@@ -92,7 +83,31 @@ def _kind(both: FamilyPair, place: Thing, old: Field, new: Field, scope: str) ->
             rule = "field-reads-otherwise"
         elif isinstance(before, Constant) and isinstance(after, Unused):
             rule = "field-constant"
-        yield both.change(rule, place, f": {_WORDS[type(before)]} → {_WORDS[type(after)]}", before, after)
+        yield both.change(rule, place, f": {_words(before)} → {_words(after)}", before, after)
+
+
+def _words(kind: Kind) -> str:
+    match kind:
+        case Number():
+            return "number"
+        case Flag():
+            return "flag"
+        case Choice():
+            return "named values"
+        case Constant():
+            return "fixed bits"
+        case Unused():
+            return "unused bits"
+        case CrcValue():
+            return "CRC"
+        case Parity():
+            return "parity"
+        case Decimal():
+            return "decimal digits"
+        case Text():
+            return "text"
+        case _:
+            assert_never(kind)
 
 
 def _runs(both: FamilyPair, place: Thing, old: Decimal, new: Decimal) -> Iterator[Change]:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from typing import get_args
+
+from ..kinds import Kind
 from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part
 
 FRAMES = (
@@ -242,7 +245,7 @@ FRAMES = (
         Member("fills_gap"),
         Member("constants"),
         Member("turned"),
-        of="Field Number Flag Choice Constant Unused CrcValue Parity Decimal Text",
+        of=" ".join(("Field", *(kind.__name__ for kind in get_args(Kind)))),
     ),
     Part(
         "layout",
