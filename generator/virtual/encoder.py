@@ -10,7 +10,24 @@ from time import monotonic
 from ..language.problems import Report
 from ..loading.editions import chosen
 from ..loading.library import Family, in_edition, load_families, sound_families
-from ..model import Biss, Choice, Device, Field, Flag, Layout, PlacedLayout, Variant
+from ..model import (
+    Biss,
+    Choice,
+    Constant,
+    CrcValue,
+    Decimal,
+    Device,
+    Field,
+    Flag,
+    Layout,
+    Number,
+    Parity,
+    PlacedLayout,
+    Text,
+    Unused,
+    Variant,
+    assert_never,
+)
 from ..order_codes.labels import Match, UnknownOrderCode, find
 from ..order_codes.run_time import decided
 from ..reference import codec
@@ -227,7 +244,7 @@ class VirtualEncoder:
             elif told is not None:
                 values[item.name] = told
             else:
-                values[item.name] = field.kind.values[0].value if isinstance(field.kind, Choice) else 0
+                values[item.name] = _value_at_rest(field)
         return values
 
     def _parts(self) -> tuple[tuple[str, int], ...]:
@@ -269,6 +286,21 @@ class VirtualEncoder:
             if item.name not in self.answers:
                 options = " or ".join(f"{item.name}={answer.name}" for answer in item.answers)
                 raise ValueError(f"{item.meaning}: choose {options}")
+
+
+def _value_at_rest(field: Field) -> int:
+    """Return the value of a field that nothing else sets: that of the bits 0 if they are valid."""
+    match field.kind:
+        case Choice(values):
+            return values[0].value
+        case Number(power_of_two=True):
+            return 1
+        case Number(zero_means=number):
+            return number
+        case Flag() | Decimal() | Text() | Constant() | Unused() | CrcValue() | Parity():
+            return 0
+        case _:
+            assert_never(field.kind)
 
 
 @cache

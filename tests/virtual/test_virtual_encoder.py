@@ -5,7 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from codewheel.reference import codec
 from codewheel.virtual import BissLine, Rs485Line, SsiLine, VirtualEncoder, motion
+
+#: A made-up encoder with fields of every kind.
+WORDS = Path(__file__).parents[1] / "c/specs/words.yaml"
 
 
 class Clock:
@@ -43,6 +47,16 @@ def test_a_reply_over_rs_485() -> None:
         xor ^= byte
     assert line.send() == reply + bytes([xor])
     assert line.send() == b""
+
+
+@pytest.mark.parametrize("order_code", ["WASC", "WBSC", "WBJP"])
+def test_every_frame_of_a_made_up_encoder_is_valid(order_code: str) -> None:
+    """Its fields include numbers for which the value 0 does not exist."""
+    encoder = VirtualEncoder(order_code, specs=[WORDS, WORDS.parent / "manufacturer.yaml"])
+    for layout in encoder.layouts("encoder"):
+        identity = {layout.selector: layout.selects[0]} if layout.selector else {}
+        found = codec.decode(encoder.device, encoder.place(layout), encoder.frame(layout, identity))
+        assert found.problems == ()
 
 
 def test_words_over_ssi_and_zeros_after_them() -> None:
