@@ -10,7 +10,6 @@ from ...model import (
     Crc,
     Device,
     Field,
-    Input,
     Interface,
     Layout,
     Parameter,
@@ -21,7 +20,7 @@ from ...model import (
 from ...plan.crcs import Carrier, CrcFunction, Form
 from ...plan.steps import Call, Operation, Polls, Reads, Run, Sends, Verifies, Waits, Writes
 from ...plan.values import Characters, meaning_of
-from ...say import alarm, crc, field, hardware_input, layout, order_code, parameter, procedure, register
+from ...say import alarm, crc, field, layout, order_code, parameter, procedure, register
 from ...say.name import full_title, register_field, title
 from ...say.place import addresses, bit_range, field_place
 from ...say.text import Code, Said, listed, said
@@ -64,10 +63,6 @@ def about_parameter(device: Device, prefix: str, item: Parameter) -> str:
     taken = f" {prefix}_take_{item.register}() updates it." if item.read_from else ""
     in_code = list(parameter.origin(device, item)) if item.equals is not None else ()
     return S.paragraph(one for one in parameter.parameter(device, item) if one not in in_code) + taken
-
-
-def about_input(device: Device, item: Input) -> list[Paragraph]:
-    return _headed(title(item), hardware_input.hardware_input(device, item))
 
 
 def about_alarm(device: Device, item: Alarm) -> list[Paragraph]:

@@ -175,13 +175,6 @@ def _rate_of(text: str) -> float | None:
     return float(found[1]) * _PREFIXES[found[2]] or None if found else None
 
 
-def rate_of(text: str) -> float:
-    """Return a sample rate such as ``24MHz`` in samples per second. Raises ValueError if the text is not one."""
-    if (found := _rate_of(text)) is None:
-        raise ValueError(f"{short(text)} is not a sample rate such as 24MHz")
-    return found
-
-
 # NumPy files
 
 
