@@ -289,7 +289,7 @@ class VirtualEncoder:
 
 
 def _value_at_rest(field: Field) -> int:
-    """Return the value of a field that nothing else sets: that of the bits 0 if they are valid."""
+    """Return the value of a field that has no other source: that of the bits 0 if they are valid."""
     match field.kind:
         case Choice(values):
             return values[0].value
