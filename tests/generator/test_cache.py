@@ -596,7 +596,7 @@ def library_of(specs: Path, cache: Cache) -> tuple[Library, dict[str, str]]:
     return Library(tuple(family.device for family in families)), digests
 
 
-#: Tasks for each family. One process makes the files for masters and the page about them.
+#: Tasks for each family. One process generates the files for masters and the page about them.
 TASKS = len(BUILT_IN) - 1
 
 
