@@ -14,7 +14,7 @@ from ..model.expressions import Expression
 from ..model.never import assert_never
 from ..model.record import dataclass
 from . import codec as plan
-from . import reports
+from . import reports, verdicts
 from .refusals import powers_of_two
 from .values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 
@@ -104,7 +104,7 @@ class Speaks:
     flag: Name
     unless: tuple[Name, ...] = ()
     mask: int = 0
-    only: reports.Only | None = None
+    only: verdicts.Only | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +114,7 @@ class Tells:
     report: str
     flag: Name
     mask: int = 0
-    only: reports.Only | None = None
+    only: verdicts.Only | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,7 +220,7 @@ def _places(of: tuple[Field, ...]) -> tuple[Place, ...]:
     return tuple(Place(item.low, item.width) for item in of)
 
 
-def _speaks(judgement: reports.Judgement) -> Iterator[Speaks]:
+def _speaks(judgement: verdicts.Judgement) -> Iterator[Speaks]:
     for verdict, items in judgement.worst_first:
         for item in items:
             unless = tuple(Name(part.field.name) for part in item.unless)

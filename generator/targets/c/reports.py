@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 from ...language.problems import Path
 from ...model import Device, Layout, Verdict, cite
 from ...plan.codec import Part, Reserved
-from ...plan.reports import Only, Report, Reporting, Speaks, reportings, reports_of
+from ...plan.reports import Report, Reporting, reportings, reports_of
+from ...plan.verdicts import Only, Speaks
 from ...say.name import title
 from ...say.report import alarm_of, meaning, remedy, source
 from ...say.text import said

@@ -33,8 +33,9 @@ from ...model import (
 )
 from ...plan.codec import codec_of, constant_values
 from ...plan.replies import exchanges
-from ...plan.reports import Judgement, Only, Speaks, reportings
+from ...plan.reports import reportings
 from ...plan.values import Active, Raw, TwosComplement, meaning_of
+from ...plan.verdicts import Judgement, Only, Speaks
 from ...say.box import as_words
 from ...say.crc import inverted
 from ...say.evidence import document

@@ -6,8 +6,9 @@ from collections.abc import Iterator, Sequence
 from typing import Annotated, TypedDict
 
 from ...model import Device, Field, Interface, Layout, Verdict
-from ...plan.reports import Judgement, Only, Reporting, reportings, reports_of, sums_up, verdict_of
+from ...plan.reports import Reporting, reportings, reports_of, sums_up
 from ...plan.values import Active, meaning_of
+from ...plan.verdicts import Judgement, Only, verdict_of
 from ...say.evidence import document
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import own_names

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from ...model import Field, Verdict
 from ...plan.codec import Codec, Part, Reserved
-from ...plan.reports import Only, Reporting, Speaks
+from ...plan.reports import Reporting
+from ...plan.verdicts import Only, Speaks
 from .expr import Atom, Expr, Not, Operation, joined, mask
 from .names import ClassNames
 

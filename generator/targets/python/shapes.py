@@ -11,8 +11,9 @@ from ...model import Fault, Scale
 from ...model.expressions import Expression
 from ...plan.codec import FrameCrc, allowed_values
 from ...plan.description import Column, Name, describe
-from ...plan.reports import Only, Reporting
+from ...plan.reports import Reporting
 from ...plan.values import is_named, meaning_of
+from ...plan.verdicts import Only
 from .bits import others
 from .codec import Coder
 from .context import byte_order

@@ -1,0 +1,128 @@
+"""Verdict on the position of a frame: which flags and reserved bits decide it, for which order codes.
+
+A valid frame may contain an unusable position, since an encoder with an error, or a busy one, also sends valid CRCs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from dataclasses import field as dataclass_field
+
+from ..model import Field, Flag, Verdict
+from ..model.kinds import Choice, Constant, CrcValue, Decimal, Number, Parity, Text, Unused
+from ..model.never import assert_never
+from .codec import Codec, Part, Reserved
+
+
+@dataclass(frozen=True, slots=True)
+class Only:
+    """Order codes selected by a parameter: those with a value other than 0 if ``holds`` is true, else those with 0.
+
+    ``codes`` is the text in the spec for those with a value other than 0.
+    """
+
+    parameter: str
+    holds: bool
+    codes: str = dataclass_field(default="", compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Speaks:
+    """Cause of a verdict, unless one of the flags ``unless``, which it combines, is active.
+
+    ``unless`` omits flags that lead to the same verdict or a worse one, since they make no difference. Without ``only``
+    it applies to all order codes.
+    """
+
+    by: Part | Reserved
+    unless: tuple[Part, ...]
+    only: Only | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """Verdict on the position of a frame: that of the worst active cause, or ``otherwise`` if none is active.
+
+    If ``otherwise`` is UNKNOWN, warnings have no effect, since UNKNOWN is worse than a warning.
+    """
+
+    not_usable: tuple[Speaks, ...]
+    with_warning: tuple[Speaks, ...]
+    otherwise: Verdict
+
+    @property
+    def worst_first(self) -> tuple[tuple[Verdict, tuple[Speaks, ...]], ...]:
+        """Return the verdicts with their causes, worst first."""
+        levels = ((Verdict.NOT_USABLE, self.not_usable), (Verdict.USABLE_WITH_WARNING, self.with_warning))
+        return tuple(item for item in levels if item[1])
+
+
+def judgement_of(codec: Codec) -> Judgement:
+    """Return the verdict on the position of a frame, with everything that it depends on."""
+    parts = {part.field.name: part for part in codec.parts}
+    speaking: dict[Verdict, list[Speaks]] = {verdict: [] for verdict in Verdict}
+    for by in telling(codec):
+        match by.field.kind:
+            case Flag():
+                for flag, only in _by_worth(by.field):
+                    others = [parts[name] for name in flag.sums_up if name in parts]
+                    if flag.makes_position is not None:
+                        unless = tuple(item for item in others if not _decides(item, flag.makes_position, parts))
+                        speaking[flag.makes_position].append(Speaks(by, unless, only))
+            case Unused(makes_position=verdict):
+                speaking[verdict].append(Speaks(by, ()))
+    flags = (part.field.kind for part in codec.parts if isinstance(part.field.kind, Flag))
+    tells = any(flag.makes_position is not Verdict.USABLE and not flag.only_while for flag in flags)
+    warning = speaking[Verdict.USABLE_WITH_WARNING] if tells else ()
+    otherwise = Verdict.USABLE if tells else Verdict.UNKNOWN
+    return Judgement(tuple(speaking[Verdict.NOT_USABLE]), tuple(warning), otherwise)
+
+
+def _by_worth(field: Field) -> Iterator[tuple[Flag, Only | None]]:
+    """Yield the flag for each group of order codes that has a different verdict."""
+    found = [(item.kind, only) for item, only in by_code(field) if isinstance(item.kind, Flag)]
+    alike = len({(kind.makes_position, kind.sums_up) for kind, _ in found}) == 1
+    yield from [(found[0][0], None)] if alike else found
+
+
+def _decides(part: Part, verdict: Verdict, parts: Mapping[str, Part]) -> bool:
+    """Return whether a flag always leads to ``verdict`` or a worse one."""
+    match part.field.kind:
+        case Flag(makes_position=own, sums_up=names, only_while="") if own is not None:
+            worst_first = list(Verdict)
+            return worst_first.index(own) <= worst_first.index(verdict) and parts.keys().isdisjoint(names)
+        case _:
+            return False
+
+
+def verdict_of(field: Field) -> Verdict | None:
+    """Return the verdict on the position while a flag is active or unused bits differ, or None without a position."""
+    match field.kind:
+        case Flag(makes_position=verdict) | Unused(makes_position=verdict):
+            return verdict
+        case Number() | Choice() | Constant() | CrcValue() | Parity() | Decimal() | Text():
+            return None
+        case _:
+            assert_never(field.kind)
+
+
+def telling(codec: Codec) -> Iterator[Part | Reserved]:
+    """Yield the flags and the reserved bits of a frame."""
+    yield from (part for part in codec.parts if isinstance(part.field.kind, Flag))
+    yield from codec.reserved
+
+
+def by_code(field: Field) -> Iterator[tuple[Field, Only | None]]:
+    """Yield the field. If the manual explains it only for some order codes, yield a separate one for the others."""
+    match field.kind:
+        case Flag(only_while=parameter, only=codes) if parameter:
+            yield field, Only(parameter, True, codes)
+            yield unexplained(field), Only(parameter, False, codes)
+        case _:
+            yield field, None
+
+
+def unexplained(field: Field) -> Field:
+    """Return a flag as it is for order codes for which the manual does not explain it."""
+    return replace(field.unexplained, name=f"{field.name}_unexplained")
