@@ -21,6 +21,7 @@ from ..model import (
     OutputCode,
     Port,
 )
+from ..model.expressions import Expression
 from .fields import Context, Site, build_values
 from .from_mapping import Raw, record, sources
 from .layouts import build_layout
@@ -38,7 +39,7 @@ def _interface(name: str, raw: Raw, context: Context) -> Interface:
     kind: Callable[..., Interface] = INTERFACES[name]
     sound = tuple(item for item in layouts if item is not None)
     if "word_bits" in raw:
-        _check_word(raw["word_bits"], sound, Site(("interfaces", name), context, name))
+        _check_words(raw, sound, Site(("interfaces", name), context, name))
     return record(
         kind,
         raw,
@@ -52,20 +53,33 @@ def _interface(name: str, raw: Raw, context: Context) -> Interface:
 _WORD = (8, 64)
 
 
-def _check_word(text: int | str, layouts: Sequence[Layout], site: Site) -> None:
-    """Check that a word has a possible number of bits for every order code, and that each layout has as many."""
-    bits = site.context.expression(text)
-    if bits is None:
-        return
-    low, high = _WORD
-    lengths = {bits.value(parameters) for parameters in site.sets}
-    for length in [length for length in sorted(lengths) if not low <= length <= high][:1]:
-        site.report("width-mismatch", f"a word has {length} bits, but {low} to {high} are possible", "word_bits")
+def _check_words(raw: Raw, layouts: Sequence[Layout], site: Site) -> None:
+    """Check that words have a possible number of bits for every order code, and that their layouts have as many."""
+    shared = _checked(raw, site)
+    found = [
+        (item, _checked(item, site, "exchanges", index) if "word_bits" in item else shared)
+        for index, item in enumerate(raw.get("exchanges", ()))
+    ]
     for layout in layouts:
-        if layout.bits != bits:
-            wrong = f"'{layout.name}' has {layout.bits.render()} bits, but 'word_bits' is {bits.render()}"
-            way = "all words over SPI have the same length, so correct 'word_bits' or the fields"
-            site.report("width-mismatch", f"{wrong}; {way}", "layouts", layout.name)
+        uses = [(item, bits) for item, bits in found if layout.name in (item["request"], item["reply"])]
+        for item, bits in uses or [({}, shared)]:
+            if bits is not None and layout.bits != bits:
+                of = f" of the exchange of '{item['request']}'" if "word_bits" in item else ""
+                wrong = f"'{layout.name}' has {layout.bits.render()} bits, but 'word_bits'{of} is {bits.render()}"
+                way = f", or give the exchange of '{item['request']}' its own 'word_bits'" if item and not of else ""
+                site.report("width-mismatch", f"{wrong}; correct 'word_bits' or the fields{way}", "layouts", layout.name)
+                break
+
+
+def _checked(raw: Raw, site: Site, *below: str | int) -> Expression | None:
+    """Return ``word_bits`` of an interface or exchange, and check its range for every order code."""
+    bits = site.context.expression(raw["word_bits"])
+    low, high = _WORD
+    lengths = sorted({bits.value(parameters) for parameters in site.sets} if bits is not None else ())
+    for length in [length for length in lengths if not low <= length <= high][:1]:
+        wrong = f"a word has {length} bits, but {low} to {high} are possible"
+        site.report("width-mismatch", wrong, *below, "word_bits")
+    return bits
 
 
 def build_measurement(raw: Raw, context: Context) -> Measurement | None:
@@ -102,17 +116,24 @@ def _biss(raw: Raw, context: Context) -> Mapping[str, Any]:
 
 
 def _rs485(raw: Raw, context: Context) -> Mapping[str, Any]:
-    return {"port": record(Port, {**_PORT, **raw.get("port", {})}), "exchanges": _exchanges(raw)}
+    return {"port": record(Port, {**_PORT, **raw.get("port", {})}), "exchanges": _exchanges(raw, context)}
 
 
 def _spi(raw: Raw, context: Context) -> Mapping[str, Any]:
     clock, bits = {"min_hz": 0, **raw.get("clock", {})}, context.expression(raw["word_bits"])
-    return {"clock": record(Clock, clock), "word_bits": bits, "exchanges": _exchanges(raw)}
+    return {"clock": record(Clock, clock), "word_bits": bits, "exchanges": _exchanges(raw, context)}
 
 
-def _exchanges(raw: Raw) -> tuple[Exchange, ...]:
+def _exchanges(raw: Raw, context: Context) -> tuple[Exchange, ...]:
     source = raw.get("source", "")
-    return tuple(record(Exchange, {"source": source, **item}) for item in raw.get("exchanges", ()))
+    return tuple(
+        record(
+            Exchange,
+            {"source": source, **item},
+            word_bits=context.expression(item["word_bits"]) if "word_bits" in item else None,
+        )
+        for item in raw.get("exchanges", ())
+    )
 
 
 #: Settings of a port that the manual does not give.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from ..model import (
     Alignment,
@@ -30,6 +30,7 @@ from ..model import (
     WordFormat,
     assert_never,
 )
+from ..model.expressions import Expression
 from .field import value
 from .name import printed, words
 from .name import register as named
@@ -122,7 +123,12 @@ def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
 def _words(fact: WordFormat) -> str:
     idle, edge = "high" if fact.mode & 2 else "low", "second" if fact.mode & 1 else "first"
     clock = f"SPI mode {fact.mode} (the clock idles {idle}, data is taken on the {edge} edge)"
-    return f"{fact.bits.render()} bits, {clock}, {REPLIES[fact.reply]}"
+    return f"{word_lengths(fact.lengths)}, {clock}, {REPLIES[fact.reply]}"
+
+
+def word_lengths(lengths: Iterable[Expression]) -> str:
+    """Return the numbers of bits that words have, such as "16 or 32 bits"."""
+    return f"{' or '.join(item.render() for item in lengths)} bits"
 
 
 def _timeout(timeout: Timeout) -> str:
@@ -158,7 +164,8 @@ def exchange(item: Exchange) -> Said:
     """Return a request with its reply."""
     effect = PURPOSES[item.purpose]
     answered = (" is answered by ", Code(item.reply)) if item.reply else (" has no reply",)
-    return said(Code(item.request), *answered, f", and {effect}" if effect else "", source=item.source)
+    words_of = f", in words of {word_lengths([item.word_bits])}" if item.word_bits is not None else ""
+    return said(Code(item.request), *answered, f", and {effect}" if effect else "", words_of, source=item.source)
 
 
 def control_field(item: ControlField) -> Said:

@@ -11,6 +11,9 @@ from .faults import disturbed
 class SpiLine:
     """SPI with one encoder. As bytes, each word has the bytes that hold its bits, most significant first.
 
+    Bytes have no chip select. If words have several lengths, the request shows where a word ends. Of two requests that
+    begin alike, the longer one counts if all its bytes have been received.
+
     Args:
         encoder: The encoder.
 
@@ -23,26 +26,42 @@ class SpiLine:
         if not isinstance(interface, Spi):
             raise ValueError(f"{encoder.variant.code} has no SPI")
         self.encoder, self.interface = encoder, interface
-        self.word_bits = interface.word_bits.value(encoder.variant.parameters)
+        parameters = encoder.variant.parameters
+        self.word_bits = interface.word_bits.value(parameters)
+        self._lengths = sorted({item.value(parameters) for item in interface.lengths}, reverse=True)
         self._writes = [item for item in interface.exchanges if item.purpose == "write"]
         self._written: dict[str, int] = {}
-        self._next = 0
+        self._next = 0, self.word_bits
         self._received, self._answers = b"", b""
 
-    def exchange(self, word: int) -> int:
-        """Receive a word, and return the word that the encoder sends meanwhile. A fault can change it."""
-        answer = self._answer(word)
+    def exchange(self, word: int, bits: int | None = None) -> int:
+        """Receive a word, and return the word that the encoder sends meanwhile. A fault can change it.
+
+        Args:
+            word: The word, whose first bit is the most significant.
+            bits: Number of bits of the word. Default: ``word_bits`` of the interface.
+
+        Raises:
+            ValueError: The encoder has no words of this length, or the word does not fit.
+        """
+        length = self.word_bits if bits is None else bits
+        if length not in self._lengths or word >> length:
+            known = " or ".join(map(str, sorted(self._lengths)))
+            raise ValueError(f"0x{word:X} is not a word of {length} bits; {self.encoder.variant.code} has {known} bits")
+        answer = self._answer(word, length)
         if self.interface.exchanges and self.interface.reply == "next_word":
-            answer, self._next = self._next, answer
-        return disturbed(self.encoder, answer, self.word_bits)
+            (late, had), self._next = self._next, (answer, length)
+            # A longer word ends with zeros, and a shorter one has only the beginning of the reply.
+            answer = late << length - had if length > had else late >> had - length
+        return disturbed(self.encoder, answer, length)
 
     def receive(self, data: bytes) -> None:
-        """Take bytes that the master sends."""
-        size = (self.word_bits + 7) // 8
+        """Take bytes that the master sends. Send a word in one piece if words have several lengths."""
         self._received += data
-        while len(self._received) >= size:
+        while (bits := self._arrived()) is not None:
+            size = (bits + 7) // 8
             word, self._received = self._received[:size], self._received[size:]
-            self._answers += self.exchange(int.from_bytes(word, "big")).to_bytes(size, "big")
+            self._answers += self.exchange(int.from_bytes(word, "big"), bits).to_bytes(size, "big")
 
     def send(self) -> bytes:
         """Return each answer once."""
@@ -53,12 +72,20 @@ class SpiLine:
         """Return None, because the answers never wait."""
         return None
 
-    def _answer(self, word: int) -> int:
+    def _arrived(self) -> int | None:
+        """Return the length of the first word in the received bytes, or None if it is incomplete."""
+        for bits in self._lengths if len(self._lengths) > 1 else ():
+            word = self._received[: (bits + 7) // 8]
+            if 8 * len(word) >= bits and self._known(int.from_bytes(word, "big"), bits) is not None:
+                return bits
+        return self.word_bits if 8 * len(self._received) >= self.word_bits else None
+
+    def _answer(self, word: int, bits: int) -> int:
         if not self.interface.exchanges:
             return self.encoder.frame(self.encoder.layouts("encoder")[0])
-        found = self._request(word)
+        found = self._request(word, bits)
         if found is None:
-            return self._error()
+            return self._error(bits)
         item, values = found
         layout = self._layout(item.reply)
         access: dict[str, int] = {name: int(values[name]) for name in ("address", "data") if name in values}
@@ -69,7 +96,7 @@ class SpiLine:
         if item.purpose == "write":
             self._written |= access
         data = self._access(item.purpose, access)
-        return self._error() if data is None else self.encoder.frame(layout, {**echo, "data": data})
+        return self._error(bits) if data is None else self.encoder.frame(layout, {**echo, "data": data})
 
     def _access(self, purpose: str, access: dict[str, int]) -> int | None:
         """Carry out an access, and return the value of the register afterwards, or None if there is no access."""
@@ -81,22 +108,30 @@ class SpiLine:
                 return None
         return memory.read_whole(address)
 
-    def _request(self, word: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
+    def _request(self, word: int, bits: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
+        """Return the request in a word with its values, and forget a write that it does not continue."""
+        found = self._known(word, bits)
+        if found is None:
+            self._written = {}
+        return found
+
+    def _known(self, word: int, bits: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
         """Return the request in a word with its values. The second word of a write follows the first."""
         started = bool(self._written)
         for item in self._writes[1:] if started else self.interface.exchanges:
             if not started and item in self._writes[1:]:
                 continue
             place = self.encoder.place(self._layout(item.request))
-            decoded = codec.decode_bits(self.encoder.device, place, word, self.word_bits)
+            decoded = codec.decode_bits(self.encoder.device, place, word, bits)
             if not decoded.problems:
                 return item, decoded.values
-        self._written = {}
         return None
 
-    def _error(self) -> int:
-        """Return the reply to a request that is not valid, with its flags active."""
-        layout = self._layout(self.interface.exchanges[-1].reply)
+    def _error(self, bits: int) -> int:
+        """Return the reply to a request of this length that is not valid, with its flags active."""
+        parameters = self.encoder.variant.parameters
+        fitting = [item for item in self.interface.exchanges if self.interface.bits_of(item).value(parameters) == bits]
+        layout = self._layout(fitting[-1].reply)
         flags = {item.name: True for item in layout.fields if isinstance(item.kind, Flag)}
         return self.encoder.frame(layout, flags)
 

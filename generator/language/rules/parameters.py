@@ -76,6 +76,8 @@ def expressions(spec: Spec) -> Iterator[tuple[Path, int | str]]:
         yield from _of_limits(path, register)
     for path, measurement in measurements(spec):
         yield from _under(path, measurement, _MEASURED)
+    for kind, interface in mapping(spec, "interfaces").items():
+        yield from _of_words(kind, interface)
 
 
 def uses(spec: Spec, raw: Spec | None = None) -> Iterator[tuple[Path, str, int | str]]:
@@ -93,12 +95,19 @@ def uses(spec: Spec, raw: Spec | None = None) -> Iterator[tuple[Path, str, int |
         own = "measurement" in interface
         here: Path = ("interfaces", kind, "measurement") if own else ("measurement",)
         measurement = mapping(interface if own else spec, "measurement")
-        word = _under(("interfaces", kind), interface, ("word_bits",))
-        yield from ((path, kind, text) for path, text in (*_under(here, measurement, _MEASURED), *word))
+        found = [*_under(here, measurement, _MEASURED), *_of_words(kind, interface)]
+        yield from ((path, kind, text) for path, text in found)
 
 
 def _under(path: Path, item: Spec, keys: Iterable[str]) -> Iterator[tuple[Path, int | str]]:
     return (((*path, key), item[key]) for key in keys if key in item)
+
+
+def _of_words(kind: str, interface: Spec) -> Iterator[tuple[Path, int | str]]:
+    """Yield the lengths of words, of the interface and of its exchanges."""
+    here = ("interfaces", kind)
+    for path, item in ((here, interface), *(((*here, *path), item) for path, item in items(interface, "exchanges"))):
+        yield from _under(path, item, ("word_bits",))
 
 
 def _of_field(path: Path, field: Spec) -> Iterator[tuple[Path, int | str]]:

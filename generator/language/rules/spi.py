@@ -35,9 +35,28 @@ def exchanges(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             wrong = f"a parameter cannot be read from a register over SPI; leave 'read_from' out of {quoted(name)}"
             wrong += ", and give it a value for each order code"
             report.add("spi-exchange", ("parameters", name, "read_from"), wrong, at_key=True)
+    _check_lengths(spec, found, report)
     _check_frames(spec, found, report)
     _check_parities(spec, report)
     _check_accesses(raw, layouts, found, report)
+
+
+def _check_lengths(spec: Spec, found: list[tuple[Path, Spec]], report: DocumentReport) -> None:
+    """Check that only exchanges with another length say so, and that late replies can be read completely."""
+    interface = mapping(spec, *_HERE)
+    shared = interface.get("word_bits")
+    for path, item in found:
+        if item.get("word_bits") == shared is not None:
+            wrong = f"'word_bits' is {shared}, as for the interface; remove it from the exchange"
+            report.add("spi-exchange", (*path, "word_bits"), wrong, at_key=True)
+    writes = [(path, item) for path, item in found if item["purpose"] == "write"]
+    for path, item in writes[1:] if interface.get("reply") == "next_word" else ():
+        first = writes[0][1]
+        lengths = [each.get("word_bits", shared) for each in (first, item)]
+        if lengths[0] != lengths[1]:
+            wrong = f"{quoted(item['request'])} has {lengths[1]} bits and {quoted(first['request'])} {lengths[0]}"
+            way = "its word cannot hold the reply to the word before; give both the same 'word_bits'"
+            report.add("spi-exchange", path, f"{wrong}, so {way}")
 
 
 #: Keys of fields whose values follow from the spec or from other fields.

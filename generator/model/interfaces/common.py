@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar
 
+from ..expressions import Expression
 from ..facts import Sources, Timing
 from ..layout import Layout
 from ..measurement import Measurement
@@ -62,10 +63,12 @@ class Exchange:
     """A request with the frame that answers it. ``reply`` is empty if the encoder does not answer.
 
     ``purpose`` is ``position``, ``read``, ``write`` or ``other``. Those that read or write access a register over SPI,
-    with their fields ``address`` and ``data``. Several that write are the words of one write, in order.
+    with their fields ``address`` and ``data``. Several that write are the words of one write, in order. ``word_bits`` is
+    the length of both words over SPI, or None if it is that of the interface.
     """
 
     request: str
     reply: str
     purpose: str
+    word_bits: Expression | None
     source: Sources

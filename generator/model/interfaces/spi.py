@@ -13,9 +13,9 @@ from .common import Clock, Common, Exchange
 
 @dataclass(frozen=True, slots=True)
 class WordFormat:
-    """Words of ``bits`` bits in SPI mode 0 to 3. ``reply`` is ``same_word`` or ``next_word``."""
+    """Words in SPI mode 0 to 3, with the number of bits in ``lengths``. ``reply`` is ``same_word`` or ``next_word``."""
 
-    bits: Expression
+    lengths: tuple[Expression, ...]
     mode: int
     reply: str
     source: Sources
@@ -37,4 +37,13 @@ class Spi(Common):
     def facts(self) -> Iterator[Clock | WordFormat]:
         """Yield the facts needed for set-up, in order of importance."""
         yield self.clock
-        yield WordFormat(self.word_bits, self.mode, self.reply, self.source)
+        yield WordFormat(self.lengths, self.mode, self.reply, self.source)
+
+    def bits_of(self, exchange: Exchange) -> Expression:
+        """Return the number of bits of a request and its reply."""
+        return self.word_bits if exchange.word_bits is None else exchange.word_bits
+
+    @property
+    def lengths(self) -> tuple[Expression, ...]:
+        """The different numbers of bits of words, in the order of the requests."""
+        return tuple(dict.fromkeys(map(self.bits_of, self.exchanges))) or (self.word_bits,)

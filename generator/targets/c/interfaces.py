@@ -195,8 +195,8 @@ class InterfaceCode:
                     yield from self._port(fact, about)
                 case WordFormat():
                     yield self._macro("MODE", fact.mode, about)
-                    if fact.bits.is_constant:
-                        yield self._macro("WORD_BITS", fact.bits.constant, "number of bits of a word")
+                    if len(fact.lengths) == 1 and fact.lengths[0].is_constant:
+                        yield self._macro("WORD_BITS", fact.lengths[0].constant, "number of bits of a word")
                     late = int(fact.reply == "next_word")
                     yield self._macro("REPLY_WORDS", late, "number of words from a request to its reply")
                 case _:

@@ -15,7 +15,7 @@ from ...plan.codec import Codec, codec_of
 from ...plan.values import Active, meaning_of
 from ...say.box import DATA, colour
 from ...say.evidence import document
-from ...say.interface import REPLIES
+from ...say.interface import REPLIES, word_lengths
 from ...say.name import words
 from ...say.timing import bounds
 from ...say.words import counted, microseconds, timeout_words
@@ -145,7 +145,7 @@ def _spi(interface: Spi) -> Wave:
         "SPI: two words",
         (("CS", select), ("Clock", clock), *requests, ("MISO", words_of(*shown))),
         (),
-        f"Chip select is low during each word of {interface.word_bits.render()} bits, and high between words. "
+        f"Chip select is low during each word of {word_lengths(interface.lengths)}, and high between words. "
         + (f"{REPLIES[interface.reply].capitalize()}." if asked else "The encoder ignores the words of the master."),
     )
 
