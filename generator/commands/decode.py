@@ -21,6 +21,7 @@ from ..say.numbers import decimal, quantity
 from ..say.origin import origin
 from ..say.text import BY_NAME
 from ..say.words import WORTH, counted, sentence, with_unit
+from ..why.bit_text import BitText
 from .frame_text import FrameTextError, Line, checked, frame_bytes, frame_number
 
 if TYPE_CHECKING:
@@ -70,7 +71,7 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
                 f"{variant.code} has no layout '{layout}' from the {sender}{from_other}; it has: {known}"
             )
         if not placed.layout.in_bytes:
-            return _decode_bits(device, placed, text)
+            return _decode_bits(device, placed, frame_number(placed, text, exact=_have_lengths(layouts)))
         if layout is None:
             return codec.decode_bytes(device, variant, sender, frame_bytes(text))
         return codec.decode_placed(device, placed, frame_bytes(text))
@@ -88,8 +89,12 @@ def decode_register_text(device: Device, variant: Variant, name: str, text: str)
     return decode_register(device, variant, name, frame_bytes(checked(text)))
 
 
-def _decode_bits(device: Device, placed: PlacedLayout, text: str) -> codec.Decoded:
-    given = frame_number(placed, text)
+def _have_lengths(layouts: Sequence[Layout]) -> bool:
+    """Return whether frames on one channel have different lengths."""
+    return len({(item.channel, item.bits) for item in layouts}) > len({item.channel for item in layouts})
+
+
+def _decode_bits(device: Device, placed: PlacedLayout, given: BitText) -> codec.Decoded:
     if given.exact:
         return codec.decode_bits(device, placed, given.number, given.bits)
     return codec.decode(device, placed, given.number)
@@ -105,7 +110,8 @@ def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: 
     from ..why.mistakes import explain_bits, explain_bytes, explain_constant
 
     if placed is not None and not placed.layout.in_bytes:
-        given = frame_number(placed, checked(text))
+        layouts = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
+        given = frame_number(placed, checked(text), exact=_have_lengths(layouts))
         if wrong & {Fault.CRC, Fault.LENGTH} or has_no_crc:
             return explain_bits(device, variant, placed, given)
         return explain_constant(device, variant, placed, given)

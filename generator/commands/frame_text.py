@@ -96,8 +96,10 @@ def frame_bytes(text: str) -> bytes:
     return data
 
 
-def frame_number(placed: PlacedLayout, text: str) -> BitText:
+def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> BitText:
     """Return one number given as ``0b`` with all leading zeros, or as ``0x`` or hex bytes, which imply them.
+
+    With ``exact``, bytes imply no zeros, because frames of the sender have different lengths.
 
     Raises:
         FrameTextError: The text has another form.
@@ -111,6 +113,8 @@ def frame_number(placed: PlacedLayout, text: str) -> BitText:
         if len(bare) == len(pieces) and not set("".join(pieces)) - set("01"):
             raise FrameTextError(say.bits_or_bytes(quoted(text)))
         compact = "0x" + "".join(piece[-2:] for piece in pieces)
+        if exact and len(pieces) != (placed.bits + 7) // 8:
+            return BitText(int(compact, 16), 8 * len(pieces), exact=True)
     if _NUMBER.fullmatch(compact):
         number = int(compact, 16)
         return BitText(number, number.bit_length(), exact=False)
