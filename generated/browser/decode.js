@@ -620,14 +620,18 @@
     });
   }
 
-  /** One number of ``size`` bits: 0b with all leading zeros, or 0x or hex bytes, which imply them. */
-  function numberIn(text, size) {
+  /**
+   * One number of ``size`` bits: 0b with all leading zeros, or 0x or hex bytes, which imply them. If ``exact``, bytes do not.
+   */
+  function numberIn(text, size, exact) {
     let compact = text.replace(/[\s_]/g, "");
     if (/^0b[01]+$/i.test(compact)) return { number: BigInt(compact), bits: compact.length - 2, exact: true };
     const pieces = text.split(/\s+/);
     if (pieces.length > 1 && pieces.every((piece) => /^(0x)?[0-9a-f]{2}$/i.test(piece))) {
       if (/^[01]+$/.test(pieces.join(""))) throw new FrameText(said("bits_or_bytes", quoted(text)));
       compact = "0x" + pieces.map((piece) => piece.slice(-2)).join("");
+      const bits = 8 * pieces.length;
+      if (exact && (bits < size || bits >= size + 8)) return { number: BigInt(compact), bits, exact: true };
     }
     if (/^0x[0-9a-f]+$/i.test(compact)) {
       const number = BigInt(compact);
@@ -653,6 +657,14 @@
     return { ...placed(found.family, layout, parametersOf(found, held, answers)), code: found.code };
   }
 
+  /** Whether frames of a sender on one channel have different lengths. */
+  function haveLengths(found, sender) {
+    const frames = found.interface.frames.filter((item) => item.sender === sender);
+    const channels = new Set(frames.map((item) => item.channel));
+    const lengths = frames.map((item) => JSON.stringify([item.channel, item.bits]));
+    return new Set(lengths).size > channels.size;
+  }
+
   /** The frame in a text for an order code; ``what`` is its sender, with the name of the frame where that is needed. */
   function decodeFrame(found, what, text, held, answers) {
     const [sender, name] = what.split(":");
@@ -663,7 +675,7 @@
     const trimmed = checked(text);
     if (!layouts[0].order) {
       const at = placedFor(found, layouts[0], held, answers);
-      return decodeBits(at, numberIn(trimmed, at.bits));
+      return decodeBits(at, numberIn(trimmed, at.bits, haveLengths(found, sender)));
     }
     const bytes = bytesIn(trimmed);
     const told = toldApart(found.interface, sender, bytes);

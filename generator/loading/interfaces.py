@@ -67,7 +67,8 @@ def _check_words(raw: Raw, layouts: Sequence[Layout], site: Site) -> None:
                 of = f" of the exchange of '{item['request']}'" if "word_bits" in item else ""
                 wrong = f"'{layout.name}' has {layout.bits.render()} bits, but 'word_bits'{of} is {bits.render()}"
                 way = f", or give the exchange of '{item['request']}' its own 'word_bits'" if item and not of else ""
-                site.report("width-mismatch", f"{wrong}; correct 'word_bits' or the fields{way}", "layouts", layout.name)
+                way = f"correct 'word_bits' or the fields{way}"
+                site.report("width-mismatch", f"{wrong}; {way}", "layouts", layout.name)
                 break
 
 

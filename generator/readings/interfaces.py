@@ -147,6 +147,7 @@ def _exchanges(interface: Rs485 | Spi) -> Iterator[Fact]:
     for index, item in enumerate(interface.exchanges):
         key: Key = ("exchange", interface.name, marks[item.request])
         value = f"{item.purpose}, {'with' if item.reply else 'without'} a reply"
+        value += f", words of {item.word_bits.render()} bits" if item.word_bits is not None else ""
         place = ("interfaces", interface.name, "exchanges", index)
         yield Fact(Sort.SETTING, key, value, f"request with {marks[item.request] or 'no constant'}", place)
 

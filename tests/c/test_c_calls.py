@@ -24,7 +24,7 @@ SHARED = {
     "receive": "words16 words32 samples biss_receive biss_receive_cds ssi_receive ssi_repeats"
     " ask take take_any resume late reason",
     "runner": "start next done close",
-    "spi": "start exchange bytes data",
+    "spi": "start exchange bytes data store load",
     "tracker": "start restart add speed divided",
 }
 #: Functions of a family for users: those of frames and registers, and constants of an order code and an interface.

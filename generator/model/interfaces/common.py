@@ -63,8 +63,8 @@ class Exchange:
     """A request with the frame that answers it. ``reply`` is empty if the encoder does not answer.
 
     ``purpose`` is ``position``, ``read``, ``write`` or ``other``. Those that read or write access a register over SPI,
-    with their fields ``address`` and ``data``. Several that write are the words of one write, in order. ``word_bits`` is
-    the length of both words over SPI, or None if it is that of the interface.
+    with their fields ``address`` and ``data``. Several that write are the words of one write, in order.
+    ``word_bits`` is the length of both words over SPI, or None if it is that of the interface.
     """
 
     request: str

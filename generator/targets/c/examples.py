@@ -12,6 +12,7 @@ from ...model import (
     RegisterStep,
     Rs485,
     SendStep,
+    Spi,
     Ssi,
     Value,
     Verdict,
@@ -100,6 +101,19 @@ class Sampled:
     data: bytes
 
 
+@dataclass(frozen=True, slots=True)
+class Session:
+    """A request over SPI that the frame answers: its struct, its macro, and the bytes of the frame.
+
+    ``size`` is the number of bytes of the longest word of the request.
+    """
+
+    request: Struct
+    macro: str
+    data: bytes
+    size: int
+
+
 class ExampleCode:
     """Values for the template of an example program. ``memory`` is the initial content of the simulated registers.
 
@@ -183,6 +197,22 @@ class ExampleCode:
         around = (1 << mine.bits | self.frame.wire) << 1
         left = 8 * mine.bytes - mine.bits - SSI_AROUND
         return Sampled(bits, size, (around << left).to_bytes(mine.bytes, "big"))
+
+    @property
+    def session(self) -> Session | None:
+        """The request for the position that the frame answers over SPI, if there is one."""
+        interface = self.interface
+        asked = interface.exchanges if isinstance(interface, Spi) else ()
+        found = (item for item in asked if item.purpose == "position" and item.reply == self.frame.layout.name)
+        exchange = next(found, None)
+        if exchange is None:
+            return None
+        structs = (codec.struct for codec in self.view.interface.codecs)
+        request = next(item for item in structs if item.layout.name == exchange.request)
+        bits = self.frame.layout.place(self._chosen.variant.parameters).bits
+        data = self.frame.wire.to_bytes((bits + 7) // 8, "big")
+        macro = f"{self.view.PREFIX}_REQUEST_{exchange.request}".upper()
+        return Session(request, macro, data, (request.layout.widest + 7) // 8)
 
     @property
     def request(self) -> str:

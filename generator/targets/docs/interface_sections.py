@@ -144,9 +144,17 @@ def _exchange_rows(interface: Interface) -> Rows:
     def frame(layout: Layout | None) -> str:
         return link(code(layout.name), f"#layout-{layout.name}") if layout is not None else "none"
 
+    found = exchanges(interface)
+    lengths = len({each.request.bits for each in found if not each.request.in_bytes}) > 1
     return [
-        (frame(each.request), frame(each.reply), PURPOSES[each.item.purpose], cited(each.item.source))
-        for each in exchanges(interface)
+        (
+            frame(each.request),
+            frame(each.reply),
+            *((f"{each.request.bits.render()} bits",) if lengths else ()),
+            PURPOSES[each.item.purpose],
+            cited(each.item.source),
+        )
+        for each in found
     ]
 
 

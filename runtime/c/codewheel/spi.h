@@ -8,8 +8,12 @@
  *
  *     1. encode a request: ..._encode(encoder, &request, &word)
  *     2. cw_spi_exchange(&line, ..._REQUEST_..., address) returns the request that is answered now
- *     3. exchange the word on your bus
- *     4. decode the word received as the reply to that request, or ignore it if it is CW_SPI_NONE
+ *     3. exchange the word on your bus, as bytes from cw_spi_store
+ *     4. get the word received with cw_spi_load and the ..._bits of the reply to that request, and
+ *        decode it, or ignore it if the request is CW_SPI_NONE
+ *
+ * If words of an encoder have several lengths, cw_spi_load returns CW_FAULT_LENGTH for a reply that
+ * came in a word of another length. A late reply is complete only in a word of its own length.
  */
 #ifndef CODEWHEEL_SPI_H
 #define CODEWHEEL_SPI_H
@@ -17,6 +21,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "result.h"
 #include "version.h"
 
 #if (CW_RUNTIME_MAJOR != 1) || (CW_RUNTIME_MINOR != 0)
@@ -91,6 +96,45 @@ static inline uint64_t cw_spi_data(const uint8_t *bytes, size_t length)
         data = (data << 8U) | bytes[at];
     }
     return data;
+}
+
+/**
+ * Store a word as the bytes that a bus sends, most significant first.
+ *
+ * @param word The word.
+ * @param bits Number of its bits, from the ..._bits function of its frame.
+ * @param bytes The bytes, unchanged on error.
+ * @param length Number of bytes, as many as hold the bits.
+ * @return CW_OK, or CW_FAULT_LENGTH if length is that of another word.
+ */
+CW_NODISCARD
+static inline cw_result cw_spi_store(uint64_t word, uint32_t bits, uint8_t *bytes, size_t length)
+{
+    if (length != (((size_t)bits + 7U) / 8U)) {
+        return CW_FAULT_LENGTH;
+    }
+    cw_spi_bytes(word, bytes, length);
+    return CW_OK;
+}
+
+/**
+ * Return the word in received bytes.
+ *
+ * @param bytes The bytes, most significant first.
+ * @param length Number of bytes received.
+ * @param bits Number of bits of the reply, from the ..._bits function of its frame.
+ * @param word The word, unchanged on error. The _decode function of the frame takes it.
+ * @return CW_OK, or CW_FAULT_LENGTH if a word of another length was received.
+ */
+CW_NODISCARD
+static inline cw_result cw_spi_load(
+    const uint8_t *bytes, size_t length, uint32_t bits, uint64_t *word)
+{
+    if (length != (((size_t)bits + 7U) / 8U)) {
+        return CW_FAULT_LENGTH;
+    }
+    *word = cw_spi_data(bytes, length);
+    return CW_OK;
 }
 
 #ifdef __cplusplus

@@ -434,12 +434,14 @@ class Exchange(NamedTuple):
         request: Frame that the master sends.
         reply: Frame with which the encoder answers, or empty if it does not answer.
         purpose: ``position``, ``read``, ``write`` or ``other``.
+        word_bits: Number of bits of both words over SPI, or None if it is that of the interface.
         source: Source of the exchange.
     """
 
     request: str
     reply: str
     purpose: str
+    word_bits: int | str | None = None
     source: str = ""
 
 
@@ -449,7 +451,7 @@ class SpiFacts(NamedTuple):
     Attributes:
         clock: Clock frequency range. Its ``min_hz`` is 0 if no lower limit is known.
         mode: SPI mode, 0 to 3.
-        word_bits: Number of bits of a word.
+        word_bits: Number of bits of a word, or an expression if it depends on the order code. An exchange can differ.
         reply: Word in which the encoder answers, ``same_word`` or ``next_word``.
         exchanges: Requests with their replies.
         timings: Timings of this interface.
@@ -459,7 +461,7 @@ class SpiFacts(NamedTuple):
 
     clock: Clock
     mode: int
-    word_bits: int
+    word_bits: int | str
     reply: str
     exchanges: tuple[Exchange, ...] = ()
     timings: tuple[Timing, ...] = ()

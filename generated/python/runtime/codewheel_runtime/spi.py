@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
+from .codec import Word, as_word
 from .encoder import Encoder
 from .frames import ByEncoder, decoder, raised
 
@@ -41,6 +42,14 @@ class Answer(NamedTuple):
     register: Any
 
 
+class _Sent(NamedTuple):
+    """Request that was sent in a word of this many bits, with the class of its register."""
+
+    request: Any
+    register: type | None
+    bits: int
+
+
 class Pipeline:
     """Requests over SPI that wait for their replies. ``pipeline()`` of an encoder makes one.
 
@@ -69,8 +78,14 @@ class Pipeline:
         self._encoder, self._late = encoder, late
         self._replies = {kind: decoder(reply._decoder, encoder, raised) for kind, reply in replies.items()}
         self._read, self._write, self._registers = read, tuple(write), registers
-        self._sent: tuple[Request, type | None] | None = None
-        self._before: tuple[Request, type | None] | None = None
+        self._sent: _Sent | None = None
+        self._before: _Sent | None = None
+        self._bits = 0
+
+    @property
+    def bits(self) -> int:
+        """Number of bits of the last word that ``ask``, ``read`` or ``write`` returned, 0 before the first."""
+        return self._bits
 
     def ask(self, request: Request) -> int:
         """Return the word of a request, and remember the request until its reply arrives.
@@ -117,18 +132,22 @@ class Pipeline:
         """Return a bus for ``run``, which carries out procedures.
 
         Args:
-            exchange: Function that sends a word on your bus and returns the word that was received meanwhile.
+            exchange: Function that sends a word on your bus and returns the word that was received meanwhile. The word
+                has ``bits`` bits.
         """
         return RegisterBus(self, exchange)
 
-    def take(self, word: int) -> Answer | None:
+    def take(self, word: Word, *, bits: int | None = None) -> Answer | None:
         """Return the answer in a received word.
 
         Args:
-            word: Word that was received while the last request was sent. Its most significant bit was first.
+            word: Word that was received while the last request was sent: a number whose most significant bit was first,
+                or its bytes.
+            bits: Number of bits received, if known. The number itself does not show whether bits are missing.
 
         Returns:
-            The answer, or None if no request was sent before this word.
+            The answer, or None if no request was sent before this word, or if the word does not have the length of a
+            late reply.
 
         Raises:
             FrameError: The word is damaged. The pipeline stays in step: take the next word as usual.
@@ -137,11 +156,13 @@ class Pipeline:
         if self._sent is None:
             raise RuntimeError("no request has been sent since the last word was taken")
         answered = self._before if self._late else self._sent
+        length = self._sent.bits
         self._before, self._sent = self._sent, None
-        if answered is None:
+        number = as_word(word, length, bits)
+        if answered is None or answered.bits != length:
             return None
-        request, register = answered
-        reply = self._replies[type(request)](word)
+        request, register, _ = answered
+        reply = self._replies[type(request)](number)
         # Some encoders answer a write without its value.
         has_value = register is not None and "data" in reply._fields
         return Answer(request, reply, self._value(register, reply) if has_value else None)
@@ -163,14 +184,16 @@ class Pipeline:
         for kind in self._write:
             yield kind(**{name: given[name] for name in kind._fields if name in given})
 
-    def _asked(self, request: Request, register: type | None) -> int:
+    def _asked(self, request: Any, register: type | None) -> int:
         if type(request) not in self._replies:
             known = ", ".join(kind.__name__ for kind in self._replies)
             raise TypeError(f"{self._encoder.code} answers {known}, not {type(request).__name__}")
         if self._sent is not None:
             raise RuntimeError("take the word that was received with the previous request first")
-        word = request.encode()
-        self._sent = request, register
+        word: int = request.encode()
+        given = request._given()
+        self._bits = type(request).frame_bits(*given)
+        self._sent = _Sent(request, register, self._bits)
         return word
 
     def _place_of(self, register: type) -> tuple[int, int]:

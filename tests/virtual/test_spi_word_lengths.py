@@ -1,0 +1,226 @@
+"""Words of several lengths over SPI: short ones for registers or the position, and a long one for the position."""
+
+from __future__ import annotations
+
+import importlib
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from codewheel.commands.cli import main
+from codewheel.virtual import SpiLine, VirtualEncoder
+
+pytestmark = pytest.mark.slow
+
+SPECS = Path(__file__).parents[2] / "examples" / "encoders"
+
+
+@pytest.fixture(scope="module")
+def outputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("words")
+    targets = [text for name in ("python", "c", "docs") for text in ("--target", name)]
+    specs = [str(SPECS / name) for name in ("cui", "magntek")]
+    assert main(["generate", *specs, *targets, "-o", str(folder)]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def packages(outputs: Path) -> Iterator[dict[str, Any]]:
+    names = ("cui_encoders", "magntek_encoders")
+    folders = [str(outputs / "python" / name) for name in names]
+    sys.path[:0] = folders
+    yield {name: importlib.import_module(name) for name in names}
+    for folder in folders:
+        sys.path.remove(folder)
+
+
+@pytest.fixture
+def cui(packages: dict[str, Any]) -> Any:
+    return packages["cui_encoders"]
+
+
+@pytest.fixture
+def magntek(packages: dict[str, Any]) -> Any:
+    return packages["magntek_encoders"]
+
+
+def checked(value: int) -> int:
+    """The 14 bits with the check bits that the data sheet of the AMT22 defines, in the words of its sample code."""
+    odd = sum(value >> place & 1 for place in range(1, 14, 2))
+    even = sum(value >> place & 1 for place in range(0, 14, 2))
+    return (~odd & 1) << 15 | (~even & 1) << 14 | value
+
+
+def test_the_request_says_the_length_of_a_word() -> None:
+    """AMT22: 00 00 reads the position, and 00 A0 00 00 the position and the turns. 61ABh is in the data sheet."""
+    encoder = VirtualEncoder("AMT22-14", 0x21AB, specs=[SPECS])
+    line = SpiLine(encoder)
+    assert checked(0x21AB) == 0x61AB
+    line.receive(bytes.fromhex("0000 00A00000 0000"))
+    sent = line.send()
+    assert (sent[:4], sent[6:]) == (bytes.fromhex("61AB 61AB"), bytes.fromhex("61AB"))
+    assert int.from_bytes(sent[4:6], "big") == checked(int.from_bytes(sent[4:6], "big") & 0x3FFF)
+    assert line.exchange(0x00A00000, 32) >> 16 == line.exchange(0, 16) == 0x61AB
+    for word, bits in ((0, 24), (0x10000, 16), (0x10000, None)):
+        with pytest.raises(ValueError, match="AMT22-14 has 16 or 32 bits"):
+            line.exchange(word, bits)
+
+
+def test_a_request_in_a_word_of_another_length_is_an_error() -> None:
+    """MT6835: the burst command in 24 bits is no request, so the acknowledgement is missing, and nothing is written."""
+    encoder = VirtualEncoder("MT6835", 5, specs=[SPECS])
+    line = SpiLine(encoder)
+    line.exchange(0x600107, 24)
+    assert line.exchange(0x300100, 24) & 0xFF == 7
+    line.exchange(0x600109 << 24, 48)
+    assert line.exchange(0x300100, 24) & 0xFF == 7
+    assert line.exchange(0xA00300000000, 48) >> 11 & 0x1FFFFF == 5
+
+
+def test_python_pairs_words_of_both_lengths(cui: Any, magntek: Any) -> None:
+    amt22 = importlib.import_module("cui_encoders.amt22")
+    encoder = VirtualEncoder("AMT22-12", 0x123, specs=[SPECS])
+    virtual, line = SpiLine(encoder), cui.lookup("AMT22-12").pipeline()
+    assert line.bits == 0
+    for request, bits in ((amt22.PositionRequest(), 16), (amt22.TurnsRequest(), 32), (amt22.PositionRequest(), 16)):
+        word = line.ask(request)
+        assert line.bits == bits
+        answer = line.take(virtual.exchange(word, bits), bits=bits)
+        assert (answer.request, answer.reply.position) == (request, 0x123)
+    mt6835 = importlib.import_module("magntek_encoders.mt6835")
+    virtual, line = SpiLine(VirtualEncoder("MT6835", 77, specs=[SPECS])), magntek.lookup("MT6835").pipeline()
+    sent = []
+
+    def exchange(word: int) -> int:
+        sent.append((word, line.bits))
+        return virtual.exchange(word, line.bits)
+
+    magntek.run(mt6835.set_zero(0x12, 0x3), line.bus(exchange))
+    assert sent == [(0x600912, 24), (0x300A00, 24), (0x600A30, 24)]
+    assert line.take(exchange(line.ask(mt6835.AngleRequest()))).reply.position == 77
+    assert line.take(exchange(line.read(mt6835.ZeroHigh))).register.zero_high == 0x12
+    assert [bits for _, bits in sent[3:]] == [48, 24]
+
+
+@pytest.mark.parametrize(
+    ("data", "bits"), [(bytes(2), None), (bytes(6), None), (0, 16), (0, 48), ("0" * 31, None), (1 << 32, None)]
+)
+def test_python_refuses_another_length(data: Any, bits: int | None, cui: Any) -> None:
+    """The reply to a request of 32 bits has 32. The pipeline stays in step."""
+    amt22 = importlib.import_module("cui_encoders.amt22")
+    line = cui.lookup("AMT22-14").pipeline()
+    line.ask(amt22.TurnsRequest())
+    with pytest.raises(cui.LengthError):
+        line.take(data, bits=bits)
+    line.ask(amt22.PositionRequest())
+    assert line.take(bytes.fromhex("61AB")).reply.position == 0x21AB
+
+
+def test_c_refuses_another_length(outputs: Path, tmp_path: Path) -> None:
+    """A word of 32 bits as one of 16, and the other way round. A reply of zeros is no way around the size."""
+    source, program = tmp_path / "words.c", tmp_path / "words"
+    source.write_text(
+        """
+#include <stdio.h>
+#include "codewheel/spi.h"
+#include "cui/amt22_spi.h"
+static const cui_amt22_spi *const encoder = &CUI_AMT22_SPI_14;
+#ifdef CUI_AMT22_SPI_WORD_BITS
+#error "words have several lengths"
+#endif
+int main(void)
+{
+    static const uint8_t rx[4] = { 0x61U, 0xABU, 0xC0U, 0x00U };
+    uint64_t word = 0U;
+    cui_amt22_spi_position position;
+    cui_amt22_spi_position_and_turns both;
+    const uint32_t short_bits = cui_amt22_spi_position_bits(encoder);
+    const uint32_t long_bits = cui_amt22_spi_position_and_turns_bits(encoder);
+    printf("%d %d\\n", (int)cw_spi_load(rx, 4U, short_bits, &word), (int)cw_spi_load(rx, 2U, long_bits, &word));
+    printf("%d\\n", (int)cui_amt22_spi_position_decode(encoder, 0x61ABC000U, &position));
+    if (cw_spi_load(rx, 4U, long_bits, &word) == CW_OK
+        && cui_amt22_spi_position_and_turns_decode(encoder, word, &both) == CW_OK) {
+        printf("%X %d\\n", (unsigned)both.position, (int)both.turns);
+    }
+    if (cw_spi_load(rx, 2U, short_bits, &word) == CW_OK
+        && cui_amt22_spi_position_decode(encoder, word, &position) == CW_OK) {
+        printf("%X\\n", (unsigned)position.position);
+    }
+    return 0;
+}
+""",
+        encoding="ascii",
+    )
+    strict = "-std=c99 -Wall -Wextra -Wconversion -Werror -fsanitize=undefined,address".split()
+    include = str(outputs / "c" / "include")
+    subprocess.run(["gcc", *strict, "-I", include, str(source), "-o", str(program)], check=True)
+    done = subprocess.run([program], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == ["1 1", "1", "21AB 0", "21AB"]
+
+
+def test_the_page_says_which_word_has_which_length(outputs: Path) -> None:
+    page = next((outputs / "docs").rglob("mt6835/spi.md")).read_text(encoding="utf-8")
+    assert "48 or 24 bits, SPI mode 3" in page
+    rows = [line for line in page.splitlines() if line.startswith("| [`") and "bits |" in line]
+    lengths = [[cell.strip() for cell in row.split("|")][3] for row in rows]
+    assert lengths == ["48 bits", "24 bits", "24 bits", "24 bits", "24 bits"]
+
+
+#: An encoder that answers with the next word: the position in 16 bits, or with a counter in 24.
+LATE = """\
+codewheel: 1
+device: late
+manufacturer: acme
+title: Late replies of two lengths
+movement: rotary
+manual: {title: Manual, revision: "1.0", language: en}
+parameters: {}
+order_code:
+  pattern: "{model}"
+  source: "1"
+  parts: [{name: model, meaning: Model, values: {LATE: {interface: spi}}}]
+measurement: {of: position, counts_per_turn: 65536, turns: 1, source: "2"}
+interfaces:
+  spi:
+    source: "6"
+    mode: 1
+    word_bits: 16
+    reply: next_word
+    clock: {max_hz: 10000000, source: "6.2"}
+    exchanges:
+      - {request: ask, reply: position, purpose: position}
+      - {request: ask_both, reply: both, purpose: position, word_bits: 24}
+    layouts:
+      - {name: ask, from: master, source: "6", fields: [{name: command, bits: 16, constant: 1}]}
+      - {name: ask_both, from: master, source: "6", fields: [{name: command, bits: 24, constant: 2}]}
+      - {name: position, from: encoder, source: "6", fields: [{name: position, bits: 16}]}
+      - {name: both, from: encoder, source: "6", fields: [{name: position, bits: 16}, {name: count, bits: 8}]}
+evidence: {grade: manual, documents: {manual: all pages}}
+"""
+
+
+def test_a_late_reply_needs_a_word_of_its_length(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "late.yaml").write_text(LATE, encoding="ascii")
+    maker = "codewheel: 1\nmanufacturer: acme\ntitle: ACME\nsource: test\npython_package: late_encoders\n"
+    (tmp_path / "manufacturer.yaml").write_text(maker, encoding="ascii")
+    assert main(["generate", str(tmp_path), "--target", "python", "-o", str(tmp_path / "out")]) == 0
+    monkeypatch.syspath_prepend(str(tmp_path / "out" / "python"))
+    package = importlib.import_module("late_encoders")
+    late = importlib.import_module("late_encoders.late")
+    encoder = VirtualEncoder("LATE", 0x1234, specs=[tmp_path])
+    virtual, line = SpiLine(encoder), package.lookup("LATE").pipeline()
+    found = []
+    for request in (late.Ask(), late.Ask(), late.AskBoth(), late.AskBoth(), late.Ask(), late.Ask()):
+        word = line.ask(request)
+        received = virtual.exchange(word, line.bits)
+        answer = line.take(received, bits=line.bits)
+        found.append((received, None if answer is None else answer.reply.position))
+    # The reply to the second request ends with zeros in a longer word, and that to the fourth lacks its end.
+    both = found[3][0]
+    assert both >> 8 == 0x1234
+    assert found == [
+        (0, None), (0x1234, 0x1234), (0x123400, None), (both, 0x1234), (0x1234, None), (0x1234, 0x1234),
+    ]  # fmt: skip
