@@ -43,7 +43,8 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str, layout
         sender: ``encoder`` or ``master``.
         text: Hex bytes for a line that carries bytes. For a line that carries bits, one number: ``0b`` with every
             digit, or ``0x``.
-        layout: The layout's name. By default, the one that the frame identifies, or else the sender's first.
+        layout: The layout's name. By default, the one that the frame identifies by its selector or its length, or else
+            the sender's first.
 
     Raises:
         FrameTextError: The text cannot be read as a frame, or there is no such layout.
@@ -71,7 +72,8 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
                 f"{variant.code} has no layout '{layout}' from the {sender}{from_other}; it has: {known}"
             )
         if not placed.layout.in_bytes:
-            return _decode_bits(device, placed, frame_number(placed, text, exact=_have_lengths(layouts)))
+            at = placed if layout is not None else _of_length(text, placed, layouts, variant)
+            return _decode_bits(device, at, frame_number(at, text, exact=_have_lengths(layouts)))
         if layout is None:
             return codec.decode_bytes(device, variant, sender, frame_bytes(text))
         return codec.decode_placed(device, placed, frame_bytes(text))
@@ -94,6 +96,20 @@ def _have_lengths(layouts: Sequence[Layout]) -> bool:
     return len({(item.channel, item.bits) for item in layouts}) > len({item.channel for item in layouts})
 
 
+def _of_length(text: str, first: PlacedLayout, layouts: Sequence[Layout], variant: Variant) -> PlacedLayout:
+    """Return the only layout that has the length of the text, or ``first`` if that fits or several do."""
+    if not _have_lengths(layouts) or _has_length(first, text):
+        return first
+    found = [at for at in (item.place(variant.parameters) for item in layouts) if _has_length(at, text)]
+    return found[0] if len(found) == 1 else first
+
+
+def _has_length(placed: PlacedLayout, text: str) -> bool:
+    """Return whether bits or bytes are as many as the layout has. A number in hex can have leading zeros."""
+    given = frame_number(placed, text, exact=True)
+    return given.bits == placed.bits if given.exact else given.bits <= placed.bits
+
+
 def _decode_bits(device: Device, placed: PlacedLayout, given: BitText) -> codec.Decoded:
     if given.exact:
         return codec.decode_bits(device, placed, given.number, given.bits)
@@ -105,15 +121,16 @@ def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: 
     placed = decoded.layout
     wrong = {item.fault for item in decoded.problems}
     has_no_crc = placed is not None and not wrong and placed.layout.crc_field is None
-    if placed is not None and not has_no_crc and not wrong & {Fault.CRC, Fault.LENGTH, Fault.CONSTANT}:
+    is_flat = placed is not None and not placed.layout.in_bytes and decoded.number in (0, (1 << placed.bits) - 1)
+    if placed is not None and not (has_no_crc or is_flat) and not wrong & {Fault.CRC, Fault.LENGTH, Fault.CONSTANT}:
         return None
     from ..why.mistakes import explain_bits, explain_bytes, explain_constant
 
     if placed is not None and not placed.layout.in_bytes:
         layouts = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
         given = frame_number(placed, checked(text), exact=_have_lengths(layouts))
-        if wrong & {Fault.CRC, Fault.LENGTH} or has_no_crc:
-            return explain_bits(device, variant, placed, given)
+        if wrong & {Fault.CRC, Fault.LENGTH} or has_no_crc or is_flat:
+            return explain_bits(device, variant, placed, given, is_valid=not wrong)
         return explain_constant(device, variant, placed, given)
     if placed is not None and not wrong & {Fault.CRC, Fault.LENGTH}:
         return None

@@ -57,16 +57,19 @@ class Why:
     disturbed: tuple[int, ...] = ()
 
 
-def explain_bits(device: Device, variant: Variant, placed: PlacedLayout, text: BitText) -> Why | None:
+def explain_bits(
+    device: Device, variant: Variant, placed: PlacedLayout, text: BitText, *, is_valid: bool = False
+) -> Why | None:
     """Explain the wrong CRC of ``text``, which should be a frame of the layout ``placed``.
 
-    Return None if the frame has no CRC, unless all its bits are equal.
+    Return None if the frame is valid or has no CRC, unless all its bits are equal.
     """
     crc = device.crc_of(placed.layout)
-    stuck = _stuck(text.number, text.bits if text.exact else max(text.bits, placed.bits), crc is not None)
+    doubt = "and there is no CRC to distinguish it" if crc is None else "and the CRC is correct too" * is_valid
+    stuck = _stuck(text.number, text.bits if text.exact else max(text.bits, placed.bits), doubt)
     if stuck is not None:
         return stuck
-    if crc is None:
+    if crc is None or is_valid:
         return None
     failed = _known_to_fail(placed, crc, text)
     why = _why(device, in_bits.tries(device, variant, placed, crc, text), failed, (crc,))
@@ -95,7 +98,7 @@ def explain_bytes(
     Return None if there is no mistake to try.
     """
     number = int.from_bytes(data, "big")
-    stuck = _stuck(number, 8 * len(data), True)
+    stuck = _stuck(number, 8 * len(data), "")
     if stuck is not None:
         return stuck
     tried = list(in_bytes.tries(device, variant, sender, placed, data))
@@ -185,16 +188,19 @@ def _explanation(device: Device, item: Try, undecided: frozenset[str]) -> Explan
     return Explanation(item.kind, item.text, item.one_in, item.score, reads, item.codes)
 
 
-def _stuck(number: int, bits: int, has_crc: bool) -> Why | None:
-    """Explain a frame whose bits are all equal. No other mistake is tried for such a frame."""
+def _stuck(number: int, bits: int, doubt: str) -> Why | None:
+    """Explain a frame whose bits are all equal. No other mistake is tried for such a frame.
+
+    ``doubt`` is the reason why nothing proves that the line is dead.
+    """
     if bits < _LEAST_STUCK or number not in (0, (1 << bits) - 1):
         return None
     level = 1 if number else 0
-    if has_crc:
+    if doubt:
+        text = f"every bit is {level}. A dead line looks the same, {doubt}"
+    else:
         cause = "a broken wire" if level else "a short circuit"
         text = f"every bit is {level}: the line never changes. Check for {cause}, the supply and the clock"
-    else:
-        text = f"every bit is {level}. A dead line looks the same, and there is no CRC to distinguish it"
     one_in = 1 << min(bits - 1, 62)
     found = Explanation("line_stuck", text, one_in, MISTAKES["line_stuck"] * one_in, {})
     return Why((found,), 1, 1 / one_in, ())

@@ -6,15 +6,15 @@ const LEAST_BITS = 3;
 const LEAST_STUCK = 12;
 
 /** Return the text about a dead line, or "" if the line changes. */
-function deadLine({ at, given, number, data }) {
+function deadLine({ at, given, number, data, problems }) {
   if (at?.layout.length !== undefined) return "";
   const exact = given?.exact ? given.bits : Math.max(at?.bits ?? 0, given?.bits ?? 0);
   const size = data ? 8 * data.length : exact;
   const found = data ? data.reduce((sum, byte) => (sum << 8n) | BigInt(byte), 0n) : given?.number ?? number;
   if (size < LEAST_STUCK || (found !== 0n && found !== ones(size))) return "";
   const level = found ? 1 : 0;
-  return at && !at.layout.crc
-    ? `Every bit is ${level}. A dead line looks the same, and there is no CRC to distinguish it.`
+  const doubt = at?.layout.crc ? "and the CRC is correct too" : "and there is no CRC to distinguish it";
+  return at && !(at.layout.crc && problems.length) ? `Every bit is ${level}. A dead line looks the same, ${doubt}.`
     : `Every bit is ${level}: the line never changes. Check for ${level ? "a broken wire" : "a short circuit"}, `
       + "the supply and the clock.";
 }

@@ -21,7 +21,7 @@ TESTED = {
     "amt21": "cui_amt21_rs485",
     "aksim2": "rls_aksim2_spi",
     "amt22": "cui_amt22_spi",
-    "ma732_parity": "mps_ma732_parity_spi",
+    "ma732": "mps_ma732_spi",
     "mt6835": "magntek_mt6835_spi",
     "orbis_serial": "rls_orbis_serial_rs485",
     "resolute": "renishaw_resolute_biss",
@@ -108,7 +108,7 @@ def test_each_grade_names_vectors_that_exist() -> None:
     counts = {item.name: len(item.evidence.vectors) for item in devices}
     assert counts == {
         "aksim2": 1, "amt21": 0, "amt22": 1, "as38": 0, "as5047p": 0, "as5048a": 0, "as5147": 0,
-        "icmhm": 0, "icmu": 3, "kcd": 0, "la11": 0, "ma732": 0, "ma732_parity": 3, "mt6701": 0, "mt6835": 0,
+        "icmhm": 0, "icmu": 3, "kcd": 0, "la11": 0, "ma732": 3, "mt6701": 0, "mt6835": 0,
         "orbis": 0, "orbis_serial": 0, "resolute": 11, "resolute_linear": 11, "skm36": 9, "tle5012b": 0, "ts5700": 12,
         "wdga": 0,
     }  # fmt: skip

@@ -161,6 +161,32 @@ int main(void)
     assert done.stdout.splitlines() == ["1 1", "1", "21AB 0", "21AB"]
 
 
+@pytest.mark.parametrize(
+    ("code", "frame", "line"),
+    [
+        ("AMT22-14", "61 AB", "position, 16 bits"),
+        ("AMT22-14", "61 AB C0 00", "position and turns, 32 bits"),
+        ("AMT22-14", "0b" + f"{0x61ABC000:032b}", "position and turns, 32 bits"),
+        ("AMT22-14", "0x61ABC000", "position and turns, 32 bits"),
+        ("MA732", "0b10001100011000100", "position with parity, 17 bits"),
+        ("AMT22-14", "61 AB C0", "length error: 'position' has 16 bits, got 24"),
+        ("MT6835", "00 00 55", "length error: 'angle' has 48 bits, got 24"),
+    ],
+)
+def test_decode_uses_the_only_frame_of_a_length(
+    code: str, frame: str, line: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Three replies of the MT6835 have 24 bits, so the name of the frame is needed."""
+    main(["decode", code, frame, "--specs", str(SPECS)])
+    assert line in capsys.readouterr().out.splitlines()
+
+
+@pytest.mark.parametrize(("layout", "frame"), [("position", "61 AB C0 00"), ("position_and_turns", "61 AB")])
+def test_decode_refuses_another_length(layout: str, frame: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["decode", "AMT22-14", frame, "--layout", layout, "--specs", str(SPECS)]) == 1
+    assert f"length error: '{layout}' has" in capsys.readouterr().out
+
+
 def test_the_page_says_which_word_has_which_length(outputs: Path) -> None:
     page = next((outputs / "docs").rglob("mt6835/spi.md")).read_text(encoding="utf-8")
     assert "48 or 24 bits, SPI mode 3" in page
