@@ -26,7 +26,12 @@ TESTS = Path(__file__).resolve().parents[1]
 MADE_UP = ("specs/words", "specs/bits22", "c/specs/shapes", "c/specs/words", "c/specs/reserved", "c/specs/crcs")
 MADE_UP += ("specs/ring", "specs/ring_turns", "specs/wide", "python/specs/odd_shapes", "browser/specs/names")
 MADE_UP += ("../examples/encoders/ams/as5047p", "../examples/encoders/cui/amt21", "../examples/encoders/sick/skm36")
-MADE_UP += ("../examples/encoders/infineon/tle5012b", "../examples/encoders/rls/orbis_serial")
+MADE_UP += (
+    "../examples/encoders/infineon/tle5012b",
+    "../examples/encoders/rls/orbis_serial",
+    "../examples/encoders/cui/amt22",
+)
+MADE_UP += ("../examples/encoders/magntek/mt6835", "../examples/encoders/mps/ma732", "../examples/encoders/cui/amt22")
 #: The order code of the made-up encoder of 22 bits.
 BITS_22 = "T22SC"
 FRAMES = 1_000
@@ -55,6 +60,22 @@ def test_frames_and_registers_in_node(node: Asker, library: Library) -> None:
 def test_what_no_device_has(name: str, ask: Ask) -> None:
     found = made_up(name)
     assert [wrong for one in ask(found, "node")("compared", frames(found, FRAMES // 2)) for wrong in one] == []
+
+
+def test_bytes_of_a_word_of_another_length_are_refused(ask: Ask) -> None:
+    """The AMT22 has words of 16 and 32 bits. 61ABh is in its data sheet."""
+    node = ask(made_up("../examples/encoders/cui/amt22"), "node")
+    texts = {
+        "encoder:position": ["61 AB", "61 AB C0 00", "61 AB C0"],
+        "encoder:position_and_turns": ["61 AB C0 00", "61 AB"],
+    }
+    items = [
+        {"code": "AMT22-14", "sender": sender, "text": text, "answers": {}}
+        for sender, given in texts.items()
+        for text in given
+    ]
+    faults = [found["faults"] for found in node("values", items)]
+    assert faults == [[], ["length"], ["length"], [], ["length"]]
 
 
 def test_in_a_browser(ask: Ask, library: Library, vectors: list[dict[str, Any]]) -> None:

@@ -493,7 +493,7 @@ def test_made_up_layouts_break_nothing() -> None:
     ("code", "frame", "said"),
     [
         ("AMT22-14", "0xFFFF", "Every bit is 1. A dead line looks the same, and there is no CRC to distinguish it."),
-        ("AMT22-14", "00 00", "Every bit is 0. A dead line looks the same, and there is no CRC to distinguish it."),
+        ("AMT22-14", "0x0000", "Every bit is 0. A dead line looks the same, and there is no CRC to distinguish it."),
         ("AS5047P", "FF FF", "Every bit is 1. A dead line looks the same, and there is no CRC to distinguish it."),
         ("MT6835", "0x0", "Every bit is 0. A dead line looks the same, and the CRC is correct too."),
         ("MT6835", "FF FF FF FF FF FF", "Every bit is 1: the line never changes. Check for a broken wire"),
