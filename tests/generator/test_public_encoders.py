@@ -30,12 +30,18 @@ TESTED = {
     "tle5012b": "infineon_tle5012b_spi",
     "ts5700": "tamagawa_ts5700_rs485",
 }
-#: Decodes a frame with a generated package. The arguments are package, order code, frame, and the expected values.
+#: Classes of frames that ``decode`` of an encoder does not return, with their family.
+OTHER = {("ma732", "position_with_parity"): "ma732.PositionWithParity"}
+#: Decodes a frame with a generated package. Arguments: package, order code, the class of the frame or nothing, frame,
+#: and the expected values.
 DECODE = """
 import importlib, sys
-package, code, frame, *expected = sys.argv[1:]
-encoder = importlib.import_module(package).lookup(code)
-found = encoder.decode(frame.removeprefix("0b") if frame.startswith("0b") else bytes.fromhex(frame))
+package, code, kind, frame, *expected = sys.argv[1:]
+decode = importlib.import_module(package).lookup(code).decode
+if kind:
+    family, name = kind.split(".")
+    decode = getattr(importlib.import_module(f"{package}.{family}"), name).decode
+found = decode(frame.removeprefix("0b") if frame.startswith("0b") else bytes.fromhex(frame))
 values = dict(item.split("=") for item in expected)
 assert {name: str(int(getattr(found, name))) for name in values} == values, found
 """
@@ -75,7 +81,8 @@ def test_python_decodes_their_frames(made: Path) -> None:
                 code = item.order_code or device.variants[0].code
                 frame = f"0b{item.bits}" if item.bits else item.bytes.hex()
                 expected = [f"{name}={int(value)}" for name, value in item.values.items()]
-                arguments = [f"{device.manufacturer.name}_encoders", code, frame, *expected]
+                kind = OTHER.get((device.name, item.layout), "")
+                arguments = [f"{device.manufacturer.name}_encoders", code, kind, frame, *expected]
                 subprocess.run(
                     [sys.executable, "-c", DECODE, *arguments], env={"PYTHONPATH": ":".join(path)}, check=True
                 )

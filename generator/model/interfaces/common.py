@@ -68,7 +68,7 @@ class Exchange:
     """
 
     request: str
+    word_bits: Expression | None
     reply: str
     purpose: str
-    word_bits: Expression | None
     source: Sources

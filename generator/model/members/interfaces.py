@@ -95,13 +95,13 @@ INTERFACES = (
         "exchange",
         "A request over SPI or RS-485, and the frame that answers it.",
         Member("request", "name", "Frame that the master sends."),
-        Member("reply", "name", "Frame with which the encoder answers. Empty if it does not answer."),
-        Member("purpose", "name", "Effect of the request."),
         Member(
             "word_bits",
             "expression?",
             "Bits of the request and of its reply over SPI. null if they are those of the interface.",
         ),
+        Member("reply", "name", "Frame with which the encoder answers. Empty if it does not answer."),
+        Member("purpose", "name", "Effect of the request."),
     ),
     Part(
         "interface",
