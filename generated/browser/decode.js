@@ -824,7 +824,7 @@
 
   globalThis.codewheelDecode = {
     table: TABLE, FrameText, Refusal, bytesFor, bytesIn, bytesOfNumber, checked, decodeBits, decodeBytes, decodeFrame,
-    decodeRegister, explained, findCode, inferred, linesOf, numberIn, placedFor, quantityOf, readLabel, UnknownCode,
+    deadLine, decodeRegister, explained, findCode, inferred, linesOf, numberIn, placedFor, quantityOf, readLabel, UnknownCode,
   };
   if (typeof document === "undefined") return;
 

@@ -77,6 +77,7 @@
       fields: Object.fromEntries(found.fields.map((one) => [one.name, `${one.value}`])),
       reports: found.reports.map((one) => one.flag),
       verdict: found.verdict,
+      dead: wheel.deadLine(found),
     };
   }
 

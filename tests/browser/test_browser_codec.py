@@ -78,6 +78,18 @@ def test_bytes_of_a_word_of_another_length_are_refused(ask: Ask) -> None:
     assert faults == [[], ["length"], ["length"], [], ["length"]]
 
 
+def test_a_dead_line_over_spi(ask: Ask) -> None:
+    """As the command says it: a CRC-8 that starts at 0 is correct if all bits are 0."""
+    node = ask(made_up("../examples/encoders/magntek/mt6835"), "node")
+    texts = ("0x0", "0b" + "1" * 48, "0x1")
+    items = [{"code": "MT6835", "sender": "encoder:angle", "text": text, "answers": {}} for text in texts]
+    assert [found["dead"] for found in node("values", items)] == [
+        "Every bit is 0. A dead line looks the same, and the CRC is correct too.",
+        "Every bit is 1: the line never changes. Check for a broken wire, the supply and the clock.",
+        "",
+    ]
+
+
 def test_in_a_browser(ask: Ask, library: Library, vectors: list[dict[str, Any]]) -> None:
     """Return frames, the examples of the manuals and public vectors for one start of the script."""
     devices = (*library.devices, *made_up("specs/bits22").devices)
