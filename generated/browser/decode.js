@@ -824,7 +824,8 @@
 
   globalThis.codewheelDecode = {
     table: TABLE, FrameText, Refusal, bytesFor, bytesIn, bytesOfNumber, checked, decodeBits, decodeBytes, decodeFrame,
-    deadLine, decodeRegister, explained, findCode, inferred, linesOf, numberIn, placedFor, quantityOf, readLabel, UnknownCode,
+    deadLine, decodeRegister, explained, findCode, inferred, linesOf, numberIn, placedFor, quantityOf, readLabel,
+    UnknownCode,
   };
   if (typeof document === "undefined") return;
 
