@@ -193,6 +193,8 @@ def test_the_page_says_which_word_has_which_length(outputs: Path) -> None:
     rows = [line for line in page.splitlines() if line.startswith("| [`") and "bits |" in line]
     lengths = [[cell.strip() for cell in row.split("|")][3] for row in rows]
     assert lengths == ["48 bits", "24 bits", "24 bits", "24 bits", "24 bits"]
+    card = next((outputs / "docs").rglob("amt22/AMT22-14.md")).read_text(encoding="utf-8")
+    assert "Requests the position, in words of 32 bits" in card
 
 
 #: An encoder that answers with the next word: the position in 16 bits, or with a counter in 24.

@@ -39,7 +39,7 @@ from ...plan.verdicts import Judgement, Only, Speaks
 from ...say.box import as_words
 from ...say.crc import inverted
 from ...say.evidence import document
-from ...say.interface import PURPOSES, settings
+from ...say.interface import PURPOSES, settings, word_lengths
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import title
 from ...say.place import addresses, bits, frame_bytes
@@ -403,7 +403,9 @@ def _requests(device: Device, interface: Interface) -> Iterator[Row]:
     """Yield rows of request with its reply, meaning."""
     for each in exchanges(interface):
         frames = [link(code(item.name), f"#layout-{item.name}") for item in (each.request, each.reply) if item]
-        yield " → ".join(frames), PURPOSES[each.item.purpose].capitalize()
+        bits = each.item.word_bits
+        about = [PURPOSES[each.item.purpose], f"in words of {word_lengths([bits])}" if bits is not None else ""]
+        yield " → ".join(frames), ", ".join(filter(None, about)).capitalize()
     if not isinstance(interface, Rs485):
         return
     for item in interface.data_ids:
