@@ -70,7 +70,7 @@ def test_the_request_says_the_length_of_a_word() -> None:
 
 
 def test_a_request_in_a_word_of_another_length_is_an_error() -> None:
-    """MT6835: the burst command in 24 bits is no request, so the acknowledgement is missing, and nothing is written."""
+    """MT6835: a write request in 48 bits is not a request, and nothing is written."""
     encoder = VirtualEncoder("MT6835", 5, specs=[SPECS])
     line = SpiLine(encoder)
     line.exchange(0x600107, 24)
@@ -120,7 +120,7 @@ def test_python_refuses_another_length(data: Any, bits: int | None, cui: Any) ->
 
 
 def test_c_refuses_another_length(outputs: Path, tmp_path: Path) -> None:
-    """A word of 32 bits as one of 16, and the other way round. A reply of zeros is no way around the size."""
+    """A word of 32 bits as one of 16, and the other way round. The decoder also refuses bits above the word."""
     source, program = tmp_path / "words.c", tmp_path / "words"
     source.write_text(
         """
