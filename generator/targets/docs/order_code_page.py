@@ -20,7 +20,7 @@ from ...say.place import field_at, hexadecimal
 from ...say.text import said
 from ...say.words import counted, sentence, with_unit
 from ..file_names import names_of_codes
-from . import bench_answers, short_tables, wide_pictures
+from . import bytes_to_send, clock_and_cable, frame_facts, pin_tables, short_tables, wide_pictures
 from .hardware_steps import ByHand, by_hand
 from .inline_errata import Badges
 from .interface_page import OverValues, over_values
@@ -41,11 +41,11 @@ class CodePage(Sections, OverValues):
     codes: Annotated[Sequence[str], "the order codes, which differ only in mechanics or supply"]
     lead: Annotated[str, "first sentences of the note on the interface"]
     position: Annotated[str, "unit and range of the position"]
-    wiring: Annotated[bench_answers.Wiring, "contacts and signals: head, rows, about, notes, errata"]
+    wiring: Annotated[pin_tables.Wiring, "contacts and signals: head, rows, about, notes, errata"]
     supply: Annotated[list[str], "supply, with order codes if it differs between them"]
-    speed: Annotated[bench_answers.Speed, "clock or baud rate by cable length: title, facts, head, rows"]
+    speed: Annotated[clock_and_cable.Speed, "clock or baud rate by cable length: title, facts, head, rows"]
     frame: Annotated[Section | None, "frame with the position: title, name, size, wide, narrow, facts"]
-    sending: Annotated[bench_answers.Sending, "bytes to send: facts, requests, commands, other_value"]
+    sending: Annotated[bytes_to_send.Sending, "bytes to send: facts, requests, commands, other_value"]
     frames_summary: Annotated[str, "number of frames and CRCs"]
     registers_summary: Annotated[str, "number of registers and their addresses"]
     setting_lines: Annotated[list[str], "settings of the interface"]
@@ -81,7 +81,7 @@ class Alike:
     @cached_property
     def frame(self) -> Layout | None:
         """Frame at the top of the page."""
-        return bench_answers.position_frame(self.family, self.interface)
+        return frame_facts.position_frame(self.family, self.interface)
 
     @cached_property
     def pictures(self) -> Pictures:
@@ -151,11 +151,11 @@ def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage
         # The notes on SSI and RS-485 begin with the line, those on BiSS with limits that users must keep.
         "lead": lead(interface.note) if isinstance(interface, Biss) else "",
         "position": STYLE.phrase(measurement(measured)) if measured is not None else "",
-        "wiring": bench_answers.wiring(here),
-        "supply": bench_answers.supply(here, alike.variants),
-        "speed": bench_answers.speed(here, interface, alike.frame),
+        "wiring": pin_tables.wiring(here),
+        "supply": pin_tables.supply(here, alike.variants),
+        "speed": clock_and_cable.speed(here, interface, alike.frame),
         "frame": _frame(alike, alike.frame, {**pictures, **alike.pictures}) if alike.frame is not None else None,
-        "sending": bench_answers.sending(alike.family, here, interface, alike.variants[0]),
+        "sending": bytes_to_send.sending(alike.family, here, interface, alike.variants[0]),
         "led_rows": list(short_tables.led_rows(here)),
         "interfaces": [_with_short_rows(here, item) for item in found["interfaces"]],
         "registers": [
@@ -200,7 +200,7 @@ def _frame(alike: Alike, layout: Layout, pictures: Pictures) -> Section:
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
         "narrower": wide_pictures.SCREEN - 1,
-        "facts": list(bench_answers.frame_facts(alike.family, layout, alike.variants[0])),
+        "facts": list(frame_facts.frame_facts(alike.family, layout, alike.variants[0])),
         "crc_path": [f"crcs.{checked.name}"] if checked is not None else [],
     }
 
