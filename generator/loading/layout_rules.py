@@ -39,8 +39,7 @@ def is_sound(layout: Layout, site: Site) -> bool:
         site.report("width-mismatch", wrong)
     if not layout.in_bytes and layout.widest > LARGEST_NUMBER:
         wrong = f"'{layout.name}' has {layout.widest} bits; the maximum is {LARGEST_NUMBER}"
-        is_whole = layout.bits.is_constant and layout.widest % 8 == 0 and layout.widest <= LARGEST_BYTES
-        can_be_bytes = is_whole and site.interface != Spi.name
+        can_be_bytes = layout.bits.is_constant and layout.widest <= LARGEST_BYTES and site.interface != Spi.name
         site.report("too-long", f"{wrong}, or {LARGEST_BYTES} with 'carried_as: bytes'" if can_be_bytes else wrong)
     for field in layout.fields:
         _check_field(layout, field, replace(site, path=(*site.path, "fields", field.name)))
@@ -58,7 +57,7 @@ def is_sound(layout: Layout, site: Site) -> bool:
 
 def _check_field(layout: Layout, field: Field, site: Site) -> None:
     kind, bits = field.kind, field.widest
-    is_zeros = field.padding_of or field.fills_gap
+    is_zeros = field.padding_of or field.fills_gap or field.fills_byte
     if bits > LARGEST_NUMBER and not isinstance(kind, Text) and not is_zeros:
         site.report("too-long", f"'{field.name}' has {bits} bits; the maximum is {LARGEST_NUMBER}")
     match kind:
@@ -133,6 +132,9 @@ def _check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None
         site.report("crc-of", wrong, "crc_of")
     if layout.in_bytes and crc.width % 8:
         site.report("width-mismatch", f"a frame of whole bytes cannot end with a CRC of {crc.width} bits")
+    if layout.bits != layout.sent_bits and (crc.init or crc.refin):
+        said = f"'{layout.name}' has {layout.sent_bits.render()} bits, not a whole number of bytes"
+        site.report("width-mismatch", f"{said}, so its CRC must start at 0 and take the first bit sent first")
 
 
 def _no_run(layout: Layout, kind: CrcValue) -> Iterator[str]:

@@ -154,6 +154,11 @@ class Field:
         """True if the field consists of zeros that the spec does not list, between two fields or next to one."""
         return isinstance(self.kind, Constant) and self.kind.fills_gap
 
+    @property
+    def fills_byte(self) -> bool:
+        """True if the field consists of zeros before a frame of bits that fill its first byte. They are not sent."""
+        return isinstance(self.kind, Constant) and self.kind.fills_byte
+
 
 @dataclass(frozen=True, slots=True)
 class Join:
@@ -222,6 +227,11 @@ class Layout:
     def carried_as(self) -> str:
         """Keyword in the spec language for ``in_bytes``."""
         return "bytes" if self.in_bytes else "bits"
+
+    @property
+    def sent_bits(self) -> Expression:
+        """Number of bits on the line, without the zeros that fill the first byte."""
+        return self.bits - sum((item.width for item in self.fields if item.fills_byte), Expression(0))
 
     @property
     def data_fields(self) -> tuple[Field, ...]:
