@@ -7,8 +7,10 @@ from dataclasses import replace
 from itertools import pairwise
 
 from ..model import (
+    INTERFACES,
     Choice,
     Constant,
+    Crc,
     CrcValue,
     Decimal,
     Field,
@@ -130,11 +132,17 @@ def _check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None
         )
     for wrong in _no_run(layout, kind):
         site.report("crc-of", wrong, "crc_of")
-    if layout.in_bytes and crc.width % 8:
+    on_line = INTERFACES[site.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"
+    if layout.in_bytes and crc.width % 8 and not on_line:
         site.report("width-mismatch", f"a frame of whole bytes cannot end with a CRC of {crc.width} bits")
-    if layout.bits != layout.sent_bits and (crc.init or crc.refin):
-        said = f"'{layout.name}' has {layout.sent_bits.render()} bits, not a whole number of bytes"
-        site.report("width-mismatch", f"{said}, so its CRC must start at 0 and take the first bit sent first")
+    elif layout.in_bytes and (crc.width % 8 or layout.bits != layout.sent_bits) and not _is_plain(crc):
+        wrong = f"'{field.name}' or the bits before it are not whole bytes, so the CRC must start at 0"
+        site.report("width-mismatch", f"{wrong}, without 'refin' and 'refout'")
+
+
+def _is_plain(crc: Crc) -> bool:
+    """Return True if zeros before a frame do not change its CRC, and its bits are in the order sent."""
+    return not crc.init and not crc.refin and not crc.refout
 
 
 def _no_run(layout: Layout, kind: CrcValue) -> Iterator[str]:

@@ -289,6 +289,12 @@ class Layout:
         return next((item for item in self.fields if isinstance(item.kind, CrcValue)), None)
 
     @property
+    def crc_covers_bytes(self) -> bool:
+        """True if the CRC at the end covers whole bytes, and not the bits of a frame of bits in bytes."""
+        end = self.crc_field
+        return self.in_bytes and (end is None or end.widest % 8 == 0)
+
+    @property
     def has_parity(self) -> bool:
         return any(isinstance(item.kind, Parity) for item in self.fields)
 

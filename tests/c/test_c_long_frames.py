@@ -21,14 +21,21 @@ FIELDS = {
     "LB": ("biss", {"multiturn": 32, "singleturn": 32, "error": 1, "warning": 1, "life": 3}),
     "WS": ("ssi", {"multiturn": 32, "singleturn": 32, "first": 7, "speed": 33, "life": 8}),
     "LS": ("ssi", {"multiturn": 32, "singleturn": 32, "status": 6}),
+    "CB": ("biss", {"multiturn": 32, "singleturn": 32, "error": 1, "warning": 1}),
+    "CS": ("ssi", {"multiturn": 32, "singleturn": 32, "status": 3}),
 }
-BITS = {"WB": 88, "LB": 85, "WS": 128, "LS": 70}
+BITS = {"WB": 88, "LB": 85, "WS": 128, "LS": 70, "CB": 72, "CS": 79}
+#: Polynomial of each CRC with its top bit, and what its bits are XORed with.
+CRCS = {**dict.fromkeys(("WB", "LB", "WS"), (0x190D9, 0xFFFF)), "CB": (0x43, 0x3F), "CS": (0x180F, 0)}
+FAMILIES = ("wide", "long", "long_crc")
 #: The macro of the bytes in a frame.
 LENGTHS = {
     "WB": "TEST_WIDE_BISS_WORD_LENGTH",
     "LB": "TEST_LONG_BISS_SINGLE_CYCLE_DATA_LENGTH",
     "WS": "TEST_WIDE_SSI_SSI_WORD_LENGTH",
     "LS": "TEST_LONG_SSI_SSI_WORD_LENGTH",
+    "CB": "TEST_LONG_CRC_BISS_SINGLE_CYCLE_DATA_LENGTH",
+    "CS": "TEST_LONG_CRC_SSI_SSI_WORD_LENGTH",
 }
 LINE_HIGH, LINE_LOW, NO_START = 8, 9, 10
 OK, LENGTH, CRC, CONSTANT = range(4)
@@ -82,12 +89,14 @@ CASE = """        if ((code[0] == '{first}') && (code[1] == '{second}')) {{
 """
 
 
-def with_crc(word: int) -> int:
-    """Append the inverted CRC-16 0x190D9, by long division."""
-    rest = word << 16
-    while rest >> 16:
-        rest ^= 0x190D9 << (rest.bit_length() - 17)
-    return word << 16 | rest ^ 0xFFFF
+def with_crc(code: str, word: int) -> int:
+    """Append the CRC, if there is one, by long division."""
+    polynomial, inverted = CRCS.get(code, (1, 0))
+    width = polynomial.bit_length() - 1
+    rest = word << width
+    while width and rest >> width:
+        rest ^= polynomial << (rest.bit_length() - 1 - width)
+    return word << width | (rest ^ inverted if width else 0)
 
 
 def bits_of(number: int, width: int) -> list[int]:
@@ -95,7 +104,7 @@ def bits_of(number: int, width: int) -> list[int]:
 
 
 def family(code: str) -> str:
-    return "wide" if code[0] == "W" else "long"
+    return {"W": "wide", "L": "long", "C": "long_crc"}[code[0]]
 
 
 def case(code: str) -> str:
@@ -140,12 +149,12 @@ def frames_of(code: str, count: int) -> Iterator[tuple[dict[str, int], list[int]
         for name, width in FIELDS[code][1].items():
             raw[name] = (0, (1 << width) - 1)[turn] if turn < 2 else chance.getrandbits(width)
             word = word << width | raw[name]
-        yield raw, bits_of(word if code == "LS" else with_crc(word), BITS[code])
+        yield raw, bits_of(with_crc(code, word), BITS[code])
 
 
 @pytest.fixture(scope="module")
 def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write(tmp_path_factory.mktemp("long"), devices_of(*(SPECS / f"{item}.yaml" for item in ("wide", "long"))))
+    return write(tmp_path_factory.mktemp("long"), devices_of(*(SPECS / f"{item}.yaml" for item in FAMILIES)))
 
 
 @pytest.fixture(
@@ -154,7 +163,7 @@ def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
 )
 def program(request: pytest.FixtureRequest, include: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("program")
-    headers = "".join(f'#include "test/{family}_{kind}.h"\n' for family in ("wide", "long") for kind in ("biss", "ssi"))
+    headers = "".join(f'#include "test/{family}_{kind}.h"\n' for family in FAMILIES for kind in ("biss", "ssi"))
     source = folder / "program.c"
     source.write_text(PROGRAM.format(includes=headers, cases="".join(map(case, FIELDS))))
     made = folder / "program"
@@ -202,7 +211,7 @@ def test_each_fault_of_a_line(code: str, program: Path) -> None:
     assert answers(program, [text for _, text in asked]) == [[result] for result, _ in asked]
 
 
-@pytest.mark.parametrize("code", ["WB", "LB", "WS"])
+@pytest.mark.parametrize("code", CRCS)
 def test_each_wrong_bit_is_a_wrong_crc(code: str, program: Path) -> None:
     (*_, (_, sent)) = frames_of(code, 5)
     lines = []
