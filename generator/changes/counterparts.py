@@ -88,7 +88,9 @@ def fields(both: FamilyPair, old: Layout, new: Layout, interface: str) -> list[P
         at = {item.name: place for item, place in zip(layout.fields, places, strict=True)}
         return lambda item: (at[item.name], item.carries_data)
 
-    olds, news = ([item for item in layout.fields if not item.fills_gap] for layout in (old, new))
+    olds, news = (
+        [item for item in layout.fields if not item.fills_gap and not item.fills_byte] for layout in (old, new)
+    )
     return paired(olds, news, identity(old, True), identity(new, False))
 
 

@@ -7,8 +7,10 @@ from dataclasses import replace
 from itertools import pairwise
 
 from ..model import (
+    INTERFACES,
     Choice,
     Constant,
+    Crc,
     CrcValue,
     Decimal,
     Field,
@@ -39,8 +41,7 @@ def is_sound(layout: Layout, site: Site) -> bool:
         site.report("width-mismatch", wrong)
     if not layout.in_bytes and layout.widest > LARGEST_NUMBER:
         wrong = f"'{layout.name}' has {layout.widest} bits; the maximum is {LARGEST_NUMBER}"
-        is_whole = layout.bits.is_constant and layout.widest % 8 == 0 and layout.widest <= LARGEST_BYTES
-        can_be_bytes = is_whole and site.interface != Spi.name
+        can_be_bytes = layout.bits.is_constant and layout.widest <= LARGEST_BYTES and site.interface != Spi.name
         site.report("too-long", f"{wrong}, or {LARGEST_BYTES} with 'carried_as: bytes'" if can_be_bytes else wrong)
     for field in layout.fields:
         _check_field(layout, field, replace(site, path=(*site.path, "fields", field.name)))
@@ -58,7 +59,7 @@ def is_sound(layout: Layout, site: Site) -> bool:
 
 def _check_field(layout: Layout, field: Field, site: Site) -> None:
     kind, bits = field.kind, field.widest
-    is_zeros = field.padding_of or field.fills_gap
+    is_zeros = field.padding_of or field.fills_gap or field.fills_byte
     if bits > LARGEST_NUMBER and not isinstance(kind, Text) and not is_zeros:
         site.report("too-long", f"'{field.name}' has {bits} bits; the maximum is {LARGEST_NUMBER}")
     match kind:
@@ -131,8 +132,17 @@ def _check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None
         )
     for wrong in _no_run(layout, kind):
         site.report("crc-of", wrong, "crc_of")
-    if layout.in_bytes and crc.width % 8:
+    on_line = INTERFACES[site.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"
+    if layout.in_bytes and crc.width % 8 and not on_line:
         site.report("width-mismatch", f"a frame of whole bytes cannot end with a CRC of {crc.width} bits")
+    elif layout.in_bytes and (crc.width % 8 or layout.bits != layout.sent_bits) and not _is_plain(crc):
+        wrong = f"'{field.name}' or the bits before it are not whole bytes, so the CRC must start at 0"
+        site.report("width-mismatch", f"{wrong}, without 'refin' and 'refout'")
+
+
+def _is_plain(crc: Crc) -> bool:
+    """Return True if zeros before a frame do not change its CRC, and its bits are in the order sent."""
+    return not crc.init and not crc.refin and not crc.refout
 
 
 def _no_run(layout: Layout, kind: CrcValue) -> Iterator[str]:

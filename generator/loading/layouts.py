@@ -53,6 +53,8 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
     fields = _covering(items, bits, gaps, site)
     if fields is None:
         return None
+    if byte_order == "high_byte_first" and total is None and INTERFACES[site.interface].carried_as == "bits":
+        fields, bits = _in_whole_bytes(fields, bits)
     widest = site.widest(bits)
     if byte_order:
         fields = [replace(field, pieces=pieces(field, widest // 8, low_first)) for field in fields]
@@ -363,6 +365,17 @@ def _covers(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) ->
                 below = field.low + field.width
                 position = below.value(parameters)
     return True
+
+
+def _in_whole_bytes(fields: list[Field], bits: Expression) -> tuple[list[Field], Expression]:
+    """Return the fields of a frame of bits with zeros above them that fill the first byte, and the new width."""
+    missing = -bits.constant % 8 if bits.is_constant else 0
+    if not missing or not fields:
+        return fields, bits
+    first, width = fields[-1], Expression(missing)
+    kind, meaning = Constant(fills_byte=True), "Zeros that fill the first byte. They are not sent"
+    zeros = Field(f"zero_before_{first.name}", kind, bits, width, missing, meaning=meaning, source=first.source)
+    return [*fields, zeros], bits + width
 
 
 def _with_zeros(fields: Sequence[Field], bits: Expression, site: Site) -> list[Field] | None:

@@ -182,7 +182,9 @@ def _frame(interface: Interface, measurement: Measurement, variant: Variant) -> 
     layouts = sorted(interface.layouts, key=lambda item: item.channel or 0)
     for layout in layouts:
         placed = layout.place(variant.parameters)
-        if not layout.in_bytes and placed.place_of(measurement.of)[1]:
+        if placed.place_of(measurement.of)[1]:
+            if layout.in_bytes:
+                raise NoRecord(f"'{layout.name}' is carried as bytes, and the rules for masters cover frames of bits")
             return placed
     raise NoRecord(f"no frame of {interface.title} carries '{measurement.of}'")
 

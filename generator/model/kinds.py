@@ -94,12 +94,13 @@ class Constant:
 
     ``padding_of`` is the name of the field that the zeros pad. Field and zeros together fill the field's ``container``
     from the low end. Zeros that fill a gap between fields are not in the spec. They follow from the neighbouring
-    fields.
+    fields. Zeros that fill the first byte of a frame of bits are not on the line either.
     """
 
     value: int = 0
     padding_of: str = ""
     fills_gap: bool = False
+    fills_byte: bool = False
 
 
 @dataclass(frozen=True, slots=True)

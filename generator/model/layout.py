@@ -154,6 +154,11 @@ class Field:
         """True if the field consists of zeros that the spec does not list, between two fields or next to one."""
         return isinstance(self.kind, Constant) and self.kind.fills_gap
 
+    @property
+    def fills_byte(self) -> bool:
+        """True if the field consists of zeros before a frame of bits that fill its first byte. They are not sent."""
+        return isinstance(self.kind, Constant) and self.kind.fills_byte
+
 
 @dataclass(frozen=True, slots=True)
 class Join:
@@ -224,6 +229,11 @@ class Layout:
         return "bytes" if self.in_bytes else "bits"
 
     @property
+    def sent_bits(self) -> Expression:
+        """Number of bits on the line, without the zeros that fill the first byte."""
+        return self.bits - sum((item.width for item in self.fields if item.fills_byte), Expression(0))
+
+    @property
     def data_fields(self) -> tuple[Field, ...]:
         return tuple(item for item in self.fields if item.carries_data)
 
@@ -277,6 +287,12 @@ class Layout:
     @property
     def crc_field(self) -> Field | None:
         return next((item for item in self.fields if isinstance(item.kind, CrcValue)), None)
+
+    @property
+    def crc_covers_bytes(self) -> bool:
+        """True if the CRC at the end covers whole bytes, and not the bits of a frame of bits in bytes."""
+        end = self.crc_field
+        return self.in_bytes and (end is None or end.widest % 8 == 0)
 
     @property
     def has_parity(self) -> bool:

@@ -60,10 +60,15 @@ def carriers(device: Device, crc: Crc) -> tuple[Carrier, ...]:
     suggests bytes.
     """
     layouts = [layout for _, layout in device.layouts()] + [item.layout for item in device.registers]
-    used = {layout.carried_as for layout in layouts if _ends_in(layout, crc)}
+    used = {carrier_of(layout).value for layout in layouts if _ends_in(layout, crc)}
     if not used:
         return (Carrier.BYTES,) if crc.refin or crc.width % 8 == 0 else (Carrier.BITS,)
     return tuple(item for item in (Carrier.BYTES, Carrier.BITS) if item.value in used)
+
+
+def carrier_of(layout: Layout) -> Carrier:
+    """Return the carrier of the CRC at the end of a layout."""
+    return Carrier.BYTES if layout.crc_covers_bytes else Carrier.BITS
 
 
 def crc_functions(device: Device) -> Iterator[CrcFunction]:
@@ -78,7 +83,7 @@ def crc_functions(device: Device) -> Iterator[CrcFunction]:
 
 def function_of(device: Device, layout: Layout) -> CrcFunction | None:
     """Return the function for the CRC at the end of a layout, or None."""
-    found = (item for item in crc_functions(device) if item.carrier.value == layout.carried_as)
+    found = (item for item in crc_functions(device) if item.carrier is carrier_of(layout))
     return next((item for item in found if _ends_in(layout, item.crc)), None)
 
 

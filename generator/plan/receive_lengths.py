@@ -43,25 +43,25 @@ def received(device: Device, interface: Interface) -> Iterator[Received]:
     around = _around(interface)
     for layout in interface.layouts:
         needed = set(_set_parameters(device, layout.bits.parameters))
-        if layout.in_bytes or layout.sender != "encoder" or around is None:
+        if layout.sender != "encoder" or around is None:
             continue
         deciding = [item for item in device.alternatives if not needed.isdisjoint(item.answers[0].sets)]
         moves = bool(needed & held)
         variants = [item for item in device.variants if item.interface in ("", interface.name)]
         for variant, (answers, sets) in product(variants, choices(deciding)):
-            bits = layout.bits.value({**variant.parameters, **sets})
+            bits = layout.sent_bits.value({**variant.parameters, **sets})
             size = (around + (layout.widest if moves else bits) + 7) // 8
             yield Received(variant, layout, bits, size, moves, answers)
 
 
 def _around(interface: Interface) -> int | None:
-    """Return the number of bits around a frame, or None if frames are words that a peripheral receives by itself."""
+    """Return the number of bits around a frame, or None if a peripheral receives bytes or words by itself."""
     match interface:
         case Ssi():
             return SSI_AROUND
-        case Biss() | Rs485():
+        case Biss():
             return BISS_REST + BISS_ACKNOWLEDGE + BISS_AROUND
-        case Spi():
+        case Rs485() | Spi():
             return None
         case _:
             assert_never(interface)

@@ -329,7 +329,7 @@ def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:
 
 def covered(crc: Crc, placed: PlacedLayout, number: int) -> tuple[int, int]:
     """Return the bits that the CRC covers as a number, in the order in which it processes them, and how many."""
-    if placed.layout.in_bytes:
+    if placed.layout.crc_covers_bytes:
         data = number_to_bytes(placed.layout, number, placed.bits)
         return in_order(crc, data[: -(crc.width // 8)])
     low, bits = placed.crc_covers

@@ -26,7 +26,8 @@ def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part
     if not layout.in_bytes:
         return *_bits(layout, alternatives), " bits, most significant first"
     order = f", {layout.byte_order.replace('_', ' ')}" if layout.widest > 8 else ""
-    return (counted(layout.widest // 8, "byte") + order,)
+    length = counted(layout.widest // 8, "byte") + order
+    return (length,) if layout.sent_bits == layout.bits else (layout.sent_bits, f" bits in {length}")
 
 
 def _bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iterator[Part]:

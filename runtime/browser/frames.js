@@ -139,7 +139,7 @@ function crcOf(at, number) {
 function computedBy(crc, at, number) {
   const { width } = crcField(at);
   const [low, count] = at.layout.crc_of ?? [width, at.bits - width];
-  if (!at.layout.order) return crcOfBits(crc, number >> BigInt(low), count);
+  if (!at.layout.order || width % 8) return crcOfBits(crc, number >> BigInt(low), count);
   return crcOfBytes(crc, bytesOf(at.layout.order, number, at.bits / 8).slice(0, -width / 8));
 }
 

@@ -245,6 +245,8 @@ def test_decode_and_encode_are_inverse_for_every_order_code(machine: tuple[Devic
             "sma21": 45,
             "banks": 1,
             "bits22": 1,
+            "long": 2,
+            "long_crc": 2,
             "ring_turns": 8,
             "wide": 2,
             "reserved": 4,
@@ -276,6 +278,8 @@ def test_disturbed_frames_have_the_same_fault_as_in_the_model(machine: tuple[Dev
     assert kinds >= {
         "banks": {"0", "2"},
         "bits22": {"0", "2"},
+        "long": {"0", "2", "3"},
+        "long_crc": {"0", "2", "3"},
         "ring_turns": {"0", "2", "4"},
         "wide": {"0", "2"},
         "amm5": {"0", "2", "3", "4"},

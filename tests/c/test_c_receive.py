@@ -67,7 +67,7 @@ int main(void)
         const char verb = strtok(text, " \n")[0];
         uint64_t word = 0xA5A5A5A5A5A5A5A5ULL;
         size_t size = 0U;
-        uint8_t *rx = (strchr("bBcCsSWX", verb) != NULL) ? bytes(&size) : NULL;
+        uint8_t *rx = (strchr("bBcCfFgsSWX", verb) != NULL) ? bytes(&size) : NULL;
         if (verb == 'b') {
             const cw_result result = cw_biss_receive(rx, size, (uint32_t)number(), &word);
             printf("%d %llu\n", (int)result, (unsigned long long)word);
@@ -81,6 +81,22 @@ int main(void)
             const cw_result result = (verb == 'B') ? cw_biss_receive_bits(rx, received, (uint32_t)number(), &word)
                 : cw_biss_receive_cds_bits(rx, received, &cds);
             printf("%d %llu\n", (int)result, (verb == 'B') ? (unsigned long long)word : (cds ? 1ULL : 0ULL));
+        } else if (verb == 'f' || verb == 'F' || verb == 'g') {
+            const size_t received = (verb == 'F') ? (size_t)number() : 0U;
+            const uint32_t bits = (uint32_t)number();
+            const size_t length = (size_t)number();
+            uint8_t *const frame = (uint8_t *)malloc(length + (length == 0U));
+            cw_result result = CW_OK;
+            memset(frame, 0xA5, length);
+            if (verb == 'g') {
+                result = cw_ssi_receive_frame(rx, size, bits, frame, length);
+            } else {
+                result = (verb == 'f') ? cw_biss_receive_frame(rx, size, bits, frame, length)
+                    : cw_biss_receive_frame_bits(rx, received, bits, frame, length);
+            }
+            printf("%d ", (int)result);
+            show(frame, length);
+            free(frame);
         } else if (verb == 's') {
             const cw_result result = cw_ssi_receive(rx, size, (uint32_t)number(), &word);
             printf("%d %llu\n", (int)result, (unsigned long long)word);
@@ -282,6 +298,50 @@ def test_words_of_16_and_32_bits_and_samples(run: Run) -> None:
     assert run(["S 01000001010001 1", "S - 1"]) == ["9B", ""]
     # With several pins, a sample is 1 if any of them is.
     assert run(["S 02000001030001 3", "S 0400000402000600 6"]) == ["9B", "9A"]
+
+
+# ------------------------------------------------------------------------------------------------------------- as bytes
+
+
+def test_a_frame_of_any_length_as_bytes(run: Run) -> None:
+    """From 0 to 128 bits, at every position within a byte, in as many bytes as it needs or in more."""
+    chance = random.Random(8)
+    asked, expected = [], []
+    for width in range(129):
+        for length in ((width + 7) // 8, 16):
+            word = chance.getrandbits(width)
+            line = biss_line(of(word, width), chance.randint(1, 9), chance.randint(1, 40), chance.getrandbits(1))
+            asked.append(f"f {in_bytes(line)} {width} {length}")
+            asked.append(f"F {in_bytes(line)} {len(line) - chance.getrandbits(1)} {width} {length}")
+            asked.append(f"g {in_bytes([1, *of(word, width), 0])} {width} {length}")
+            expected += [f"0 {word:0{2 * length}X}" if length else "0 "] * 3
+    assert run(asked) == expected
+
+
+def test_each_fault_of_a_frame_as_bytes(run: Run) -> None:
+    word, kept = of(0x5A3C << 64 | 1, 80), "A5" * 10
+    biss, ssi = biss_line(word), [1, *word, 0]
+    asked = {
+        f"f {'FF' * 12} 80 10": LINE_HIGH,
+        "f - 80 10": LINE_HIGH,
+        f"f {'00' * 12} 80 10": LINE_LOW,
+        f"f {in_bytes([0, *biss])} 80 10": LINE_LOW,
+        f"f C0{'00' * 11} 80 10": NO_START,
+        f"f {in_bytes(biss_line(word, stop=1))} 80 10": CONSTANT,
+        f"F {in_bytes(biss)} {len(biss) - 2} 80 10": LENGTH,
+        f"f {in_bytes(biss)} 4294967295 10": LENGTH,
+        f"f {in_bytes(biss_line([*word, 0]))} 81 10": LENGTH,
+        f"g {'FF' * 12} 80 10": LINE_HIGH,
+        f"g {'00' * 12} 80 10": LINE_LOW,
+        f"g {in_bytes([0, *word, 0])} 80 10": LINE_LOW,
+        f"g {in_bytes([1, *word, 1])} 80 10": CONSTANT,
+        f"g {in_bytes(ssi)[:20]} 80 10": LENGTH,
+        f"g {in_bytes([*ssi, 0])} 81 10": LENGTH,
+        "g - 1 10": LENGTH,
+        "g 80 4294967295 10": LENGTH,
+    }
+    assert run(asked) == [f"{result} {kept}" for result in asked.values()]
+    assert run([f"F {in_bytes(biss)} {len(biss) - 1} 80 10"]) == [f"0 {0x5A3C << 64 | 1:020X}"], "no stop bit"
 
 
 # ------------------------------------------------------------------------------------------------------------------ SSI

@@ -58,3 +58,17 @@ def test_decode_prints_a_frame_of_88_bits(capsys: pytest.CaptureFixture[str]) ->
     frame = with_crc((1 << 32 | 2) << 8 | 0xC1).to_bytes(11, "big").hex(" ")
     assert main(["decode", "WB", *frame.split(), *[item for path in SPECS for item in ("--specs", str(path))]]) == 0
     assert "4294967298" in capsys.readouterr().out
+
+
+def test_a_master_has_no_rules_for_a_frame_in_bytes(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["master", "WB", *[item for path in SPECS for item in ("--specs", str(path))]]) != 0
+    assert "'word' is carried as bytes, and the rules for masters cover frames of bits" in capsys.readouterr().err
+
+
+def test_a_page_counts_only_the_bits_on_the_line(tmp_path: Path) -> None:
+    """70 bits at 1 MHz take 70 us. The two zeros in front of them are not sent."""
+    specs = [str(SPECS[0]), str(SPECS[1].with_name("long.yaml"))]
+    assert main(["generate", *specs, "-o", str(tmp_path), "--target", "docs"]) == 0
+    page = (tmp_path / "docs" / "long" / "LS.md").read_text(encoding="utf-8")
+    assert "70 bits at 1 MHz: 70 µs" in page
+    assert "70 bits in 9 bytes, high byte first" in page

@@ -6,6 +6,26 @@
 #include "fuzz.h"
 #include <string.h>
 
+/* As bytes, in memory of exactly as many as the frame has, or as few as 16. */
+static void frames(const uint8_t *rx, size_t size, size_t received, uint32_t bits)
+{
+    const size_t length = (bits > 128U) ? 16U : ((size_t)bits + 7U) / 8U;
+    uint8_t *const frame = malloc(length + (length == 0U));
+    uint8_t *const same = malloc(length + (length == 0U));
+    memset(frame, 0x5A, length);
+    memset(same, 0x5A, length);
+    require(cw_biss_receive_frame_bits(rx, received, bits, frame, length) == CW_OK || memcmp(frame, same, length) == 0,
+        "a fault that changes the frame");
+    memset(frame, 0x5A, length);
+    require(cw_biss_receive_frame(rx, size, bits, frame, length) == CW_OK || memcmp(frame, same, length) == 0,
+        "a fault that changes the frame");
+    memset(frame, 0x5A, length);
+    require(cw_ssi_receive_frame(rx, size, bits, frame, length) == CW_OK || memcmp(frame, same, length) == 0,
+        "a fault that changes the frame");
+    free(frame);
+    free(same);
+}
+
 static void anything(void)
 {
     const uint32_t bits = (uint32_t)take(((take(1U) & 3U) == 0U) ? 4U : 1U);
@@ -24,6 +44,7 @@ static void anything(void)
     require(cw_biss_receive_bits(rx, size * 8U - (size != 0U ? bits % 8U : 0U), bits, &word) == CW_OK || word == 0x5AU,
         "a fault that changes the word");
     (void)(cw_biss_receive_cds_bits(rx, size * 8U - (size != 0U ? bits % 8U : 0U), &cds) == CW_OK);
+    frames(rx, size, size * 8U - (size != 0U ? bits % 8U : 0U), bits);
     require(cw_received_samples(rx, size, mask, made) == (size + 7U) / 8U, "samples that are lost");
     require(cw_received_samples(rx, size, mask, rx) == (size + 7U) / 8U, "samples that are lost");
     require(memcmp(rx, made, (size + 7U) / 8U) == 0, "samples that are read otherwise in place");

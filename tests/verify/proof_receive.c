@@ -199,6 +199,76 @@ void a_word_of_ssi(void)
     }
 }
 
+/* Any number of bits as bytes: each bit is at its place from the end, and the rest is 0. */
+void bits_as_bytes(void)
+{
+    uint8_t frame[4];
+    const size_t length = nondet_size();
+    const size_t first = nondet_size();
+    const uint32_t bits = nondet_word();
+    const size_t any = nondet_size();
+    any_buffer();
+    __CPROVER_assume((length <= sizeof frame) && (bits <= (8U * length)) && (bits <= (8U * SIZE)));
+    __CPROVER_assume((first <= (8U * SIZE)) && ((first + bits) <= (8U * SIZE)) && (any < (8U * length)));
+    cw_received_frame(rx, first, bits, frame, length);
+    __CPROVER_assert(((frame[(length - 1U) - (any / 8U)] >> (any % 8U)) & 1U)
+        == ((any < bits) ? bit((first + bits) - 1U - any) : 0U), "each bit");
+}
+
+/* A frame in bytes has the result of the same frame as a word, and the same bits, while a word can have them. */
+void a_frame_of_biss_as_bytes(void)
+{
+    const uint32_t bits = nondet_word();
+    const size_t length = nondet_size();
+    uint8_t frame[2] = { 0x5AU, 0xA5U };
+    uint64_t word = 0x5AA5U;
+    cw_result result;
+    any_buffer();
+    __CPROVER_assume(length <= sizeof frame);
+    result = cw_biss_receive_frame_bits(rx, received, bits, frame, length);
+    __CPROVER_assert((result == CW_OK) || ((frame[0] == 0x5AU) && (frame[1] == 0xA5U)), "a fault leaves the frame as it was");
+    if (bits <= (8U * length)) {
+        __CPROVER_assert(result == cw_biss_receive_bits(rx, received, bits, &word), "the same result");
+        __CPROVER_assert((result != CW_OK) || (length != 2U) || (((frame[0] * 256U) + frame[1]) == word), "and the same bits");
+        __CPROVER_assert((result != CW_OK) || (length != 1U) || (frame[0] == word), "in one byte too");
+    } else {
+        __CPROVER_assert((result == CW_FAULT_LENGTH) || (result == cw_biss_receive_bits(rx, received, bits, &word)),
+            "too long, unless the line has no start");
+        __CPROVER_assert(result != CW_OK, "nothing beyond the frame");
+    }
+}
+
+void a_frame_as_bytes_from_whole_bytes(void)
+{
+    const uint32_t bits = nondet_word();
+    uint8_t frame[2] = { 0x5AU, 0xA5U };
+    uint8_t same[2] = { 0x5AU, 0xA5U };
+    any_buffer();
+    __CPROVER_assert(cw_biss_receive_frame(rx, size, bits, frame, 2U)
+        == cw_biss_receive_frame_bits(rx, 8U * size, bits, same, 2U), "the result");
+    __CPROVER_assert((frame[0] == same[0]) && (frame[1] == same[1]), "the frame");
+}
+
+void a_word_of_ssi_as_bytes(void)
+{
+    const uint32_t bits = nondet_word();
+    const size_t length = nondet_size();
+    uint8_t frame[2] = { 0x5AU, 0xA5U };
+    uint64_t word = 0x5AA5U;
+    cw_result result;
+    any_buffer();
+    __CPROVER_assume(length <= sizeof frame);
+    result = cw_ssi_receive_frame(rx, size, bits, frame, length);
+    __CPROVER_assert((result == CW_OK) || ((frame[0] == 0x5AU) && (frame[1] == 0xA5U)), "a fault leaves the frame as it was");
+    if (bits > (8U * length)) {
+        __CPROVER_assert(result == CW_FAULT_LENGTH, "too long for its bytes");
+        return;
+    }
+    __CPROVER_assert(result == cw_ssi_receive(rx, size, bits, &word), "the same result");
+    __CPROVER_assert((result != CW_OK) || (length != 2U) || (((frame[0] * 256U) + frame[1]) == word), "and the same bits");
+    __CPROVER_assert((result != CW_OK) || (length != 1U) || (frame[0] == word), "in one byte too");
+}
+
 void two_readings(void)
 {
     const uint64_t first = nondet_wide();

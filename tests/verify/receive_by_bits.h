@@ -67,6 +67,47 @@ static inline cw_result by_bits_biss_receive_bits(
     return CW_OK;
 }
 
+/* Shift each bit into the end of the frame. */
+static inline void by_bits_received_frame(const uint8_t *rx, size_t first, uint32_t bits, uint8_t *frame, size_t length)
+{
+    size_t at, byte;
+    for (byte = 0U; byte < length; byte++) {
+        frame[byte] = 0U;
+    }
+    for (at = first; at < (first + bits); at++) {
+        for (byte = 0U; byte < length; byte++) {
+            const uint32_t next = ((byte + 1U) < length) ? ((uint32_t)frame[byte + 1U] >> 7U) : cw_received_bit(rx, at);
+            frame[byte] = (uint8_t)((((uint32_t)frame[byte] << 1U) | next) & 0xFFU);
+        }
+    }
+}
+
+static inline cw_result by_bits_biss_receive_frame_bits(
+    const uint8_t *rx, size_t received, uint32_t bits, uint8_t *frame, size_t length)
+{
+    uint64_t none;
+    size_t first = 0U;
+    const cw_result result = by_bits_biss_receive_bits(rx, received, 0U, &none);
+    if ((result != CW_OK) && (result != CW_FAULT_CONSTANT)) {
+        return result;
+    }
+    while (cw_received_bit(rx, first) != 0U) {
+        first++;
+    }
+    while (cw_received_bit(rx, first) == 0U) {
+        first++;
+    }
+    first += 2U;
+    if ((bits > (8U * length)) || ((first + bits) > received)) {
+        return CW_FAULT_LENGTH;
+    }
+    if (((first + bits) < received) && (cw_received_bit(rx, first + bits) != 0U)) {
+        return CW_FAULT_CONSTANT;
+    }
+    by_bits_received_frame(rx, first, bits, frame, length);
+    return CW_OK;
+}
+
 static inline cw_result by_bits_biss_receive_cds_bits(const uint8_t *rx, size_t received, bool *cds)
 {
     const size_t end = received;
@@ -99,6 +140,26 @@ static inline cw_result by_bits_ssi_receive(
         return (found == cw_mask(bits)) ? CW_FAULT_LINE_HIGH : CW_FAULT_CONSTANT;
     }
     *word = found;
+    return CW_OK;
+}
+
+static inline cw_result by_bits_ssi_receive_frame(
+    const uint8_t *rx, size_t size, uint32_t bits, uint8_t *frame, size_t length)
+{
+    uint32_t ones = 0U;
+    if ((bits > (8U * length)) || (((size_t)bits + 2U) > (8U * size))) {
+        return CW_FAULT_LENGTH;
+    }
+    if (cw_received_bit(rx, 0U) == 0U) {
+        return CW_FAULT_LINE_LOW;
+    }
+    if (cw_received_bit(rx, (size_t)bits + 1U) != 0U) {
+        while ((ones < bits) && (cw_received_bit(rx, (size_t)ones + 1U) != 0U)) {
+            ones++;
+        }
+        return (ones == bits) ? CW_FAULT_LINE_HIGH : CW_FAULT_CONSTANT;
+    }
+    by_bits_received_frame(rx, 1U, bits, frame, length);
     return CW_OK;
 }
 

@@ -22,7 +22,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from c_harness import INTERFACES, SHARED
+from c_harness import INTERFACES, SHARED, SPECS, devices_of, interfaces_of, write
 from codewheel.model import Device
 from codewheel.targets.c.device import DeviceView
 from proof import Checker, Header, Proof, Result, Told, limited
@@ -107,15 +107,15 @@ def states(codec: Codec) -> Iterator[Mapping[str, int]]:
             yield {first: value, **dict(zip(switches, state, strict=True))}
 
 
-Prove = Callable[[str, Iterable[Proof]], None]
+Prove = Callable[..., None]
 
 
 @pytest.fixture
 def prove(checker: Checker, include: Path, tmp_path: Path, told: list[Told]) -> Prove:
     """Return a function that proves them and records their number. It fails with the refuted claims."""
 
-    def run(what: str, proofs: Iterable[Proof]) -> None:
-        results = checker.prove_all([(proof, include) for proof in proofs], tmp_path)
+    def run(what: str, proofs: Iterable[Proof], headers: Path = include) -> None:
+        results = checker.prove_all([(proof, headers) for proof in proofs], tmp_path)
         bad = [item.words for item in results if not item.proved]
         covered = {item.proof.of: item.proof.covers for item in results}
         told.append(Told(what, len(results), len(bad), sum(covered.values())))
@@ -132,6 +132,15 @@ def test_codecs_are_equal_to_their_layout(family: str, include: Path, prove: Pro
         f"{family}, decoders and encoders",
         [proof for codec in found for held in states(codec) for proof in proofs(replace(codec, held=held))],
     )
+
+
+def test_long_codecs_are_equal_to_their_layout(prove: Prove, tmp_path: Path) -> None:
+    """Frames of 72 and 79 bits, whose CRCs are not whole bytes. No family has frames of more than 64 bits."""
+    devices = devices_of(SPECS / "long_crc.yaml")
+    headers = write(tmp_path, devices)
+    for stem, device in interfaces_of(devices).items():
+        found = codecs(device, header_of(device, headers))
+        prove(f"{stem}, decoders and encoders", [proof for codec in found for proof in proofs(codec)], headers)
 
 
 def _with_crcs() -> list[str]:

@@ -243,6 +243,7 @@ FRAMES = (
         Member("widest"),
         Member("pieces"),
         Member("fills_gap"),
+        Member("fills_byte"),
         Member("constants"),
         Member("turned"),
         of=" ".join(("Field", *(kind.__name__ for kind in get_args(Kind)))),

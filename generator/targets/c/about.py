@@ -88,6 +88,11 @@ def about_word_crc(device: Device, item: Crc, folds: bool) -> list[Paragraph]:
     ]
 
 
+def about_bits_crc(device: Device, item: Crc) -> list[Paragraph]:
+    """Return the comment on the function that computes a CRC over the bits of a frame in bytes."""
+    return [f"Return CRC {item.name} of a frame, bit by bit.", *map(S.sentence, crc.crc(device, item))]
+
+
 def _derivation(item: Crc) -> str:
     """Explain why the straight-line code leaves the remainder."""
     width, middle = item.width, (item.poly >> 1).bit_length()

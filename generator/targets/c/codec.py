@@ -8,17 +8,17 @@ from functools import cached_property
 from ...model import Field
 from ...model.expressions import Expression
 from ...plan.refusals import OutsideLimits, depends
-from .about import about_member, about_unused, about_word_crc
+from .about import about_bits_crc, about_member, about_unused, about_word_crc
 from .alternatives import AlternativeCode, asked
 from .comments import Paragraph
 from .decode import Decoder
 from .encode import Encoder
 from .expr import Expr, Name, Number, Operation, joined
-from .folds import WordCrc, folds
+from .folds import BitsCrc, WordCrc, folds
 from .names import Declared
 from .reserved import c_name
 from .structs import Struct
-from .types import number, string
+from .types import number, string, unsigned
 
 
 class StructCodec:
@@ -57,6 +57,8 @@ class StructCodec:
         yield from self.reports.names() if self.reports is not None else ()
         if self.word_crc is not None:
             yield self.word_crc.name
+        if self.bits_crc is not None:
+            yield self.bits_crc.name
         if self.measured:
             yield f"{self.name}_position"
         if self.tells_difference:
@@ -100,6 +102,15 @@ class StructCodec:
         steps = tuple(folds(crc.steps, bits, "word")) if crc.steps else ()
         about = tuple(about_word_crc(self.struct.device, crc.crc, bool(steps)))
         return WordCrc(f"{self.name}_crc", self.struct.crc_function, crc.crc, bits, steps, about)
+
+    @property
+    def bits_crc(self) -> BitsCrc | None:
+        """The function that computes the CRC of a frame of bits in bytes."""
+        crc, layout = self.plan.crc, self.plan.layout
+        if crc is None or not layout.in_bytes or layout.crc_covers_bytes:
+            return None
+        about = tuple(about_bits_crc(self.struct.device, crc.crc))
+        return BitsCrc(f"{self.name}_crc", crc.crc, crc.covered.constant, unsigned(crc.crc.width), about)
 
     def asks(self, *expressions: Expression) -> tuple[AlternativeCode, ...]:
         """Return the alternatives whose answers these expressions need."""

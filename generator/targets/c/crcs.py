@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from ...model import Crc
 from ...model.record import dataclass
 from ...plan.crc_tables import reflect, table, word_table
-from ...plan.crcs import Carrier, CrcFunction, Form
+from ...plan.crcs import Carrier, CrcFunction, Form, carrier_of
 from .about import about_crc
 from .codec import StructCodec
 from .comments import Paragraph
@@ -73,7 +73,7 @@ class CrcCode:
 def crc_code(context: Context, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
     crc = function.crc
     users = [item for item in codecs if item.plan.crc is not None and item.plan.crc.crc == crc]
-    users = [item for item in users if item.struct.layout.carried_as == function.carrier.value]
+    users = [item for item in users if carrier_of(item.struct.layout) is function.carrier and item.bits_crc is None]
     is_called = any(item.word_crc is None for item in users)
     name = context.crc_name(crc, function.carrier.value)
     values: tuple[int, ...] = ()

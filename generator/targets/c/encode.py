@@ -110,6 +110,7 @@ class Encoder:
         """The value of each byte, except those of the CRC."""
         crc = self.plan.crc
         in_crc = {piece.byte for piece in crc.bits.pieces} if crc is not None else set()
+        in_crc = in_crc if self.plan.layout.crc_covers_bytes else set()
         fixed = dict.fromkeys(range(self.plan.length), 0)
         given: dict[int, list[Expr]] = {}
         for byte, bits in self.struct.unused.in_bytes:

@@ -78,6 +78,17 @@ class HalfByte:
 
 
 @dataclass(frozen=True)
+class BitsCrc:
+    """The function that computes the CRC over the first ``covered`` bits of a frame in bytes."""
+
+    name: str
+    crc: Crc
+    covered: int
+    type: str
+    about: tuple[Paragraph, ...]
+
+
+@dataclass(frozen=True)
 class WordCrc:
     """The function that computes the CRC of a whole word. ``function`` is the one for any number of bits."""
 

@@ -1,4 +1,4 @@
-"""The lengths of frames carried as bits, as constants by order code, for array sizes and static asserts."""
+"""The lengths of frames on a line of bits, as constants by order code, for array sizes and static asserts."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .variants import CodeRow
 
 
 class LengthCode:
-    """The lengths of one interface, empty if none of its frames is carried as bits."""
+    """The lengths of one interface, empty if a peripheral receives its frames by itself."""
 
     def __init__(self, context: Context, interface: Interface, rows: Sequence[CodeRow], shown: CodeRow) -> None:
         self.interface = interface
@@ -25,6 +25,8 @@ class LengthCode:
         self.layouts = tuple(dict.fromkeys(item.layout.name for item in found))
         #: Names of the answers on which a length depends.
         self.answers = tuple(dict.fromkeys(answer.name for item in found for answer in item.answers))
+        #: Macro of the bytes in a frame that is carried as bytes, empty for words.
+        self.length = next((context.length_macro(item.layout) for item in found if item.layout.in_bytes), "")
         self.held = any(item.held for item in found)
         #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
@@ -44,6 +46,18 @@ class LengthCode:
         """Explain how the macro names an order code."""
         code = self.code_of(self._shown) if self._shown is not None else ""
         return f"For example, code can be {code}, as in {self._prefix}{code}_BITS."
+
+    def holder(self, index: str = "") -> str:
+        """Declare the variable that receives a frame, or an array of them."""
+        return f"uint8_t bytes{index}[{self.length}]" if self.length else f"uint64_t word{index}"
+
+    def into(self, index: str = "") -> str:
+        """Return the last argument of a receiver that fills this variable."""
+        return f"bytes{index}" if self.length else f"&word{index}"
+
+    def given(self, index: str = "") -> str:
+        """Return the arguments of a decoder that takes this variable."""
+        return f"bytes{index}, {self.length}" if self.length else f"word{index}"
 
     def code_of(self, item: Received) -> str:
         """Return the name of an order code in names of lengths, with the answers on which these depend."""

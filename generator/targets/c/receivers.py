@@ -23,7 +23,7 @@ class ReceiverCode:
         rows = view.variants.rows
         self.row: CodeRow = next(row for row in rows if row.variant is self.longest.variant)
         self.bits, self.size = (item.name for item in view.lengths.macros_of(self.longest))
-        self.receive = f"{view.lengths.receive}({view.lengths.code_of(self.longest)}, rx, &word)"
+        self.receive = f"{view.lengths.receive}({view.lengths.code_of(self.longest)}, rx, {view.lengths.into()})"
         self.modulus = example.modulus
 
 

@@ -101,7 +101,7 @@ def _baud(device: Device, interface: Rs485) -> Speed:
 
 def _lengths(device: Device, layout: Layout) -> list[int]:
     """Return the lengths of a frame in bits, one for each answer to questions that the manual leaves open."""
-    return sorted({layout.bits.value(sets) for _, sets in choices(device.alternatives_of(layout))})
+    return sorted({layout.sent_bits.value(sets) for _, sets in choices(device.alternatives_of(layout))})
 
 
 def _either(items: Iterable[str]) -> str:

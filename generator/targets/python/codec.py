@@ -10,7 +10,7 @@ from ...model import Digits, Fault, Field, Layout, Register
 from ...model.expressions import Expression
 from ...model.never import assert_never
 from ...plan.codec import Part, Whole, codec_of
-from ...plan.crcs import Carrier
+from ...plan.crcs import carrier_of
 from ...plan.limits import Limits, limits_of
 from ...plan.values import (
     Active,
@@ -193,8 +193,7 @@ class Coder:
     @property
     def crc_name(self) -> str:
         """Name of the function for the CRC at the end of the frame."""
-        carrier = Carrier.BYTES if self.plan.in_bytes else Carrier.BITS
-        return self.context.crc_name(self.plan.crc.crc, carrier) if self.plan.crc is not None else ""
+        return self.context.crc_name(self.plan.crc.crc, carrier_of(self.layout)) if self.plan.crc is not None else ""
 
     @property
     def gray_when(self) -> str:

@@ -73,7 +73,7 @@ class Shape:
         """Return the CRC with the function that compares it, and the means to compute it for many frames."""
         crc, coder = of.crc, self.coder
         made: dict[str, Literal] = {"low": self._shown(of.bits.low), "width": crc.width}
-        if self.plan.in_bytes:
+        if coder.layout.crc_covers_bytes:
             place = f'{self.plan.length}, {crc.width // 8}, "{byte_order(coder.layout)}"'
             made["differs"] = Code(f"of_bytes({coder.crc_name}, {place})")
             made |= {"xorout": crc.xorout, "is_xor": True} if crc.is_xor else {}
