@@ -17,7 +17,10 @@ CALLS = (
     "(void)!cw_biss_receive(NULL, 0U, 47U, &word)",
     "(void)!cw_biss_receive_bits(rx, 0U, 47U, NULL)",
     "(void)!cw_biss_receive_cds(rx, 0U, NULL)",
+    "(void)!cw_biss_receive_frame(NULL, 0U, 70U, frame, 9U)",
+    "(void)!cw_biss_receive_frame_bits(rx, 0U, 70U, NULL, 9U)",
     "(void)!cw_ssi_receive(NULL, 0U, 39U, &word)",
+    "(void)!cw_ssi_receive_frame(NULL, 0U, 70U, frame, 9U)",
     "(void)!cw_rs485_ask(NULL, 0U, 0U, 0U, 0U, 0U)",
     "(void)cw_rs485_take(NULL, 0U)",
     "(void)cw_rs485_take_any(NULL, 0U)",
@@ -37,10 +40,11 @@ PROGRAM = """
 int main(int count, char **given)
 {
     static uint8_t rx[8];
+    static uint8_t frame[9];
     static uint32_t words[2];
     static const cw_tracker_config config = { 0U, 0U, 0U, 0U, 0U };
     uint64_t word = 0U;
-    (void)count; (void)words; (void)config; (void)word; (void)rx;
+    (void)count; (void)words; (void)config; (void)word; (void)rx; (void)frame;
     switch (atoi(given[1])) {
 @cases@
     default: return 0;
@@ -63,7 +67,8 @@ def test_every_assertion_is_called_above() -> None:
     text = "".join((RUNTIME / "codewheel" / f"{name}.h").read_text(encoding="ascii") for name in ("receive", "tracker"))
     checked = set(re.findall(r"^static inline [^\n(]*\b(cw_\w+)\([^{}]*?\)\n\{\n    CW_ASSERT\(", text, re.MULTILINE))
     called = set(re.findall(r"\b(cw_\w+)\(", " ".join(CALLS)))
-    assert checked == called - {"cw_biss_receive", "cw_biss_receive_cds"} | {"cw_biss_receive_cds_bits"}
+    forwarded = {"cw_biss_receive", "cw_biss_receive_cds", "cw_biss_receive_frame"}
+    assert checked == called - forwarded | {"cw_biss_receive_cds_bits"}
     assert text.count("CW_ASSERT(") == len(checked)
 
 
