@@ -79,6 +79,7 @@ def test_there_is_no_cycle() -> None:
     assert cycles(arrows()) == []
 
 
+@pytest.mark.slow
 def test_no_test_names_a_place_of_the_machine() -> None:
     """Require tests and benchmarks to stay in temporary folders: no device, no fixed path, not even to be refused.
 

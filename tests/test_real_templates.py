@@ -65,6 +65,7 @@ def templates() -> Iterator[tuple[str, str, Templates]]:
             yield target, name, of
 
 
+@pytest.mark.slow
 def test_no_template_without_a_template() -> None:
     faults = {}
     for target, name, of in templates():

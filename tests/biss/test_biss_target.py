@@ -60,6 +60,7 @@ def files(library: Library) -> dict[str, str]:
     return generate(library)
 
 
+@pytest.mark.slow
 def test_the_files(files: dict[str, str]) -> None:
     assert NAME in files
     assert "biss/lika-amm5.xml" in files
@@ -149,6 +150,7 @@ def test_a_length_for_each_profile_id_stands_in_the_comment(files: dict[str, str
     assert found == [("2814", "24"), ("2816", "24"), ("2817", "24"), ("2818", "24"), ("2819", "25")]
 
 
+@pytest.mark.slow
 def test_no_two_ids_on_the_way_down_contradict_each_other(files: dict[str, str], amm5: Device) -> None:
     """The Ids from the outermost Device to an inner one can all match one encoder: they agree on common bits."""
     only = tuple(item for item in amm5.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
@@ -200,6 +202,7 @@ def test_the_comment_tells_what_the_format_cannot(files: dict[str, str]) -> None
     assert "Inferred" in text
 
 
+@pytest.mark.slow
 def test_one_length_is_stated_below_the_identity(amm5: Device) -> None:
     only = tuple(item for item in amm5.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
     root = check_format(generate(Library((dataclasses.replace(amm5, variants=only),)))[NAME])
@@ -247,6 +250,7 @@ def test_a_file_for_one_encoder_says_what_can_change_its_length(files: dict[str,
     assert "Length is that of the factory defaults" not in amm5
 
 
+@pytest.mark.slow
 def test_a_device_without_a_device_id_is_named_as_left_out(amm5: Device) -> None:
     bare = dataclasses.replace(amm5, registers=tuple(item for item in amm5.registers if item.name != "device_id"))
     text = generate(Library((bare,)))[NAME]
@@ -260,6 +264,7 @@ def test_a_manufacturer_without_an_id_has_no_file(amm5: Device) -> None:
     assert set(generate(Library((nameless,)))) == {"biss/LICENSE", "biss/lika-amm5.xml", "biss/device-description.xsd"}
 
 
+@pytest.mark.slow
 def test_another_maker(tmp_path: Path) -> None:
     """A small spec of another manufacturer works as well, since no code is specific to one device."""
     shutil.copy(Path(__file__).parents[1] / "check" / "ok" / "minimal.yaml", tmp_path)
@@ -276,6 +281,7 @@ def test_another_maker(tmp_path: Path) -> None:
     assert "docs/minimal.md" in generate_docs(Library(devices))
 
 
+@pytest.mark.slow
 def test_hostile_text_stays_text(hostile: Library) -> None:
     text = generate(hostile)[NAME]
     root = check_format(text)

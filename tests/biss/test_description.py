@@ -18,6 +18,7 @@ def schema() -> etree.XMLSchema:
     return etree.XMLSchema(read_xml(xsd.schema_text().encode()))
 
 
+@pytest.mark.slow
 def test_every_device_validates_and_comes_back(devices: Mapping[str, Device]) -> None:
     checker = schema()
     for device in devices.values():
@@ -27,6 +28,7 @@ def test_every_device_validates_and_comes_back(devices: Mapping[str, Device]) ->
         assert from_xml(made.encode()) == dump
 
 
+@pytest.mark.slow
 def test_addresses_and_ids_are_hexadecimal(devices: Mapping[str, Device]) -> None:
     """Numbers are as in manuals: AMM5's preset at 11h to 17h, Lika's ID 4C69h, SMA21's 2814h. Counts are decimal."""
     made = {name: read_xml(to_xml(device_dump(device)).encode()) for name, device in devices.items()}
@@ -66,6 +68,7 @@ CODES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "code"), list(zip(["amm5", "amm5", "amm5", "sma21", "am36", "am36", "asc85"], CODES, strict=True))
 )
@@ -77,6 +80,7 @@ def test_an_order_code_comes_back_too(devices: Mapping[str, Device], name: str, 
     assert from_xml(made.encode()) == dump
 
 
+@pytest.mark.slow
 def test_hostile_text_stays_text(hostile: Library) -> None:
     for device in hostile.devices:
         dump = device_dump(device)
@@ -85,6 +89,7 @@ def test_hostile_text_stays_text(hostile: Library) -> None:
         assert b"<script" not in made
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", ["line\nline", "tab\there", "return\rhere", " spaces around ", "\U0001f600", "\xa0"])
 def test_spaces_and_line_ends_survive(amm5: Device, text: str) -> None:
     dump = device_dump(amm5)
@@ -94,6 +99,7 @@ def test_spaces_and_line_ends_survive(amm5: Device, text: str) -> None:
     assert (back["title"], back["characteristics"][0]["value"]) == (text, text)
 
 
+@pytest.mark.slow
 def test_characters_that_xml_forbids_are_replaced(amm5: Device) -> None:
     dump = device_dump(amm5)
     dump["title"] = "a\x00b\x1fc\ufffed"

@@ -55,12 +55,14 @@ def test_all_order_codes_are_there(library: Library) -> None:
     assert all(f'"{item.code}"' in script for device in library.devices for item in device.variants)
 
 
+@pytest.mark.slow
 def test_the_same_every_time_and_not_large(library: Library) -> None:
     made = generate(library)
     assert made == generate(library)
     assert len(made["browser/decode.js"].encode()) < 200_000
 
 
+@pytest.mark.slow
 def test_no_text_of_a_spec_ends_the_script(hostile: Library) -> None:
     """The same holds for the page: texts with the special characters of all languages are unchanged in the table."""
     for device in hostile.devices:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.targets import Library
@@ -17,6 +18,7 @@ def rows(page: str) -> list[list[str]]:
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in table[2:]]
 
 
+@pytest.mark.slow
 def test_each_length_of_each_frame(c_devices: tuple[Device, ...]) -> None:
     """AMM5 6.2.1: 47, 45, ... bits with 6 bits of CRC; 7.5: replies of 6 and 11 bytes with the XOR of the bytes."""
     page = generate(Library(c_devices))["c/ASSUMPTIONS-lika.md"]
@@ -30,12 +32,14 @@ def test_each_length_of_each_frame(c_devices: tuple[Device, ...]) -> None:
     assert found["x^8 + 1", 88][2:] == ["AMM5 RS-485: complete reply", "2", f"{8 * 11 * 10 // 2} of {88 * 87 // 2}"]
 
 
+@pytest.mark.slow
 def test_frames_without_status(c_devices: tuple[Device, ...]) -> None:
     page = generate(Library(c_devices))["c/ASSUMPTIONS-lika.md"]
     (line,) = (line for line in page.splitlines() if "always `CW_UNKNOWN`" in line)
     assert "AM36 SSI: SSI word, AMM5 SSI: SSI word, ASC85 SSI: SSI word." in line
 
 
+@pytest.mark.slow
 def test_words_with_parity() -> None:
     """The AS5047P has a parity bit, no CRC and no SSI: jonas-merkle/AS5047P, SPI_ReadData_Frame_t."""
     devices, report = load_library([ENCODERS / "ams"])
@@ -47,6 +51,7 @@ def test_words_with_parity() -> None:
     assert "SSI" not in page
 
 
+@pytest.mark.slow
 def test_a_page_for_each_manufacturer(every_device: dict[str, Device]) -> None:
     files = generate(Library((every_device["amm5"], every_device["tv62"])))
     maker = every_device["tv62"].manufacturer.name

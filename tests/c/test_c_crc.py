@@ -85,6 +85,7 @@ def test_any_number_of_bits(crcs: Device, run_form: Run, name: str) -> None:
     check(run_form, pairs)
 
 
+@pytest.mark.slow
 def test_what_a_table_brings(crcs: Device) -> None:
     """There is a table only if needed. A CRC that can be folded has one only on request."""
     files = generate(Library((crcs,)))
@@ -93,6 +94,7 @@ def test_what_a_table_brings(crcs: Device) -> None:
     assert text.count("#ifdef TEST_CRC_TABLE\n/** Remainder of each byte for CRC ") == 2
 
 
+@pytest.mark.slow
 def test_a_crc_without_a_frame_has_no_function(every_device: Mapping[str, Device]) -> None:
     """No function would call it. Python has it, so that its users can check the examples of the manual."""
     device = every_device["shapes"]

@@ -92,6 +92,7 @@ def test_a_header_alone_and_unused_has_no_warning(
         )
 
 
+@pytest.mark.slow
 def test_only_the_three_headers_of_the_standard_are_used(include: Path) -> None:
     used = {
         line for path in include.rglob("*.h") for line in path.read_text().splitlines() if line.startswith("#include")
@@ -332,6 +333,7 @@ def test_a_spec_whose_names_are_reserved_compiles(tmp_path: Path) -> None:
         compile_programs(command, device, tmp_path, folder, link=False)
 
 
+@pytest.mark.slow
 def test_files_and_their_places(c_devices: tuple[Device, ...]) -> None:
     files = generate(Library(c_devices))
     assert {"c/README.md", "c/include/codewheel/encoder.h", "c/include/lika/amm5_biss.h"} <= set(files)
@@ -507,6 +509,7 @@ int main(void)
     assert printed == [*wanted.values(), "SMA21-BG1-0050"]
 
 
+@pytest.mark.slow
 def test_what_c_cannot_express_has_its_place_and_stops_no_other_target(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

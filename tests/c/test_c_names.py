@@ -27,6 +27,7 @@ ROOT = Path(__file__).resolve().parents[2]
 NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*FAMILIES, "bits22", "reserved", "tv62", "words"])
 def test_every_name_is_given_out_once(name: str, every_device: Mapping[str, Device]) -> None:
     """The declarations in the text are the listed ones, so no clash is overlooked."""
@@ -48,6 +49,7 @@ def test_names_of_the_runtime_have_its_prefix(path: Path) -> None:
     assert [name for name in found if not name.startswith(("cw_", "CW_", "CODEWHEEL_"))] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["cw", "codewheel"])
 def test_no_manufacturer_has_a_name_of_the_runtime(name: str, every_device: Mapping[str, Device]) -> None:
     device = every_device["amm5"]

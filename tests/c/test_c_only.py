@@ -18,6 +18,7 @@ def headers(devices: tuple[Device, ...], only: str) -> dict[str, str]:
     return {stem: text for stem, text in found.items() if stem.count("_") == 1 and not {*"/."} & {*stem}}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("only", "stems"), [
     ("AMM5A21/65KSC1", {"amm5_biss"}),
     (" amm5a21/65ksc1 , SMA21_SSI", {"amm5_biss", "sma21_ssi"}),
@@ -28,6 +29,7 @@ def test_only_what_is_named_is_there(only: str, stems: set[str], c_devices: tupl
     assert set(headers(c_devices, only)) == stems
 
 
+@pytest.mark.slow
 def test_only_the_order_code_is_there(c_devices: tuple[Device, ...]) -> None:
     text = headers(c_devices, "AMM5A21/65KSC1,AMM5B17/1SC1")["amm5_biss"]
     codes = [line.split()[3] for line in text.splitlines() if line.startswith("static CW_CONST lika_amm5_biss LIKA")]

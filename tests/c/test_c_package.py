@@ -102,6 +102,7 @@ def package(c_devices: tuple[Device, ...], tmp_path_factory: pytest.TempPathFact
     return written(tmp_path_factory.mktemp("package"), c_devices)
 
 
+@pytest.mark.slow
 def test_there_is_a_program_for_every_interface(package: Path) -> None:
     assert sorted(path.stem for path in (package / "examples").glob("*.c")) == sorted(PRINTED)
 
@@ -226,6 +227,7 @@ def test_several_manufacturers_share_a_package(every_device: Mapping[str, Device
     assert ran(root, "amm5_biss")[0] == ran(root, "tv62_ssi")[0] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("main", "folder"), [((), "acme-lika"), (("lika",), "lika"), (("acme", "lika"), "acme-lika")])
 def test_names_of_a_package_of_several(main: tuple[str, ...], folder: str, every_device: Mapping[str, Device]) -> None:
     """The folder has the name of the main manufacturer, or else of all. Builds find it by each manufacturer's name."""

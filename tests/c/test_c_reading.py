@@ -121,6 +121,7 @@ def test_the_manuals_own_name_leads_to_the_value(family: str, include: Path) -> 
     assert missing == {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*FAMILIES, "words", "bits22", "tv62"])
 def test_bodies_are_indented(name: str, every_device: Mapping[str, Device], tmp_path: Path) -> None:
     for path in write(tmp_path, (every_device[name],)).rglob("*.h"):
@@ -132,6 +133,7 @@ def test_bodies_are_indented(name: str, every_device: Mapping[str, Device], tmp_
                 assert line.startswith("    "), (path.name, line)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*FAMILIES, "words", "bits22", "tv62"])
 def test_nothing_is_shifted_by_nothing_octal_or_left_to_precedence(
     name: str, every_device: Mapping[str, Device], tmp_path: Path
@@ -160,6 +162,7 @@ def test_a_step_names_the_bit_that_it_looks_at(include: Path) -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("names", "there", "absent"), [
     (["amm5"], ["`LIKA_CRC_TABLE`"], ["_CRC_BITWISE"]),
     (["words"], ["`TEST_CRC_TABLE`", "`TEST_CRC_BITWISE`"], ["LIKA_"]),
@@ -176,12 +179,14 @@ def test_the_readme_names_the_macros_that_there_are(
     assert all(macro in headers for macro in re.findall(r"`(\w+_CRC_\w+)`", readme))
 
 
+@pytest.mark.slow
 def test_the_readme_tells_the_stack_of_the_longest_procedure(c_devices: tuple[Device, ...]) -> None:
     # AM36 set_resolution: 3 + 2 register bytes, which are read back, save, wait, open, 5 preset bytes, which are read
     # back with the byte that opens, activate, wait, 2 readings.
     assert "at most 28 (`lika_am36_biss_set_resolution`)" in generate(Library(c_devices))["c/README.md"]
 
 
+@pytest.mark.slow
 def test_an_erratum_is_one_line(c_devices: tuple[Device, ...]) -> None:
     """The whole text is on the page of the encoder. If wrong data could be sent, the line has the value used."""
     files = generate(Library(c_devices))
@@ -198,6 +203,7 @@ def test_an_erratum_is_one_line(c_devices: tuple[Device, ...]) -> None:
             assert (f"Used: {in_comment(item.used)}"[:60] in header) == risky, item.name
 
 
+@pytest.mark.slow
 def test_an_erratum_says_what_is_used_where_data_is_at_stake(c_devices: tuple[Device, ...]) -> None:
     """An AMM5 EEPROM write with the address at another encoder's position hits another one. The functions say so."""
     header = " ".join(generate(Library(c_devices))["c/include/lika/amm5_rs485.h"].replace("\n *", "\n").split())

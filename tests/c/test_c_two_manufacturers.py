@@ -35,6 +35,7 @@ def test_one_master_and_one_comparison_of_verdicts(command: list[str], tmp_path:
     assert subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout == PRINTED
 
 
+@pytest.mark.slow
 def test_a_second_manufacturer_adds_nothing_but_its_own_headers() -> None:
     lika, tolvarn = devices_of(), devices_of(ROOT / "docs" / "example")
     one, both = (

@@ -43,6 +43,7 @@ LINE = SPEC[: SPEC.index(CLOCK)].count("\n") + 1
 COLUMN = SPEC.splitlines()[LINE - 1].index("10000000") + 1
 
 
+@pytest.mark.slow
 def test_changes_as_comments_of_a_pull_request(both: tuple[Path, Path], capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "diff", *both, "--format", "github")
     assert code == 1
@@ -61,6 +62,7 @@ def test_problems_as_comments_of_a_pull_request(tmp_path: Path, capsys: pytest.C
     assert 'write "100%25" with straight quotes' in out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["check", "diff"])
 def test_sarif(both: tuple[Path, Path], capsys: pytest.CaptureFixture[str], command: str) -> None:
     """The members that the schema of SARIF 2.1.0 requires, with its types and enumerations."""
@@ -94,6 +96,7 @@ def test_without_problems_the_forms_are_empty(both: tuple[Path, Path], capsys: p
 ENTRY = "{family: my_encoder, rule: clock-narrower, path: interfaces.biss.clock.max_hz, why: no faster master, until: "
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("until", "code", "notice"),
     [
@@ -116,6 +119,7 @@ def test_a_change_is_accepted_until_a_date(
     assert (run(capsys, "diff", *both, "--format", "github")[1].strip() == "") == (code == 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -135,6 +139,7 @@ def test_a_wrong_file_of_accepted_changes(
     assert message in err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("right", "wrong", "suggested"),
     [
@@ -152,6 +157,7 @@ def test_an_entry_that_accepts_nothing_is_reported(
     assert suggested in told
 
 
+@pytest.mark.slow
 def test_the_entry_for_an_older_edition_keeps_what_was_taken_away(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -200,6 +200,7 @@ def _public(module: str) -> set[str]:
     return {name for name in found if not name.startswith("_")}
 
 
+@pytest.mark.slow
 def test_explain() -> None:
     assert explain("register-gone") == (
         "register-gone: a register was removed.\n"

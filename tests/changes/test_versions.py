@@ -185,6 +185,7 @@ def test_what_is_recorded(tmp_path: Path, capsys: pytest.CaptureFixture[str], mo
     assert [(item["version"], item["since"]) for item in releases] == [("2.0.1", "2.0.0"), ("2.0.0", "1.4.2")]
 
 
+@pytest.mark.slow
 def test_the_page_of_changes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     old, new = specs(tmp_path / "old"), specs(tmp_path / "new", ("max_hz: 10000000", "max_hz: 5000000"))
     main(["diff", str(old), str(new), "--record"])
@@ -196,6 +197,7 @@ def test_the_page_of_changes(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     )
 
 
+@pytest.mark.slow
 def test_the_page_without_a_recorded_release(tmp_path: Path) -> None:
     devices, _ = load_library([specs(tmp_path / "specs")])
     page = generate_docs(Library(devices))["docs/demo-changes.md"]
@@ -204,6 +206,7 @@ def test_the_page_without_a_recorded_release(tmp_path: Path) -> None:
     assert "\n## " not in page
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", ["", "{}", "[]", '{"releases": [{"version": 2}]}', '{"releases": [1]}'])
 def test_a_history_that_was_spoilt(tmp_path: Path, text: str) -> None:
     folder = specs(tmp_path / "specs")

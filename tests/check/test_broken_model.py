@@ -30,6 +30,7 @@ def test_broken(name: str) -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_wrong_start_value_is_named_if_every_example_fits_another(tmp_path: Path) -> None:
     """The examples are from the manual of the AMM5 and from public sources. All of them need the start value 0."""
     spec = packaged_specs() / "lika" / "amm5.yaml"
@@ -46,6 +47,7 @@ def test_a_wrong_start_value_is_named_if_every_example_fits_another(tmp_path: Pa
 SOUND = Path(__file__).parent / "ok_model"
 
 
+@pytest.mark.slow
 def test_sound_specs_have_no_problem_and_yield_every_output() -> None:
     devices, report = load_for([SOUND], targets_named())
     assert report.problems == ()

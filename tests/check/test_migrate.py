@@ -23,6 +23,7 @@ def written(folder: Path, text: str, end: str = "\n", mark: bytes = b"") -> Path
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("like", "new", "old"), RENAMED.values(), ids=RENAMED)
 @pytest.mark.parametrize(("end", "mark"), [("\n", b""), ("\r\n", b"\xef\xbb\xbf")], ids=["unix", "windows"])
 def test_keys_get_their_new_names_and_the_rest_stays(

@@ -47,6 +47,7 @@ def document(folder: pathlib.Path, text: str) -> tuple[Document, Report]:
     return found, report
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_schema_is_one_and_each_keyword_has_words(kind: str) -> None:
     schema = load_schema(kind)
@@ -87,6 +88,7 @@ def test_misspelt_key_is_one_problem(tmp_path: pathlib.Path) -> None:
     assert [problem.message for problem in report.problems] == ["unknown key 'polly'; did you mean 'poly'?"]
 
 
+@pytest.mark.slow
 def test_endless_problems_end(tmp_path: pathlib.Path) -> None:
     found, report = document(tmp_path, MINIMAL.read_text() + "".join(f"key_{index}: 1\n" for index in range(1000)))
     assert check_document(found, report) is None
@@ -97,6 +99,7 @@ def test_endless_problems_end(tmp_path: pathlib.Path) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_a_spec_full_of_faults_is_read_no_further_than_it_is_told(
     tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

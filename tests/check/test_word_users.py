@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import pytest
 import yaml
 from codewheel.language.schema_files import load_schema
 from codewheel.language.second_reading import is_second
@@ -187,6 +188,7 @@ def named(words: Iterable[str]) -> set[str]:
     return {word for word in words if not known.isdisjoint(re.split(r"[^a-z0-9]+", word.casefold()))}
 
 
+@pytest.mark.slow
 def test_no_word_names_a_manufacturer() -> None:
     for kind in ("device", "manufacturer"):
         assert named(walk(load_schema(kind), None)) == set()

@@ -87,7 +87,7 @@ def of_python(source: str) -> Iterator[Text]:
         part for node in nodes if isinstance(node, ast.keyword) and node.arg in HELP for part in ast.walk(node.value)
     }
     named = {node.id for node in helps if isinstance(node, ast.Name)}
-    helps |= {node.value for node in nodes if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) in named}
+    helps |= {node.value for node in nodes if isinstance(node, ast.Assign) and _name(node.targets[0]) in named}
     for node in nodes:
         if isinstance(node, ast.JoinedStr):
             words = "".join(str(part.value) if isinstance(part, ast.Constant) else "·" for part in node.values)
@@ -97,6 +97,10 @@ def of_python(source: str) -> Iterator[Text]:
             continue
         if node in docstrings or _is_sentence(words):
             yield Text(node.lineno, prose(words), message=node not in docstrings | helps)
+
+
+def _name(target: ast.expr) -> str:
+    return target.id if isinstance(target, ast.Name) else ""
 
 
 def _is_sentence(words: str) -> bool:

@@ -34,6 +34,7 @@ def of_codes(files: Files) -> Files:
     return {name: made for name, made in files.items() if re.fullmatch(r"docs/[^/]+/.*[A-Z].*\.md", name)}
 
 
+@pytest.mark.slow
 def test_the_index_leads_from_every_order_code_to_a_page_that_names_it(library: Library, pages: Files) -> None:
     for device in library.devices:
         for variant in device.variants:

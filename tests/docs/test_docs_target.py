@@ -55,6 +55,7 @@ def broken_links(files: Files) -> list[str]:
     return found
 
 
+@pytest.mark.slow
 def test_the_files(files: Files) -> None:
     assert {
         "docs/README.md",
@@ -180,6 +181,7 @@ def test_what_a_flag_makes_of_the_position(files: Files) -> None:
     assert "While it is active" not in missing
 
 
+@pytest.mark.slow
 def test_every_text_of_the_plain_data_is_on_the_page(library: Library, files: Files) -> None:
     """Names in every language, meanings, notes, signals, table cells: everything that show --json prints is there."""
     for device in library.devices:
@@ -288,6 +290,7 @@ def test_tables_are_whole(files: Files, hostile_files: Files) -> None:
             head = cells
 
 
+@pytest.mark.slow
 def test_hostile_text_stays_text(hostile_files: Files) -> None:
     files = hostile_files
     assert broken_links(files) == []
@@ -431,6 +434,7 @@ def test_profile_ids_stay_hexadecimal(files: Files) -> None:
     assert "| 2814h |" in files["docs/sma21/biss.md"]
 
 
+@pytest.mark.slow
 def test_the_bank_stands_in_the_table_of_registers(files: Files) -> None:
     """TV62, 4.2 and 4.3: 00h to 03h is the preset in bank 1, and 00h and 01h the upper limit in bank 2."""
     banked, _ = load_library([Path(__file__).parents[2] / "docs" / "example"])

@@ -24,6 +24,8 @@ PLACES = {
     "schemas": ["generator/**/*.json"],
     "tests": ["tests/**/*.py"],
 }
+#: Those that are made from the others, or are not read by users. They take most of the time.
+LAST = {"generated pages", "C", "generated Python", "tests"}
 #: Files whose messages are of commands. The others are counted like any prose.
 MESSAGES_IN = {"generator", "rules.md"}
 #: With fewer words, a density means little.
@@ -70,7 +72,9 @@ def densities(found: list[Text]) -> tuple[int, dict[str, float]]:
     }
 
 
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize(
+    "place", [pytest.param(place, marks=pytest.mark.slow) if place in LAST else place for place in PLACES]
+)
 def test_texts_avoid_the_phrases_and_patterns(place: str) -> None:
     found = list(once(files(ROOT, place)))
     lines = [line for path, text in found for line in findings(ROOT, path, text)]

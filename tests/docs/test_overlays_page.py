@@ -38,6 +38,7 @@ def test_the_file_is_the_one_that_is_shown() -> None:
     assert OVERLAY.read_text(encoding="utf-8").endswith(shown)
 
 
+@pytest.mark.slow
 def test_commands_print_what_is_shown(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     shown = fences("")
@@ -48,6 +49,7 @@ def test_commands_print_what_is_shown(capsys: pytest.CaptureFixture[str], monkey
         assert capsys.readouterr().out == printed
 
 
+@pytest.mark.slow
 def test_the_comment_is_that_of_the_header(generated: Path) -> None:
     (shown,) = fences("c")
     assert shown in _c(generated, "tv62_s042")

@@ -48,6 +48,7 @@ def test_no_text_leaves_the_card_or_its_box(pages: Files) -> None:
             assert left + wide <= float(root.attrib["width"]), (name, item.text)
 
 
+@pytest.mark.slow
 def test_a_picture_and_the_words_beside_it_say_the_same(pages: Files) -> None:
     for name, root in drawn(pages):
         words = root.findtext(f"{SVG}desc", "")

@@ -68,6 +68,7 @@ def _answers(line: Line, label: str, question: Question) -> bool:
 ASKED = questions()
 
 
+@pytest.mark.slow
 def test_what_the_second_readings_say_is_answered() -> None:
     missed = [f"{item}" for item in ASKED if not answered(page_of(item.family, item.order_code), item)]
     assert missed == []

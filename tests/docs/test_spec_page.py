@@ -7,6 +7,7 @@ import re
 from importlib import resources
 from pathlib import Path
 
+import pytest
 from codewheel.language.language_page import spec_page
 
 PAGE = Path(__file__).parents[2] / "docs" / "spec-language.md"
@@ -16,6 +17,7 @@ def test_the_page_is_up_to_date() -> None:
     assert PAGE.read_text(encoding="utf-8") == spec_page(), "the schemas have changed; run: make spec-page"
 
 
+@pytest.mark.slow
 def test_every_key_is_explained() -> None:
     schema = json.loads((resources.files("codewheel.language") / "device.schema.json").read_text(encoding="utf-8"))
     page = spec_page()

@@ -70,6 +70,7 @@ def test_an_erratum_is_a_badge_with_one_line_on_the_page_of_an_order_code(pages:
     assert line in page.partition("<summary><b>Errata</b>")[2]
 
 
+@pytest.mark.slow
 def test_the_reason_of_an_erratum_is_on_one_page(library: Library, pages: Files) -> None:
     for device in library.devices:
         for item in device.errata:
@@ -80,6 +81,7 @@ def test_the_reason_of_an_erratum_is_on_one_page(library: Library, pages: Files)
                 assert shown == [f"docs/{device.name}/errata.md"], item.name
 
 
+@pytest.mark.slow
 def test_each_erratum_stands_in_full_on_one_page(library: Library, pages: Files) -> None:
     for device in library.devices:
         for item in device.errata:

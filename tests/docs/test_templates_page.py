@@ -25,6 +25,7 @@ def test_the_page_is_up_to_date() -> None:
     assert PAGE.read_text(encoding="utf-8") == made, "templates or their values have changed; run: make templates-page"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BUILT_IN)
 def test_it_tells_the_whole_truth(name: str) -> None:
     templates = load_target(name).templates
@@ -82,6 +83,7 @@ def test_every_gap_is_told(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_its_example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     page = PAGE.read_text(encoding="utf-8")
     template = re.search(r"`(house/\S+)`:\n\n```jinja\n(.*?)```", page, re.DOTALL)

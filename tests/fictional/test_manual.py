@@ -223,6 +223,7 @@ def test_decode_names_another_channel(capsys: pytest.CaptureFixture[str]) -> Non
     )
 
 
+@pytest.mark.slow
 def test_a_layout_of_bytes_can_be_named(capsys: pytest.CaptureFixture[str]) -> None:
     """If the frame identifies its layout, that of a given name is used instead, and the error is that of the frame."""
     assert main(["decode", "AMM5A23/65KJP1", "--layout", "multiturn_reply", "02 20 C7 D1 6A 5E", "--json"]) == 1

@@ -25,6 +25,7 @@ WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wcast-qual 
 POSITION = 0x9A4FF98E54587
 
 
+@pytest.mark.slow
 def test_all_four_targets(generated: Path) -> None:
     made = {path.relative_to(generated).as_posix() for path in generated.rglob("*") if path.is_file()}
     assert {

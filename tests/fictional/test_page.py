@@ -105,6 +105,7 @@ def test_there_is_something_to_compare() -> None:
     assert len(fences("text")) >= 8
 
 
+@pytest.mark.slow
 def test_what_the_tool_says_is_what_it_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     said = [message for _, _, message in SLIPS.values()]
     assert main(["decode", "--specs", str(EXAMPLE), "TV62-M17-B1", "--as", "lower_limit", "06 FF"]) == 0
@@ -121,6 +122,7 @@ def test_what_the_tool_says_is_what_it_says(tmp_path: Path, capsys: pytest.Captu
             assert any(text.rstrip("\n") in item for item in said), text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slip", SLIPS)
 def test_slips_are_found_in_the_words_shown(slip: str, tmp_path: Path) -> None:
     right, wrong, message = SLIPS[slip]
@@ -135,6 +137,7 @@ def test_slips_are_found_in_the_words_shown(slip: str, tmp_path: Path) -> None:
         assert not found  # The page says that no program can find it.
 
 
+@pytest.mark.slow
 def test_commands_of_the_page_work(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -33,6 +33,7 @@ def revised(path: Path, old: str, new: str, address: str) -> None:
     path.write_text(before + correction + after, encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_story_of_the_page(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     def check() -> list[str]:
         main(["check"])
@@ -60,6 +61,7 @@ def test_the_story_of_the_page(folder: Path, capsys: pytest.CaptureFixture[str])
     assert [text for text in QUOTED if text not in told] == []
 
 
+@pytest.mark.slow
 def test_what_is_new_in_the_spec_alone_is_missed_by_the_coverage(folder: Path) -> None:
     spec = folder / "tv62.yaml"
     new = '    timings: [{name: start, meaning: After power-on, at_most_us: 500, source: "3"}]\n'
@@ -69,6 +71,7 @@ def test_what_is_new_in_the_spec_alone_is_missed_by_the_coverage(folder: Path) -
     assert main(["check", "--coverage"]) == 1
 
 
+@pytest.mark.slow
 def test_a_mistake_that_the_new_manual_prints_is_an_erratum(folder: Path) -> None:
     """The second reading has the value that is still in the table."""
     spec, second = folder / "tv62.yaml", folder / "tv62.second.yaml"

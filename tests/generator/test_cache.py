@@ -90,6 +90,7 @@ def test_commands_print_the_same_with_and_without_the_cache(folder: Path, capsys
     assert entries(folder)
 
 
+@pytest.mark.slow
 def test_a_model_survives_the_cache(library: Library) -> None:
     for device in library.devices:
         rows = json.loads(json.dumps(as_data(device)))
@@ -300,6 +301,7 @@ def test_the_folder_is_that_of_the_user(monkeypatch: pytest.MonkeyPatch, tmp_pat
     assert default_folder() is None
 
 
+@pytest.mark.slow
 def test_a_changed_spec_is_read_again(folder: Path, specs: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Not even the same size and time hide a change."""
     spec = specs / "amm5.yaml"
@@ -332,6 +334,7 @@ def test_problems_are_reported_as_without_a_selection(
     assert "unknown-key: unknown key 'nonsense'" in err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spec", sorted(SPECS.glob("*.yaml")), ids=lambda path: path.name)
 def test_a_document_survives_the_cache(kept: tuple[Cache, Path], spec: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     first = read_document(spec, Report(), cache=kept[0])
@@ -378,6 +381,7 @@ def test_a_file_with_problems_is_always_parsed(kept: tuple[Cache, Path], tmp_pat
         assert [item.rule for item in report.problems] == ["duplicate-key", "tag"]
 
 
+@pytest.mark.slow
 def test_only_the_family_of_the_order_code_is_loaded(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def names(text: str) -> list[str]:
         return [device.name for device in families_for([SPECS], text, Cache(folder))]
@@ -425,6 +429,7 @@ def test_the_beginnings_of_order_codes_are_read_alone(tmp_path: Path, old: str, 
     assert selected._beginnings_of_parts(spec) == found
 
 
+@pytest.mark.slow
 def test_all_specs_are_read_if_one_may_change_another(folder: Path, specs: Path) -> None:
     cache = Cache(folder)
     assert families_for([specs], "sma21", cache)
@@ -442,6 +447,7 @@ def test_all_specs_are_read_if_one_may_change_another(folder: Path, specs: Path)
     assert families_for([specs], "sma21", cache) == ()
 
 
+@pytest.mark.slow
 def test_a_change_to_any_file_is_checked(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     specs = tmp_path / "tolvarn"
     shutil.copytree(TV62, specs)
@@ -640,6 +646,7 @@ def test_only_parts_of_changed_families_are_rendered(folder: Path, two: Path) ->
     assert begun(two, cache) == 2 * TASKS
 
 
+@pytest.mark.slow
 def test_a_comment_renders_nothing(
     folder: Path, two: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -662,6 +669,7 @@ def test_a_comment_renders_nothing(
     assert said(capsys, *command)[0] == 1
 
 
+@pytest.mark.slow
 def test_only_changed_families_are_proved_again(folder: Path, two: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from codewheel.commands import coverage
 
@@ -693,6 +701,7 @@ def test_only_changed_families_are_proved_again(folder: Path, two: Path, monkeyp
     assert refuse() == []
 
 
+@pytest.mark.slow
 def test_a_family_with_overlays_has_no_content(folder: Path, two: Path, tmp_path: Path) -> None:
     """An overlay that is elsewhere is not part of the key, so its result must not be kept."""
     overlay = tmp_path / "other" / "x.overlay.yaml"
@@ -862,6 +871,7 @@ def test_generate_may_be_killed_at_any_moment(folder: Path, two: Path, tmp_path:
     assert tree_of(out) == after
 
 
+@pytest.mark.slow
 def test_a_file_that_changes_while_it_is_read_is_not_kept(
     folder: Path, specs: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -45,6 +45,7 @@ def test_list(capsys: pytest.CaptureFixture[str]) -> None:
     assert max(map(len, out.splitlines())) <= 80
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", SHOWN)
 def test_show_fits_a_terminal(capsys: pytest.CaptureFixture[str], what: str) -> None:
     code, out, err = run(capsys, "show", what)
@@ -65,6 +66,7 @@ def shown(capsys: pytest.CaptureFixture[str], what: str) -> str:
     return " ".join(run(capsys, "show", what)[1].split())
 
 
+@pytest.mark.slow
 def test_show_leaves_out_what_belongs_to_other_interfaces(capsys: pytest.CaptureFixture[str]) -> None:
     ssi, biss, rs485 = (shown(capsys, code) for code in ("SMA21-GG4-0050", "SMA21-SC4-0050", "SMA21-JP1-0001"))
     assert "ssi_gray 1" in ssi
@@ -80,6 +82,7 @@ def test_show_leaves_out_what_belongs_to_other_interfaces(capsys: pytest.Capture
     assert "Data ID F 7Ah" in rs485
 
 
+@pytest.mark.slow
 def test_show_names_times_limits_and_measures(capsys: pytest.CaptureFixture[str]) -> None:
     sma21 = shown(capsys, "SMA21-SC4-0050")
     assert "50 µm per count, 1,048,576 counts in total, maximum 1,048,575, 52,428.800 mm in total" in sma21
@@ -95,6 +98,7 @@ def test_show_names_times_limits_and_measures(capsys: pytest.CaptureFixture[str]
     assert "1 revolution " in asc85
 
 
+@pytest.mark.slow
 def test_show_and_decode_tell_of_registers_only_where_they_matter(capsys: pytest.CaptureFixture[str]) -> None:
     biss = shown(capsys, "AM3616/4096-I7")
     assert "used_singleturn_bits 20" in biss
@@ -109,6 +113,7 @@ def test_show_and_decode_tell_of_registers_only_where_they_matter(capsys: pytest
     assert "from registers" in run(capsys, "decode", "SMA21-SC1-0050", "0x0")[1]
 
 
+@pytest.mark.slow
 def test_unknown_codes_exit_2(capsys: pytest.CaptureFixture[str]) -> None:
     for arguments in (
         ("show", "nonsense"),
@@ -136,6 +141,7 @@ def test_decode_a_reply(capsys: pytest.CaptureFixture[str]) -> None:
     assert found["crc"] == {"received": 0x5E, "computed": 0x5E, "ok": True}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "kind"),
     [
@@ -177,6 +183,7 @@ def test_json_is_indented_by_two_and_not_escaped(
     assert out.startswith(('{\n  "', "[\n  {"))
 
 
+@pytest.mark.slow
 def test_a_label_of_another_edition_is_shown_as_such(capsys: pytest.CaptureFixture[str]) -> None:
     """AM36 manual, edition 1.1 p.21: AMx36xx/4096SCx-... for AMx36xx/4096-I7-... of edition 1.0."""
     label, frame = "AM3616/4096SC1", f"0x{0b11 << 6 | 0x3F:x}"
@@ -273,6 +280,7 @@ def test_problems_go_to_standard_error_and_exit_1(capsys: pytest.CaptureFixture[
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_what_the_manual_leaves_open_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
     for shown in ("amm5", "AMM5A23/65KJP1"):
         out = " ".join(run(capsys, "show", shown)[1].split())

@@ -134,6 +134,7 @@ def test_alarms_of_amm5(capsys: Capture, status: int, alarms: int, reported: lis
     assert (names(data), data["verdict"], code) == (reported, verdict, 3 if verdict == "not_usable" else 0)
 
 
+@pytest.mark.slow
 def test_the_remedy_of_an_alarm_is_told(capsys: Capture) -> None:
     frame = reply(0x1A, 0x20, 0, 0, 0, 0x23, 0, 0, 0, 0x80)
     (_, battery) = decode(capsys, "AMM5A23/65KJP1", frame)[1]["reports"]
@@ -145,6 +146,7 @@ def test_the_remedy_of_an_alarm_is_told(capsys: Capture) -> None:
     assert f"external battery below 3.15 V. {remedy}." in text(capsys, "AMM5A23/65KJP1", frame)[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("code", "frame", "verdict"),
     [
@@ -186,6 +188,7 @@ def test_alarms_of_sma21(capsys: Capture, status: int, alarms: int, reported: li
         assert "does not have it" in data["reports"][1]["meaning"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "reported", "verdict"),
     [
@@ -261,6 +264,7 @@ def test_status_bits_that_the_manual_does_not_use(
     assert next(item["value"] for item in data["fields"] if item["name"] == "unused") == unused
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("frame", "reported", "verdict", "unused"),
     [
@@ -293,6 +297,7 @@ def test_the_number_of_unused_bits_is_no_line_of_the_text(capsys: Capture) -> No
 # --------------------------------------------------------------------------------------- open questions of the manual
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("frame", "address", "value"), [("32 7F 01 4C", 0x7F, 1), ("32 01 5A 69", 1, 0x5A), ("EA 01 EB", 1, None)]
 )
@@ -324,6 +329,7 @@ def test_what_was_chosen_is_wrapped_at_80_columns(capsys: Capture, tmp_path: Pat
     assert f"\n{shown}\n" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_nobody_decides_for_the_user(capsys: Capture) -> None:
     for more in ((), ("--json",)):
         message = refused(capsys, "AMM5A23/65KJP1", "--from", "master", *more, "EA 0A E0")
@@ -384,6 +390,7 @@ def test_a_guess_at_a_mistake_reads_nothing_undecided(capsys: Capture) -> None:
 # ---------------------------------------------------------------------------------------------------- not as documented
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -404,6 +411,7 @@ def test_the_register_of_another_encoder(capsys: Capture, arguments: tuple[str, 
     assert out.endswith("no other error evidence: manual")
 
 
+@pytest.mark.slow
 def test_registers_of_another_encoder_beside_a_frame(capsys: Capture) -> None:
     """Profile IDs of SMA21: 2814h at 50 µm, manual 6.4, and 2816h at 10 µm."""
     frame = "0b" + "0" * 24 + "11" + CRCS["11"]
@@ -484,6 +492,7 @@ def test_lines_are_numbered_and_bad_ones_named(capsys: Capture, monkeypatch: pyt
     ]
 
 
+@pytest.mark.slow
 def test_the_worst_line_decides(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
     fine, reports, fault, bad = "02 00 C7 D1 6A 7E\n", "02 20 C7 D1 6A 5E\n", "02 20 C7 D1 6A 5F\n", "x\n"
     for lines, code in (
@@ -529,6 +538,7 @@ def test_other_streams(tmp_path: Path) -> None:
 # ----------------------------------------------------------------------------------------------------- typing mistakes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("typed", "message"),
     [
@@ -552,6 +562,7 @@ def test_bytes_in_pieces(capsys: Capture) -> None:
         assert decode(capsys, "AMM5A23/65KJP1", typed)[1]["crc"]["ok"] is True
 
 
+@pytest.mark.slow
 def test_a_frame_of_bits_as_bytes(capsys: Capture) -> None:
     """Position 1,000,003 of the manual, in the bytes that a master passes on."""
     for typed in ("0F 42 43 D3", "00 00 0F 42 43 D3", "0x0F 0x42 0x43 0xD3", "0xF4243D3"):
@@ -570,6 +581,7 @@ def test_a_frame_of_bits_as_bytes(capsys: Capture) -> None:
     assert "Write 0b and all 45 bits" in refused(capsys, "AMM5A21/65KSC1", "0F 42 4")
 
 
+@pytest.mark.slow
 def test_degrees_and_micrometres(capsys: Capture) -> None:
     # 1,000,003 of 2^21 counts are 171.66... degrees; SMA21 manual 7.3.4: 123 counts at 50 µm are 6.15 mm.
     assert "position: 171.6619° of revolution 0 CRC" in text(capsys, "AMM5A21/65KSC1", "0xF4243D3")[1]
@@ -603,6 +615,7 @@ def test_the_status_bits_of_biss_need_no_word(tmp_path: Path, capsys: Capture) -
     assert found == [[Verdict.NOT_USABLE, Verdict.USABLE_WITH_WARNING]] * 2
 
 
+@pytest.mark.slow
 def test_many_frames_lead_to_the_command_of_the_package(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

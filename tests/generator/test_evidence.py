@@ -18,6 +18,7 @@ ENCODERS = ROOT / "examples" / "encoders"
 FRAME = "0b" + "0" * 33 + "11" + "000000"
 
 
+@pytest.mark.slow
 def test_the_grade_decides_the_folder() -> None:
     shipped, others = (load_library([ROOT / name])[0] for name in ("specs", "examples/encoders"))
     assert {item.evidence.grade for item in shipped} == {"manual", "quoted"}

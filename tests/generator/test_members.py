@@ -126,6 +126,7 @@ def with_property(device: Device, value: bool) -> Device:
     return replace(device, registers=tuple(registers))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("property_")
 def test_a_documented_property_reaches_every_output_diff_and_the_second_reading(amm5: Device) -> None:
     old, new = with_property(amm5, False), with_property(amm5, True)

@@ -19,6 +19,7 @@ from codewheel.targets.docs.files import generate as generate_docs
 ROOT = Path(__file__).resolve().parents[2]
 
 
+@pytest.mark.slow
 def test_it_passes_check_and_decodes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["new", "my_encoder", "-o", str(tmp_path)]) == 0
     assert capsys.readouterr().out == "".join(
@@ -49,6 +50,7 @@ STARTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "code", "frame", "position"), [(kind, *item) for kind, item in STARTS.items()])
 def test_each_start_passes_check_and_decodes(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str, code: str, frame: str, position: int

@@ -156,6 +156,7 @@ def test_blanks_of_a_label_mean_nothing(devices: Mapping[str, Device], label: st
     assert find(devices["sma21"], label).variant.code == code
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("label", ["x" * 10**6, "AMM5A21/65KSC1-" + "A" * 10**6])
 def test_a_label_without_end_is_refused_at_once(amm5: Device, label: str, capsys: pytest.CaptureFixture[str]) -> None:
     begin = time.process_time()

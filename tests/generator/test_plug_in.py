@@ -43,6 +43,7 @@ def mine(files: Callable[..., Any]) -> Target:
     return Target("mine", "mine", files)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("entry", "message"),
     [
@@ -92,6 +93,7 @@ def test_ours_run_behind_the_same_guard(
     assert err.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_it_is_known_by_name_and_runs_when_asked_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -134,6 +136,7 @@ def test_help_lists_all_targets_and_options(
     assert max(map(len, (line for line in listed if "/" not in line))) <= 79
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("setting", "message"),
     [

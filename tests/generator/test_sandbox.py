@@ -94,6 +94,7 @@ BITS = "has more than 100000 bits"
 LENGTH = "a length is above 10000"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "said"),
     [

@@ -100,6 +100,7 @@ def test_formulas_read_as_manuals_print_them(scale: Scale, printed: str) -> None
     assert formula(scale) == printed
 
 
+@pytest.mark.slow
 def test_python_agrees_with_the_model_and_both_are_bounded() -> None:
     """At the limits of the schema too, a quantity fits in the 38 digits of a decimal in Arrow, and in 64 bits in C."""
     shape = load_schema("device")["$defs"]["scale"]["properties"]
@@ -131,6 +132,7 @@ def decode(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     return capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_decode_shows_the_quantity_beside_the_number(capsys: pytest.CaptureFixture[str]) -> None:
     frame = ("OrbisSerial-14", "74 00 03 F5 54", "--layout", "temperature_reply")
     assert "bytes 3-4      temperature  0xf554  -2732 (-273.2 °C)" in decode(capsys, *frame)

@@ -157,6 +157,7 @@ def test_a_missing_file_is_wrong_usage(
     assert (code, out, err) == (2, "", "codewheel: no such file or folder: nowhere.yaml\n")
 
 
+@pytest.mark.slow
 def test_codes_are_near_only_where_something_is_near(capsys: pytest.CaptureFixture[str]) -> None:
     for text in ("FOO", "X", "../x", "12345"):
         assert run(capsys, "show", text) == (
@@ -180,6 +181,7 @@ def test_a_family_is_no_order_code(capsys: pytest.CaptureFixture[str], own: Path
 # ---------------------------------------------------------------------------------------------------- the specs to read
 
 
+@pytest.mark.slow
 def test_without_arguments_the_specs_of_the_folder_are_read_and_named(
     capsys: pytest.CaptureFixture[str], own: Path
 ) -> None:
@@ -214,6 +216,7 @@ def test_without_specs_of_ones_own_those_that_ship_are_read_and_named(
         assert out.startswith("read the specs shipped with codewheel: am36, amm5, asc85, icmu, sma21\n")
 
 
+@pytest.mark.slow
 def test_a_look_up_takes_the_specs_of_the_folder_and_says_so(capsys: pytest.CaptureFixture[str], own: Path) -> None:
     for line in (
         ("list",),
@@ -253,6 +256,7 @@ def test_a_spec_that_is_given_as_an_order_code(capsys: pytest.CaptureFixture[str
     assert err.endswith("codewheel: 'my_encoder.yaml' is not an order code; give a spec as --specs my_encoder.yaml\n")
 
 
+@pytest.mark.slow
 def test_one_broken_spec_does_not_keep_the_others_from_use(capsys: pytest.CaptureFixture[str], own: Path) -> None:
     add_broken(own)
     for command in (
@@ -299,6 +303,7 @@ def test_a_spec_that_cannot_be_told_from_a_broken_one_is_not_used(
 # -------------------------------------------------------------------------------------------------------------- writing
 
 
+@pytest.mark.slow
 def test_files_in_the_way_need_force(capsys: pytest.CaptureFixture[str], own: Path) -> None:
     (own / "docs").mkdir()
     (own / "docs/README.md").write_text("my own text")
@@ -312,6 +317,7 @@ def test_files_in_the_way_need_force(capsys: pytest.CaptureFixture[str], own: Pa
     assert (own / "docs/README.md").read_text() != "my own text"
 
 
+@pytest.mark.slow
 def test_check_says_how_to_bring_the_files_up_to_date(capsys: pytest.CaptureFixture[str], own: Path) -> None:
     code, _, err = run(capsys, "generate", "my_encoder.yaml", "-o", "an out", "--check")
     assert code == 1

@@ -73,6 +73,7 @@ def test_a_mistake_is_one_line(
     assert not (place / "generated").exists()
 
 
+@pytest.mark.slow
 def test_a_template_of_ours_that_misses_a_part_of_theirs(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (place / "t/c/parts.h.jinja").write_text("{% macro section(title) %}{% endmacro %}")
     code, err = generate(capsys)
@@ -82,12 +83,14 @@ def test_a_template_of_ours_that_misses_a_part_of_theirs(place: Path, capsys: py
     assert err.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_what_is_no_text(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (place / "t" / INDEX).write_text(r'{{ "\ud800" }}')
     code, err = generate(capsys)
     assert (code, err) == (1, f"codewheel: t/{INDEX}: the text contains U+D800, which is not a character\n")
 
 
+@pytest.mark.slow
 def test_misspelt_and_misplaced_templates_are_told(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
     misspelt = ("c/devce.h.jinja", "pythn/device.py.jinja", "device.h.jinja", "markdown/index.md.jinja", "docs/x.jinja")
     for name in (*misspelt, ".git/x.jinja", "c/README.txt"):
@@ -107,12 +110,14 @@ def test_misspelt_and_misplaced_templates_are_told(place: Path, capsys: pytest.C
     assert not (place / "generated").exists()
 
 
+@pytest.mark.slow
 def test_a_folder_without_templates_is_told(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
     code, err = generate(capsys)
     assert code == 2
     assert "the folder t has no templates" in err
 
 
+@pytest.mark.slow
 def test_a_template_of_theirs_that_theirs_uses_is_fine(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ours = (ROOT / "templates/c/crcs.h.jinja").read_text(encoding="utf-8")
     shutil.copy(ROOT / "templates/c/parts.h.jinja", place / "t/c/mine.jinja")

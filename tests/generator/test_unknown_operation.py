@@ -219,6 +219,7 @@ def imported(path: Path) -> set[str]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("output", WITHOUT_KINDS)
 def test_no_output_looks_at_kinds(output: str) -> None:
     source, templates = (ROOT / folder for folder in WITHOUT_KINDS[output])

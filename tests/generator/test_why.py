@@ -111,6 +111,7 @@ def test_what_was_planted_is_listed_and_mostly_first(maker: Maker, devices: Mapp
     assert first >= FIRST.get(maker.__name__, 0.75) * asked
 
 
+@pytest.mark.slow
 def test_a_number_without_its_leading_zeros_is_no_obstacle(devices: Mapping[str, Device]) -> None:
     source = random.Random(3)
     for encoder in ENCODERS:
@@ -124,6 +125,7 @@ def test_a_number_without_its_leading_zeros_is_no_obstacle(devices: Mapping[str,
                     assert any(map(is_planted(plant), lines)), (plant, lines)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", BYTE_CODES)
 def test_mistakes_with_bytes(code: str, devices: Mapping[str, Device]) -> None:
     source = random.Random(4)
@@ -138,6 +140,7 @@ def test_mistakes_with_bytes(code: str, devices: Mapping[str, Device]) -> None:
     assert first > 0.95 * asked
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "encoder",
     [
@@ -281,6 +284,7 @@ def test_a_line_that_does_not_move_comes_first(decode: Run) -> None:
         assert [item["kind"] for item in found] == ["line_stuck"]
 
 
+@pytest.mark.slow
 def test_a_dead_line_without_a_crc_is_named_too(decode: Run, capsys: pytest.CaptureFixture[str]) -> None:
     """Position 0 is valid, but SSI has no CRC to distinguish it from a dead line."""
     for frame, level in (("0x0", 0), ("0b" + "1" * 39, 1)):
@@ -293,6 +297,7 @@ def test_a_dead_line_without_a_crc_is_named_too(decode: Run, capsys: pytest.Capt
     assert decode("AMM5A23/65KBG1", "0x1")[1]["why"] is None
 
 
+@pytest.mark.slow
 def test_a_disturbed_bit_comes_first(decode: Run, capsys: pytest.CaptureFixture[str]) -> None:
     """The frame 0xF4243D3 of AMM5's example position 1,000,003 with its last bit inverted, and a reply in bytes."""
     code, data = decode("AMM5A21/65KSC1", "0xF4243D2")
@@ -308,6 +313,7 @@ def test_a_disturbed_bit_comes_first(decode: Run, capsys: pytest.CaptureFixture[
     assert decode("AMM5A23/65KJP1", "02 02 20 C7 D1 6A 5E")[1]["why"]["disturbed"] == []
 
 
+@pytest.mark.slow
 def test_published_frames_with_active_high_status(
     vectors: list[dict[str, Any]], capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -354,6 +360,7 @@ def test_the_published_word_with_a_wrong_crc(
     assert data["why"]["coincidence"] > 0.5
 
 
+@pytest.mark.slow
 def test_a_crc_is_blind_for_what_is_said(devices: Mapping[str, Device], decode: Run) -> None:
     """With start value 0, leading zeros are not detected: AMM5A17/1SC1's frame as a number passes as AMM5A23/1SC1's.
     And an XOR does not detect swapped bytes."""
@@ -395,6 +402,7 @@ def test_the_stated_coincidence_is_what_noise_shows(code: str, devices: Mapping[
     assert all(why.tried > single[0].tried for why in others)
 
 
+@pytest.mark.slow
 def test_likeliest_first_and_every_kind_weighed(devices: Mapping[str, Device]) -> None:
     for found in outcomes(devices["amm5"], "AMM5A21/65KSC1", 60):
         scores = [item.score for item in found.explanations]
@@ -410,6 +418,7 @@ def test_no_crc_no_explanation(decode: Run) -> None:
     assert decode("AMM5A23/65KJP1", "--from", "master", "1A")[1]["why"] is None
 
 
+@pytest.mark.slow
 def test_frames_far_off_are_no_burden(decode: Run) -> None:
     before = time.process_time()
     for code, frame in (
@@ -464,6 +473,7 @@ def test_a_crc_of_any_width(width: int, tmp_path: Path, capsys: pytest.CaptureFi
         assert found is None or all(item["one_in"] >= 8 for item in found["explanations"])
 
 
+@pytest.mark.slow
 def test_made_up_layouts_break_nothing() -> None:
     """Every layout with a CRC in the made-up spec gets an explanation or none, but never an exception."""
     devices, report = load_library([SPECS])
@@ -489,6 +499,7 @@ def test_made_up_layouts_break_nothing() -> None:
     assert asked > 10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("code", "frame", "said"),
     [

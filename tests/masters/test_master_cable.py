@@ -102,6 +102,7 @@ def test_what_cannot_be_said(
     assert (code, message in " ".join(capsys.readouterr().err.split())) == (exit_code, True)
 
 
+@pytest.mark.slow
 def test_the_page_leads_to_the_erratum(pages: dict[str, str]) -> None:
     page = pages["docs/amm5-masters.md"]
     assert (

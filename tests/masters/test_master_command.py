@@ -42,6 +42,7 @@ def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, 
     return code, captured.out, captured.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", CODES)
 def test_it_fits_a_terminal(capsys: pytest.CaptureFixture[str], code: str) -> None:
     exit_code, out, err = run(capsys, "master", *code.split())
@@ -61,6 +62,7 @@ def test_one_master(capsys: pytest.CaptureFixture[str]) -> None:
     assert "AX8000" not in out
 
 
+@pytest.mark.slow
 def test_columns_end_where_most_settings_do(devices: Mapping[str, Device], sheet_of: SheetOf) -> None:
     """A long name or value moves what follows it in its own line, and no other line."""
     found = sheet_of("linuxcnc_hostmot2", "SMA21-SC1-0050")
@@ -141,6 +143,7 @@ def test_what_is_wrong(capsys: pytest.CaptureFixture[str], arguments: list[str],
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_broken_master_of_ones_own(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     path = tmp_path / "mine.yaml"
     path.write_text(
@@ -168,6 +171,7 @@ def test_the_list(capsys: pytest.CaptureFixture[str]) -> None:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", CODES)
 def test_json_has_its_shape(capsys: pytest.CaptureFixture[str], code: str) -> None:
     schema = json.loads(

@@ -64,6 +64,7 @@ def test_every_rule_of_every_master_is_used_with_care(masters: dict[str, Master]
         assert all(document.title for document in master.documents)
 
 
+@pytest.mark.slow
 def test_no_code_knows_a_master(masters: dict[str, Master]) -> None:
     """A master is only a file: its name is neither in the generator nor in a template."""
     words = {

@@ -354,6 +354,7 @@ def _read_back(name: str, text: str, made: Sheet, on: str, rule: Raw) -> None:
         reader(text)
 
 
+@pytest.mark.slow
 def test_bulk_files_have_every_order_code_as_a_comment(library: Library) -> None:
     files = generate(library)
     assert 100 < len(files) < 200
@@ -423,6 +424,7 @@ def test_wrong_usage_is_one_message(capsys: pytest.CaptureFixture[str], argument
     assert (captured.out, captured.err) == ("", f"codewheel: {message}\n")
 
 
+@pytest.mark.slow
 def test_a_missing_choice_and_a_master_without_files(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["master", "ASC8525/SC1", "--master", "moteus", "--format", "conf_set"]) == 2
     assert "--choose zero_bit=as_printed" in capsys.readouterr().err

@@ -206,6 +206,7 @@ settings:
 """
 
 
+@pytest.mark.slow
 def test_own_masters(record_of: RecordOf, tmp_path: Path) -> None:
     """A user's file is added to ours or replaces one with its name, and an impossible value is a refusal."""
     (tmp_path / "mine.yaml").write_text(OWN.format(name="mine", title="Mine"), encoding="utf-8")
@@ -220,6 +221,7 @@ def test_own_masters(record_of: RecordOf, tmp_path: Path) -> None:
     assert [item.reason for item in refusals] == ["Less would be position_bits - 100, which cannot be set."]
 
 
+@pytest.mark.slow
 def test_a_spec_is_no_master(tmp_path: Path) -> None:
     path = tmp_path / "manufacturer.yaml"
     path.write_text("codewheel: 1\nmanufacturer: x\ntitle: X\nsource: y\n", encoding="utf-8")

@@ -83,6 +83,7 @@ def test_every_difference_is_explained(
     assert all(text.partition(":")[0] in ("theirs", "ours", "choice") for text in why.values())
 
 
+@pytest.mark.slow
 def test_the_encoders_are_sound(capsys: pytest.CaptureFixture[str]) -> None:
     """They pass check, and each says that it rests on files of one institute only."""
     assert main(["check", str(ENCODERS)]) == 0

@@ -69,6 +69,7 @@ def test_a_number_that_its_type_cannot_hold_is_left_out(amm5: Device) -> None:
         assert ">65536<" in text
 
 
+@pytest.mark.slow
 def test_hostile_text_stays_text(hostile: Library) -> None:
     for name, text in generate(hostile).items():
         if name.endswith(".xml"):

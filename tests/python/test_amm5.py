@@ -30,6 +30,7 @@ def amm5(lika: Any) -> Any:
 # ------------------------------------------------------------------------------------------------ the manual's examples
 
 
+@pytest.mark.slow
 def test_preset_of_the_manual(amm5: Any, lika: Any) -> None:
     variant = amm5.lookup("AMM5A21/65KSC1")
     assert amm5.Preset.from_position(variant, 1000003).encode() == bytes.fromhex("00 30 24 F4 00 00 00")

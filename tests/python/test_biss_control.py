@@ -518,6 +518,7 @@ def test_a_flipped_bit_on_its_way_to_the_master(biss: Any, bit: int) -> None:
     assert line.memories[0].writes == ([(0x44, 0x40)] if expected == "DONE" or bit in BYTE else [])
 
 
+@pytest.mark.slow
 def test_a_start_bit_of_the_slave_that_is_lost(biss: Any) -> None:
     """No CRC covers S: master and slave continue one bit apart. No value survives, but half of the writes seem to."""
     for value in range(256):
@@ -573,6 +574,7 @@ def test_whatever_is_written_is_read_again(biss: Any, data: st.DataObject) -> No
 # ---------------------------------------------------------------------------------------------------------- the package
 
 
+@pytest.mark.slow
 def test_only_where_a_family_speaks_biss(library: Library, tmp_path: Path) -> None:
     files = generate(Library((ssi_only(tmp_path),)))
     assert not any(path.endswith("_encoders/biss.py") for path in files)
@@ -582,6 +584,7 @@ def test_only_where_a_family_speaks_biss(library: Library, tmp_path: Path) -> No
     assert "python/lika_encoders/biss.py" in generate(library)
 
 
+@pytest.mark.slow
 def test_a_family_called_biss_keeps_out_of_its_way(library: Library) -> None:
     files = generate(Library((replace(library.devices[0], name="biss"),)))
     assert "from codewheel_runtime.biss import *" in files["python/lika_encoders/biss.py"]

@@ -52,6 +52,7 @@ def lika(generated_python: tuple[Path, ModuleType]) -> Any:
 # RS-485
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [4, 4.3, 5, 10, 25, 50])
 def test_replies_between_requests(lika: Any, rate: float) -> None:
     positions = [7000519, 1, 0x7FFFFF, 0x2AAAAA]
@@ -108,6 +109,7 @@ def test_a_missing_stop_bit(lika: Any) -> None:
     assert [item.reason.partition(":")[0] for item in found.lost] == ["a byte without a stop bit"]
 
 
+@pytest.mark.slow
 def test_a_long_serial_capture_in_pieces(lika: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(signals, "SAMPLES", 3001)
     chosen = random.Random(3)
@@ -148,6 +150,7 @@ def accesses_in(line: Biss, **options: Any) -> list[str]:
     return [str(item) for item in found.accesses]
 
 
+@pytest.mark.slow
 def test_reads_and_writes_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
     memory = {0x78: 0x4C, 0x79: 0x69, 0x40: 0}
     line = line_with_accesses(lambda master: master.read(0x78, 2, busy_limit=0), memory)
@@ -240,6 +243,7 @@ def test_one_turn_is_a_position_with_degrees(command: Command) -> None:
     assert (layout.modulus, layout.counts_per_turn) == (1 << 32, 1 << 32)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "code", "said"),
     [

@@ -55,6 +55,7 @@ def test_biss_at_every_rate_with_every_delay(rate: float) -> None:
         assert found == (words, []), (rate, delay, shift)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("acknowledge", [1, 2, 3, 7, 20, 64, 133, 200])
 def test_acknowledge_of_any_length(acknowledge: int) -> None:
     words = [biss_word(position) for position in positions(3, acknowledge)]
@@ -62,6 +63,7 @@ def test_acknowledge_of_any_length(acknowledge: int) -> None:
         assert read(biss(words, acknowledge=acknowledge, delay=delay), rate) == (words, [])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", RATES[2:])
 def test_ssi_at_every_rate_with_every_delay(rate: float) -> None:
     words = [value & (1 << 25) - 1 for value in positions(4)]
@@ -142,6 +144,7 @@ def test_spike_on_the_clock(rate: float) -> None:
     assert [item.reason for item in lost] == ["a very short pulse on the clock"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["biss", "ssi"])
 def test_capture_that_begins_or_ends_within_a_cycle(kind: str) -> None:
     words = [biss_word(position) for position in positions(3, 7)]

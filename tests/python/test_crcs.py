@@ -34,6 +34,7 @@ def crcs(import_generated: Callable[..., Any]) -> tuple[Device, Any]:
     return devices[0], import_generated(Library(devices), "test_encoders")[1].crcs
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_check_values_of_the_catalogue(crcs: tuple[Device, Any], name: str) -> None:
     assert getattr(crcs[1], f"crc_{name}")(b"123456789") == CATALOGUE[name]

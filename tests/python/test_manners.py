@@ -44,6 +44,7 @@ def names_in(text: str) -> set[str]:
     return {name for group in groups if group for name in re.findall(r"\w+", group.partition(": ")[2])}
 
 
+@pytest.mark.slow
 def test_the_first_screen_names_all_that_a_module_holds(files: Mapping[str, str]) -> None:
     """This does not use ``__all__``, which comes from the same list, but the names in the module."""
     assert set(modules(files)) == {"am36", "amm5", "asc85", "sma21"}
@@ -149,6 +150,7 @@ def test_a_hint_names_the_mistake(families: dict[str, Family]) -> None:
 # Documentation of the package
 
 
+@pytest.mark.slow
 def test_importing_it_says_nothing(families: dict[str, Family], capsys: pytest.CaptureFixture[str]) -> None:
     """A library writes to its logger, and leaves the output to the program."""
     import logging

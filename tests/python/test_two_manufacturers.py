@@ -73,6 +73,7 @@ def test_there_is_one_runtime(both: Path) -> None:
     assert "pip install . ..\n" in (both / NAMES[1] / "README.md").read_text()
 
 
+@pytest.mark.slow
 def test_without_a_main_manufacturer_each_has_its_folder(library: Library) -> None:
     lika = library.by_manufacturer()[0][0]
     devices = tuple(
@@ -128,6 +129,7 @@ def test_the_readme_of_the_runtime(generated_python: tuple[Path, ModuleType], tm
 # The version of the runtime
 
 
+@pytest.mark.slow
 def test_the_version_stands_in_one_place(both: Path) -> None:
     major, minor = runtime_version().split(".")
     needed = re.search(r'^NEEDED, FITTING = "(.*)", "(.*)"$', (both / "setup.py").read_text(), re.MULTILINE)

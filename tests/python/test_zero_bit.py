@@ -92,6 +92,7 @@ def test_a_wrong_order_code_of_the_same_length_shows_in_half_of_all_frames(asc85
     assert ((table.fault == 0) == (position % 2 == 0)).all()
 
 
+@pytest.mark.slow
 def test_both_decode_their_own(asc85: Any) -> None:
     """Position 1, no error: 1, the 0 bit or none, 11, and the CRC, from 1011b and 111b times x^6 by hand."""
     encoder = asc85.lookup("ASC8525/SC1")

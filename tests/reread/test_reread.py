@@ -48,6 +48,7 @@ EDITS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("old", "new", "section", "fact"), EDITS.values(), ids=EDITS)
 def test_a_fact_that_changes_is_among_the_first_five(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, section: str, fact: str
@@ -123,6 +124,7 @@ def _as_pages(lines: list[str], length: int = 22) -> str:
     return "\f".join(heads[page % 2].format(page=page, body="\n".join(body)) for page, body in enumerate(pages, 1))
 
 
+@pytest.mark.slow
 def test_form_feeds_show_where_running_heads_are(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A line that also occurs elsewhere, or a number in a text, is not a running head even at the edge of a page."""
     warning = "WARNING\n\nSwitch off first, see Figure\n"
@@ -138,6 +140,7 @@ def test_regular_lines_are_running_heads_without_form_feeds(tmp_path: Path, caps
     assert passages(tmp_path, capsys, text) == []
 
 
+@pytest.mark.slow
 def test_a_page_end_with_two_numbers_counts_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A word that occurs in every section is not a running head because some of its places are near page ends."""
     old = re.sub(r"^(## [1-5].*)$", r"\1\n\nWARNING\n\nSwitch off first.", MANUAL, flags=re.MULTILINE)

@@ -212,6 +212,7 @@ def outputs(device: Device) -> dict[str, tuple[str, Phrase]]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("output", ["show", "docs", "c", "python"])
 @pytest.mark.parametrize(("statements", "name", "sentence"), CASES)
 def test_every_output_says_it(

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 CODES = ("AMM5A21/65KSC1", "AMM5A17/1BG1", "AMM5A23/65KJP1")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", CODES)
 def test_frames_decode_to_their_positions(generated_python: tuple[Path, ModuleType], code: str) -> None:
     lika: Any = generated_python[1]
