@@ -15,6 +15,7 @@ from ..model import (
     Layout,
     Number,
     Parity,
+    Spi,
     Text,
     Unused,
     assert_never,
@@ -22,16 +23,25 @@ from ..model import (
 from .fields import Site
 
 
-def check_joined(layout: Layout, site: Site) -> None:
-    """Check the joined numbers, parity bits and Gray code of a layout. Each number is reported once."""
-    faulty = _check_joins(layout, site)
+def check_joined(layout: Layout, site: Site, low_byte_first: bool) -> None:
+    """Check the joined numbers, parity bits and Gray code of a layout. Each number is reported once.
+
+    If a layout that is carried as bits sends the low byte first, joins put its bytes in order.
+    """
+    low_first = low_byte_first and not layout.in_bytes
+    faulty = _check_joins(layout, site, low_first)
+    if low_first:
+        _check_bytes(layout, site)
     _check_parities(layout, site)
     if layout.gray_of and layout.gray_of not in faulty:
         _check_gray(layout, site)
 
 
-def _check_joins(layout: Layout, site: Site) -> set[str]:
-    """Check that joined numbers contain plain bits, no field twice and, in a word, fields in sending order."""
+def _check_joins(layout: Layout, site: Site, low_first: bool) -> set[str]:
+    """Check that joined numbers contain plain bits, no field twice and, in a word, fields in sending order.
+
+    With ``low_first``, that order is reversed.
+    """
     fields = {field.name: field for field in layout.fields}
     faulty: set[str] = set()
     for join in layout.joins:
@@ -44,15 +54,35 @@ def _check_joins(layout: Layout, site: Site) -> set[str]:
                 site.report("join-of", wrong, "join", join.name, index)
         pairs = [pair for pair in pairwise(join.fields) if pair[0] != pair[1] and {*pair} <= fields.keys()]
         for index, (above, below) in enumerate(pairs, 1):
-            if not layout.in_bytes and _is_above(fields[below], fields[above], site):
-                wrong = (
-                    f"'{join.name}' has '{above}' above '{below}', but '{layout.name}' sends '{below}' first, with the"
-                    " more significant bits"
-                )
-                site.report("join-order", wrong, "join", join.name, index)
+            first, last = (above, below) if low_first else (below, above)
+            if not layout.in_bytes and _is_above(fields[first], fields[last], site):
+                wrong = f"'{join.name}' has '{above}' above '{below}', but '{layout.name}' sends '{first}' first"
+                site.report("join-order", wrong + _remedy(low_first, site), "join", join.name, index)
         if len(site.context.report) > before:
             faulty.add(join.name)
     return faulty
+
+
+def _remedy(low_first: bool, site: Site) -> str:
+    if low_first:
+        return ", and the low byte of each number comes first"
+    if site.interface == Spi.name:
+        return "; list the more significant part first, or write 'byte_order: low_byte_first' if it is sent last"
+    return ", with the more significant bits"
+
+
+def _check_bytes(layout: Layout, site: Site) -> None:
+    """Check that no field contains two bytes of a number whose low byte comes first."""
+    for field in layout.fields:
+        is_number = not isinstance(field.kind, Unused) and not _is_zeros(field.kind)
+        if is_number and field.widest > 8:
+            wrong = f"'{field.name}' has {field.widest} bits, but the low byte of each number comes first"
+            site.report("join-order", f"{wrong}; describe each byte as a field, and join them", "fields", field.name)
+
+
+def _is_zeros(kind: Kind) -> bool:
+    """Return whether a field always consists of zeros."""
+    return isinstance(kind, Constant) and kind.value == 0
 
 
 def _check_parities(layout: Layout, site: Site) -> None:

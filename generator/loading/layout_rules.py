@@ -33,8 +33,11 @@ LARGEST_NUMBER = 64
 LARGEST_BYTES = 128
 
 
-def is_sound(layout: Layout, site: Site) -> bool:
-    """Return True if a layout is valid with the parameters of every order code, otherwise report why."""
+def is_sound(layout: Layout, site: Site, low_byte_first: bool) -> bool:
+    """Return True if a layout is valid with the parameters of every order code, otherwise report why.
+
+    ``low_byte_first`` is true if the spec says so, also for a layout that is carried as bits.
+    """
     before = len(site.context.report)
     if layout.in_bytes and (not layout.bits.is_constant or layout.bits.constant % 8):
         wrong = f"'{layout.name}' has {layout.bits.render()} bits, not a whole number of bytes"
@@ -53,7 +56,7 @@ def is_sound(layout: Layout, site: Site) -> bool:
         if layout.unused and name == "unused":
             wrong = "decoded frames use the name 'unused' for all unused bits; rename the field"
             site.report("duplicate-name", wrong, "fields", name)
-    check_joined(layout, site)
+    check_joined(layout, site, low_byte_first)
     return len(site.context.report) == before
 
 

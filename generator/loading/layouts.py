@@ -78,7 +78,7 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
         gray_of=gray.get("of", ""),
         gray_when=gray.get("when", ""),
     )
-    return layout if is_sound(layout, site) else None
+    return layout if is_sound(layout, site, raw.get("byte_order") == "low_byte_first") else None
 
 
 def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], site: Site) -> Field:

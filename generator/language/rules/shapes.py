@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from ...model import INTERFACES
+from ...model import INTERFACES, Spi
 from ...model.expressions import Expression, ExpressionError
 from ...say.words import counted
 from ..problems import DocumentReport, Path, listed, missing, quoted
@@ -206,21 +206,12 @@ def _check_carriage(fields: Fields, raw: Spec, report: DocumentReport) -> None:
             fields.path,
             f"{name} is carried as bytes, so it needs 'byte_order': low_byte_first or high_byte_first",
         )
-    if carried_as == "bits" and "byte_order" in layout:
-        report.add(
-            "layout-keys",
-            (*fields.path, "byte_order"),
-            f"{name} is carried as bits, which have no byte order; leave 'byte_order' out",
-            at_key=True,
-        )
+    if carried_as == "bits" and (wrong := _wrong_order(fields, name)):
+        report.add("layout-keys", (*fields.path, "byte_order"), wrong, at_key=True)
     if carried_as == "bits" and "when" in layout:
-        wrong = f"'when' only distinguishes frames of bytes, but {name} is carried as bits"
-        report.add(
-            "layout-keys",
-            (*fields.path, "when"),
-            f"{wrong}; leave 'when' out, or write 'carried_as: bytes'",
-            at_key=True,
-        )
+        wrong = f"'when' only distinguishes frames of bytes, but {name} is carried as bits; leave 'when' out"
+        way = "" if fields.interface == Spi.name else ", or write 'carried_as: bytes'"
+        report.add("layout-keys", (*fields.path, "when"), wrong + way, at_key=True)
     if "channel" in layout and not INTERFACES[fields.interface].has_channels:
         report.add(
             "layout-keys",
@@ -228,6 +219,23 @@ def _check_carriage(fields: Fields, raw: Spec, report: DocumentReport) -> None:
             f"{name} cannot have a data channel; only BiSS has channels",
             at_key=True,
         )
+
+
+def _wrong_order(fields: Fields, name: str) -> str:
+    """Return what is wrong with the byte order of a layout that is carried as bits. Empty if nothing is.
+
+    Over SPI, it states in which order the bytes of a joined number are sent.
+    """
+    layout = fields.owner
+    if "byte_order" not in layout:
+        return ""
+    if fields.interface != Spi.name:
+        return f"{name} is carried as bits, which have no byte order; leave 'byte_order' out"
+    if layout["byte_order"] == "high_byte_first":
+        return f"{name} is sent over SPI, high byte first unless it says otherwise; leave 'byte_order' out"
+    if "join" not in layout:
+        return f"{name} sends the low byte first, so describe each byte as a field, and 'join' them"
+    return ""
 
 
 def _is_one_byte(fields: Fields, raw: Spec) -> bool:

@@ -23,7 +23,10 @@ def exchanges(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     found = check_exchanges(spec, raw, Spi.name, "spi-exchange", report)
     for path, register in items(spec, "registers"):
         if interface_of(register) == Spi.name and "byte_order" in register:
-            wrong = f"{quoted(register['name'])} is sent as one number; leave 'byte_order' out"
+            wrong = (
+                f"{quoted(register['name'])} is sent as one number over SPI, high byte first; leave 'byte_order' out,"
+            )
+            wrong += " or leave the register out if its low byte comes first"
             report.add("spi-exchange", (*path, "byte_order"), wrong, at_key=True)
         for below, field in items(register, "fields"):
             if interface_of(register) == Spi.name and "equals" in field:
