@@ -22,6 +22,7 @@ TESTED = {
     "aksim2": "rls_aksim2_spi",
     "amt22": "cui_amt22_spi",
     "ma732": "mps_ma732_spi",
+    "mlx90363": "melexis_mlx90363_spi",
     "mt6835": "magntek_mt6835_spi",
     "orbis_serial": "rls_orbis_serial_rs485",
     "resolute": "renishaw_resolute_biss",
@@ -31,7 +32,12 @@ TESTED = {
     "ts5700": "tamagawa_ts5700_rs485",
 }
 #: Classes of frames that ``decode`` of an encoder does not return, with their family.
-OTHER = {("ma732", "position_with_parity"): "ma732.PositionWithParity"}
+OTHER = {
+    ("ma732", "position_with_parity"): "ma732.PositionWithParity",
+    ("mlx90363", "challenge_echo"): "mlx90363.ChallengeEcho",
+    ("mlx90363", "get1_alpha"): "mlx90363.Get1Alpha",
+    ("mlx90363", "nop"): "mlx90363.Nop",
+}
 #: Decodes a frame with a generated package. Arguments: package, order code, the class of the frame or nothing, frame,
 #: and the expected values.
 DECODE = """
@@ -110,12 +116,12 @@ def test_the_registers_of_an_ic_mhm_select_its_frame() -> None:
 
 
 def test_each_grade_names_vectors_that_exist() -> None:
-    """All published vectors are found: 12 and 9 replies, 11 frames twice, an EEPROM, a frame, a table, check bits."""
+    """All published vectors are found: 12 and 9 replies, 11 frames twice, an EEPROM, a frame, a table, check bits, a capture."""
     devices, _ = load_library([ENCODERS, ENCODERS.parents[1] / "specs" / "ichaus"])
     counts = {item.name: len(item.evidence.vectors) for item in devices}
     assert counts == {
         "aksim2": 1, "amt21": 0, "amt22": 1, "as38": 0, "as5047p": 0, "as5048a": 0, "as5147": 0,
-        "icmhm": 0, "icmu": 3, "kcd": 0, "la11": 0, "ma732": 3, "mt6701": 0, "mt6835": 0,
+        "icmhm": 0, "icmu": 3, "kcd": 0, "la11": 0, "ma732": 3, "mlx90363": 4, "mt6701": 0, "mt6835": 0,
         "orbis": 0, "orbis_serial": 0, "resolute": 11, "resolute_linear": 11, "skm36": 9, "tle5012b": 0, "ts5700": 12,
         "wdga": 0,
     }  # fmt: skip

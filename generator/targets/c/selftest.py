@@ -195,15 +195,17 @@ class SelfTest:
     def _frames(self, example: FrameExample) -> Iterator[Work]:
         for item in self._codecs(example):
             layout = item.struct.layout
-            fits = item.plan.in_bytes == bool(example.bytes)
+            # A word can be given as its bytes, too.
+            word = int(example.bits, 2) if example.bits else int.from_bytes(example.bytes, "big")
+            fits = bool(example.bytes) if item.plan.in_bytes else bool(example.bits) or example.refused != "length"
             if fits and (example.layout or example.refused == "length"):
                 fault = f"CW_FAULT_{example.refused.upper()}" if example.refused else ""
                 yield FrameCheck(
                     item,
                     self._variant(example.order_code),
                     self._answers(item, example),
-                    _bytes(example.bytes),
-                    _hex(int(example.bits, 2), 64) if example.bits else "",
+                    _bytes(example.bytes) if item.plan.in_bytes else (),
+                    "" if item.plan.in_bytes else _hex(word, 64),
                     () if fault else tuple(self._expected(item, layout.name, example.values)),
                     fault,
                 )
