@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...model import Biss
 from ..problems import DocumentReport, Path, quoted
-from .walk import Spec, bank_select, by_name, items, mapping, named_values
+from .walk import Spec, bank_select, by_name, has_other_bits, items, mapping, named_values
 
 #: Access of a register that makes a kind of step impossible.
 _REFUSED = {"write": "read_only", "read": "write_only", "poll": "write_only"}
@@ -12,10 +12,15 @@ _REFUSED = {"write": "read_only", "read": "write_only", "poll": "write_only"}
 
 def step_access(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that registers that are written are writable, and that those that are read are readable."""
-    registers = by_name(raw, "registers")
+    registers, groups = by_name(raw, "registers"), by_name(raw, "field_groups")
     for path, procedure in items(spec, "procedures"):
         for below, step in items(procedure, "steps"):
-            access = registers.get(step.get("register", ""), {}).get("access")
+            register = registers.get(step.get("register", ""), {})
+            access = register.get("access")
+            if "field" in step and (step["do"], access) == ("write", "write_only") and has_other_bits(register, groups):
+                wrong = f"{quoted(step['register'])} is write_only, so nothing shows what its other bits must stay"
+                right = "describe it as one field with all its bits, and leave 'field' out"
+                report.add("access-mismatch", (*path, *below, "field"), f"{wrong}; {right}")
             if access is not None and _REFUSED.get(step["do"]) == access:
                 wrong = f"{quoted(step['register'])} is {access}, so a step cannot {step['do']} it"
                 report.add("access-mismatch", (*path, *below, "register"), wrong)

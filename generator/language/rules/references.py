@@ -23,6 +23,7 @@ from .walk import (
     by_name,
     field_lists,
     field_names,
+    has_other_bits,
     interface_of,
     items,
     layouts,
@@ -248,6 +249,12 @@ def _step(path: Path, step: Spec, procedure: Spec, known: _Names) -> None:
         arguments = [argument["name"] for _, argument in items(procedure, "arguments")]
         values = [*known.values(name, step.get("field")), *arguments]
         known.refer_by("value", path, step, f"argument, or value of {quoted(name)}, called", values)
+        is_named = "field" not in step and step.get("value") in known.values(name, None)
+        if is_named and step["value"] not in arguments and has_other_bits(known.registers[name], known.groups):
+            right = f"add 'field' with the name of the field that must hold {quoted(step['value'])}"
+            if known.registers[name].get("access") == "write_only":
+                right = "describe it as one field with all its bits, because it is write_only"
+            known.tell((*path, "value"), f"{quoted(name)} has other bits, too; {right}")
 
 
 def alternative_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -314,13 +321,23 @@ def example_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 known.refer((*path, "values", name), "field", name, names)
 
 
+#: Lists whose items belong to what is above the list: a frame to its interface, and a field to its frame.
+_LISTS = ("layouts", "fields")
+
+
 def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that each path affected by an erratum exists."""
     known, below = _Names(raw, report), {id(raw): dict(_below(raw))}
     for path, erratum in items(spec, "errata"):
         for index, affected in enumerate(erratum.get("affects", ())):
+            steps = affected.split(".")
+            short = [*(step for step in steps[:-1] if step not in _LISTS), steps[-1]]
+            if len(short) < len(steps):
+                wrong = f"no output would find {quoted(affected)}; write {'.'.join(short)}"
+                report.add("undefined-reference", (*path, "affects", index), wrong)
+                continue
             node: Any = raw
-            for step in affected.split("."):
+            for step in steps:
                 found = below.get(id(node)) or below.setdefault(id(node), dict(_below(node)))
                 if step not in found:
                     kind = f"place {quoted(affected)} in this spec: there is no"

@@ -166,6 +166,11 @@ def bits_of(register: Spec, groups: Mapping[str, Spec]) -> list[str]:
     return [str(register.get("name"))]
 
 
+def has_other_bits(register: Spec, groups: Mapping[str, Spec]) -> bool:
+    """Return True if a register has more bits than those of one field."""
+    return len(bits_of(register, groups)) > 1 or "other_bits" in register
+
+
 def explained(data: Spec, *keys: str) -> bool:
     """Return True if an erratum affects exactly this place, given by keys and names."""
     place = ".".join(keys)

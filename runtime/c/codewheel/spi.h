@@ -13,7 +13,10 @@
  *        decode it, or ignore it if the request is CW_SPI_NONE
  *
  * If words of an encoder have several lengths, cw_spi_load returns CW_FAULT_LENGTH for a reply that
- * came in a word of another length. A late reply is complete only in a word of its own length.
+ * came in a word with another number of bytes. It cannot tell 17 bits from 20. A late reply is
+ * complete only in a word of its own length, so send as many clocks as it has bits. If they do not
+ * fill the bytes, the first byte has the remaining bits at its low end. A bus that sends only whole
+ * bytes puts the word at the high end: shift it down before cw_spi_load.
  */
 #ifndef CODEWHEEL_SPI_H
 #define CODEWHEEL_SPI_H
@@ -124,7 +127,7 @@ static inline cw_result cw_spi_store(uint64_t word, uint32_t bits, uint8_t *byte
  * @param length Number of bytes received.
  * @param bits Number of bits of the reply, from the ..._bits function of its frame.
  * @param word The word, unchanged on error. The _decode function of the frame takes it.
- * @return CW_OK, or CW_FAULT_LENGTH if a word of another length was received.
+ * @return CW_OK, or CW_FAULT_LENGTH if the word has another number of bytes.
  */
 CW_NODISCARD
 static inline cw_result cw_spi_load(
