@@ -33,6 +33,7 @@ from .alternatives import AlternativeCode
 from .chosen import Chosen, Frame, NoFrame
 from .comments import ascii_text
 from .device import DeviceView
+from .interfaces import Asking
 from .positions import Positions
 from .procedures import ProcedureCode, Row
 from .reports import FrameReports
@@ -103,12 +104,13 @@ class Sampled:
 
 @dataclass(frozen=True, slots=True)
 class Session:
-    """A request over SPI that the frame answers: its struct, its macro, and the bytes of the frame.
+    """A request over SPI that the frame answers: its struct and initial value, its macro, and the bytes of the frame.
 
     ``size`` is the number of bytes of the longest word of the request.
     """
 
     request: Struct
+    initial: str
     macro: str
     data: bytes
     size: int
@@ -212,11 +214,17 @@ class ExampleCode:
         bits = self.frame.layout.place(self._chosen.variant.parameters).bits
         data = self.frame.wire.to_bytes((bits + 7) // 8, "big")
         macro = f"{self.view.PREFIX}_REQUEST_{exchange.request}".upper()
-        return Session(request, macro, data, (request.layout.widest + 7) // 8)
+        initial = request.initial(self._chosen.variant.parameters)
+        return Session(request, initial, macro, data, (request.layout.widest + 7) // 8)
+
+    @property
+    def asking(self) -> Asking | None:
+        """The request frame over RS-485 that the frame answers, or None if the request has only a control field."""
+        return self.view.interface.asking(self.frame.layout)
 
     @property
     def request(self) -> str:
-        """Macro of the request that the frame answers, or an empty text."""
+        """Macro of the control field that asks for the frame, or an empty text."""
         known = self.interface.data_ids if isinstance(self.interface, Rs485) else ()
         sent = (item.name for item in known if self.data[:1] == bytes([item.control]))
         name = next(sent, "")

@@ -54,13 +54,13 @@ class FrameTeller:
 
 @dataclass(frozen=True, slots=True)
 class Asking:
-    """Request for a reply: its values, the function that receives the reply, and a time-out.
+    """Request for a reply: its initial value, the function that receives the reply, and a time-out.
 
     The time-out is the time that both take on the line, plus ``ANSWER_US`` until the encoder answers.
     """
 
     codec: StructCodec
-    given: tuple[str, ...]
+    initial: str
     take: str
     late_us: int
 
@@ -126,8 +126,9 @@ class InterfaceCode:
         codec = next(one for one in self.codecs if one.struct.layout is item.request)
         bits = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
         size = (item.request.widest + reply.widest) // 8
-        given = tuple(number(one.default or 0) for one in item.request.data_fields)
-        return Asking(codec, given, _take(item), ANSWER_US - -1_000_000 * size * bits // port.baud)
+        parameters = next(one.parameters for one in self.device.variants if one.interface == self.interface.name)
+        initial = codec.struct.initial(parameters)
+        return Asking(codec, initial, _take(item), ANSWER_US - -1_000_000 * size * bits // port.baud)
 
     def frame_name(self, layout: Layout) -> str:
         return f"{self.upper}_FRAME_{layout.name}".upper()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from ...model import Field, Layout, Register, assert_never
 from ...plan.codec import Codec, characters, codec_of
@@ -24,7 +24,7 @@ from .enumerations import Enumeration
 from .expr import Cast, Expr, Name, Number, Operation, joined
 from .macros import Macro, scale_macros
 from .reserved import c_name
-from .types import signed, unsigned
+from .types import number, signed, signed_number, unsigned
 from .unused import Unused
 
 
@@ -114,6 +114,40 @@ class Struct:
         whole = next((item for item in self.plan.wholes if item.join.name == name), None)
         return unsigned(whole.widest) if whole is not None else self.type_of(self.layout.field(name))
 
+    def initial(self, parameters: Mapping[str, int]) -> str:
+        """Return the initial value with the defaults of the spec, and 0 for fields that have none.
+
+        ``parameters`` are those of an order code. The bits of a member ``unused`` that is 0 are as documented.
+        """
+        numbers = {part.field.name: _default(part.field) for part in self.plan.parts}
+        if not any(numbers.values()):
+            return "0U"
+        given = [text for part in self.plan.parts for text in self._initial_of(part.field, numbers[part.field.name])]
+        for whole in self.plan.wholes:
+            parts = (numbers[field.name] << low.value(parameters) for field, low in whole.from_low)
+            given.append(number(sum(parts), hexadecimal=True))
+        return ", ".join(given + (["0U"] if self.unused else []))
+
+    def _initial_of(self, field: Field, default: int) -> Iterator[str]:
+        """Yield the initial values of the members of a field."""
+        match meaning_of(field):
+            case Active():
+                yield "true" if default else "false"
+            case Named():
+                choice = self.choice(field)
+                names = choice.names if choice is not None else {}
+                yield names.get(default, number(default, hexadecimal=True))
+            case Raw() | ZeroMeans():
+                yield number(default, hexadecimal=True)
+            case TwosComplement():
+                yield signed_number(default)
+            case DigitRuns(runs):
+                yield from map(number, (default, *(default // run.divisor % run.modulus for run in runs)))
+            case Characters():
+                yield '""'
+            case other:
+                assert_never(other)
+
     def is_none_of(self, field: Field, name: Expr, values: Sequence[int], is_raw: bool = False) -> Expr:
         """Return the condition that ``name`` has another value than these.
 
@@ -129,3 +163,16 @@ class Struct:
             return Cast(kind, entry) if kind else entry
 
         return joined("&&", tuple(Operation("!=", (name, written(value))) for value in values))
+
+
+def _default(field: Field) -> int:
+    """Return the default of a field, or a value that an encoder accepts."""
+    if field.default is not None:
+        return field.default
+    match meaning_of(field):
+        case Named(values):
+            return min(item.value for item in values)
+        case ZeroMeans(zero):
+            return zero
+        case _:
+            return 0
