@@ -11,6 +11,9 @@ from .walk import Spec, by_name, leaves, mapping, sources
 #: Number of implementations that a grade needs.
 _IMPLEMENTATIONS = {"quoted": 1}
 _CORROBORATED = ("corroborated", "corroborated, no hardware frame seen")
+#: Grades that need data from real hardware, and the remedy if there are none.
+_WITH_FRAME = ("quoted", "corroborated")
+_OR = "or write 'corroborated, no hardware frame seen'"
 _WHOLE = "all pages"
 #: Key of the document that a source cites.
 _DOCUMENT = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?")
@@ -29,6 +32,11 @@ def evidence(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if name in examples and not _discriminates(examples[name]):
             wrong = f"{quoted(name)} has the same bits throughout, so it cannot show an error; use another example"
             report.add("evidence-grade", ("evidence", "vectors", index), wrong)
+    known = [examples[name] for name in vectors if name in examples]
+    if grade in _WITH_FRAME and known and len(known) == len(vectors) and not any(map(_is_reading, known)):
+        wrong = f"the grade {quoted(grade)} needs data from an encoder"
+        remedy = "add a frame 'from: encoder' without 'refused', or a register reading"
+        report.add("evidence-grade", ("evidence", "vectors", 0), f"{wrong}: {remedy}, {_OR} without 'vectors'")
     for wrong in _missing(grade, read, agreeing, vectors) if grade else ():
         report.add("evidence-grade", ("evidence", "grade"), f"the grade {quoted(grade)} {wrong}")
     if grade == "quoted" or grade in _CORROBORATED:
@@ -47,9 +55,8 @@ def _missing(grade: str, read: Spec, agreeing: list[str], vectors: list[str]) ->
         yield "needs a source: list it under 'documents', with the pages that were read, or under 'implementations'"
     if grade in _CORROBORATED and len(agreeing) < (1 if read else 2):
         yield "needs two sources that share no code: list them under 'implementations'"
-    if grade in ("quoted", "corroborated") and not vectors:
-        remedy = "list it under 'vectors'"
-        yield f"needs an example from real hardware: {remedy}, or write 'corroborated, no hardware frame seen'"
+    if grade in _WITH_FRAME and not vectors:
+        yield f"needs an example from real hardware: list it under 'vectors', {_OR}"
     if grade == _CORROBORATED[1] and vectors:
         yield "has no vectors: remove them, or write 'corroborated'"
 
@@ -72,3 +79,9 @@ def _discriminates(example: Spec) -> bool:
     """Return whether the bits of an example differ from one another."""
     given = example.get("bits") or example.get("bytes") or ""
     return isinstance(given, str) and len(set(given.split() if " " in given else given)) > 1
+
+
+def _is_reading(example: Spec) -> bool:
+    """Return whether an example is an accepted frame of the encoder or the content of a register."""
+    is_frame = example.get("kind") == "frame" and example.get("from") == "encoder" and "refused" not in example
+    return is_frame or example.get("kind") == "register"
