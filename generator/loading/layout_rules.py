@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import pairwise
+from itertools import chain, pairwise
 
+from ..language.problems import listed
 from ..model import (
     INTERFACES,
     Choice,
@@ -133,7 +135,8 @@ def _check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None
             "crc-not-last",
             f"'{field.name}' covers everything sent before it, so it must be the last field of '{layout.name}'",
         )
-    for wrong in _no_run(layout, kind):
+    wrong = next(chain(_no_run(layout, kind), _left_out(layout, field, kind)), "")
+    if wrong:
         site.report("crc-of", wrong, "crc_of")
     on_line = INTERFACES[site.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"
     if layout.in_bytes and crc.width % 8 and not on_line:
@@ -146,6 +149,16 @@ def _check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None
 def _is_plain(crc: Crc) -> bool:
     """Return True if zeros before a frame do not change its CRC, and its bits are in the order sent."""
     return not crc.init and not crc.refin and not crc.refout
+
+
+def _left_out(layout: Layout, crc: Field, kind: CrcValue) -> Iterator[str]:
+    """Yield the fields with data that a CRC with a list of fields leaves out, unless a note names them."""
+    known = {crc.name, *kind.of, *re.findall(r"\w+", f"{layout.note} {crc.note}")}
+    others = (field.name for field in layout.fields if not isinstance(field.kind, (Constant, Unused)))
+    found = listed(name for name in others if name not in known)
+    if kind.of and found:
+        remedy = f"add what it covers to 'crc_of', or add a 'note' that the manual leaves out {found}"
+        yield f"'{crc.name}' leaves out {found}; {remedy}"
 
 
 def _no_run(layout: Layout, kind: CrcValue) -> Iterator[str]:
