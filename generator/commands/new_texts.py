@@ -440,7 +440,7 @@ interfaces:
   spi:
     source: "5"
     mode: 1                               # 0 and 1: the clock idles low. 1 and 3: data is taken on the second edge
-    word_bits: 16                         # 8 to 64, the same for requests and replies
+    word_bits: 16                         # 8 to 64. An exchange with another length has its own word_bits
     reply: next_word                      # or same_word
     clock: {max_hz: 10000000, source: "5.1"}
     # Which reply answers which request. Leave this out if the encoder ignores the words of the master.
@@ -449,7 +449,7 @@ interfaces:
       - {request: read_request, reply: register_reply, purpose: read}
       - {request: write_request, reply: register_reply, purpose: write}
       - {request: write_data, reply: register_reply, purpose: write}
-    # Fields in the order sent, most significant first. Each layout has word_bits bits.
+    # Fields in the order sent, most significant first. Each layout has the word_bits of its exchange.
     layouts:
       - name: position_request
         from: master
