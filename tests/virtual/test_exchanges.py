@@ -88,7 +88,7 @@ def test_the_link_asks_for_the_position(code: str, reply: bytes, position: int, 
     assert link(module, code, lambda data: data + reply).position() == position
     (first, *_) = module.lookup(code).exchanges()
     asked = first.request(**first.defaults)
-    assert asked.encode() == ASK[code]
+    assert asked.encode() == first.request().encode() == ASK[code]
     assert alone.position(asked) == alone.position(asked.encode()) == position
 
 

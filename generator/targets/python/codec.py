@@ -155,11 +155,12 @@ class Coder:
             case Raw():
                 # The value that the manual gives for a number in a frame.
                 stated = field.equals if self.register is None and not self.selects(field) else None
-                yield self._attribute(field, "int", coded(stated) if isinstance(stated, int) else "")
+                default = coded(stated) if isinstance(stated, int) else self._default(field)
+                yield self._attribute(field, "int", default)
             case TwosComplement() | ZeroMeans():
-                yield self._attribute(field, "int")
+                yield self._attribute(field, "int", self._default(field))
             case Active():
-                yield self._attribute(field, "bool", "False")
+                yield self._attribute(field, "bool", str(self._default(field) == "1"))
             case Named():
                 yield self._attribute(field, self.enum(field))
             case DigitRuns(runs):
@@ -169,6 +170,11 @@ class Coder:
                 yield self._attribute(field, "str")
             case meaning:
                 assert_never(meaning)
+
+    def _default(self, field: Field) -> str:
+        """Return the default of a number or flag in a request, or an empty text."""
+        is_request = self.register is None and self.layout.sender == "master"
+        return coded(field.default) if is_request and field.default is not None else ""
 
     def _attribute(self, field: Field, type_: str, default: str = "") -> Attribute:
         variants = () if field.width.is_constant else self.context.device.variants
