@@ -46,6 +46,7 @@ from .examples import build_examples, check_examples
 from .expression_range import check_reach
 from .facts import supply, table
 from .fields import Context, Site
+from .frame_kinds import check_frame_kinds
 from .from_mapping import Raw, record, records, sources
 from .interfaces import build_interfaces, build_measurement
 from .layouts import build_layout
@@ -78,6 +79,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     _check_control_bytes(device, report)
     _check_requests(device, report)
     check_spi_registers(device, report)
+    check_frame_kinds(device, report)
     device = replace(device, procedures=build_procedures(raw, device))
     check_measurements(device, report)
     device = replace(device, editions=editions(raw))

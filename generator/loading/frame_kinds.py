@@ -1,0 +1,45 @@
+"""Check that a frame with the position can be told from other frames of the encoder, if a field tells them apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..language.problems import DocumentReport, Path
+from ..model import Constant, Device, Field, Interface, Layout, Number, Rs485
+from .valid_parts import sound_so_far
+
+
+def check_frame_kinds(device: Device, report: DocumentReport) -> None:
+    """Report a number in a position frame that is a constant, and so the kind of frame, in another frame.
+
+    Over RS-485, the request tells the frames apart.
+    """
+    interfaces = [item for item in device.interfaces if not isinstance(item, Rs485)]
+    for interface in interfaces if sound_so_far(report).has_frames else ():
+        frames = [item for item in interface.layouts if item.sender == "encoder"]
+        for layout in (item for item in frames if device.tells_position(interface.name, item)):
+            others = [item for item in frames if item is not layout and item.channel == layout.channel]
+            found = next(_kinds(device, interface, layout, others), None)
+            if found is not None:
+                field, other, value = found
+                here: Path = ("interfaces", interface.name, "layouts", layout.name)
+                owner = ("field_groups", field.group) if field.group else here
+                wrong = f"'{field.name}' can be any number, but it is always {value:#x} in '{other.name}'"
+                way = f"a frame '{other.name}' would decode as '{layout.name}'; give this field its 'constant'"
+                report.add("frame-kind", (*owner, "fields", field.name), f"{wrong}, so {way}")
+
+
+def _kinds(
+    device: Device, interface: Interface, layout: Layout, others: list[Layout]
+) -> Iterator[tuple[Field, Layout, int]]:
+    """Yield the numbers that are a constant at the same place of a frame with the same length."""
+    for variant in (item for item in device.variants if item.interface == interface.name):
+        here = layout.place(variant.parameters)
+        for other in others:
+            there = other.place(variant.parameters)
+            for mine in here.fields if here.bits == there.bits else ():
+                its = there.field(mine.name)
+                if its is None or (its.low, its.width) != (mine.low, mine.width):
+                    continue
+                if isinstance(mine.field.kind, Number) and isinstance(its.field.kind, Constant):
+                    yield mine.field, other, its.field.kind.value
