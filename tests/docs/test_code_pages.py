@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from itertools import product, zip_longest
+from pathlib import Path
 
 import pytest
-from codewheel.loading.library import load_sound
+from codewheel.commands.outputs import targets_named
+from codewheel.loading.library import load_library, load_sound
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
 from codewheel.order_codes.with_numbers import applied
@@ -17,6 +19,8 @@ from codewheel.targets.docs.order_code_patterns import patterns
 from codewheel.targets.file_names import names_of_codes
 
 Files = Mapping[str, str]
+
+ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
 
 #: A sum or product without its numeric value: ``singleturn_bits + 7``.
 _OPEN = re.compile(r"(?:_bits|_bytes|per_turn|revolutions)\b.*[-+*^]|2\^")
@@ -79,6 +83,24 @@ def test_numbers_stand_in_place_of_quantities(pages: Files) -> None:
 def test_the_numbers_are_those_of_the_manual(pages: Files, code: str, rows: list[str]) -> None:
     page = page_of(pages, code)
     assert [row for row in rows if row not in page] == []
+
+
+@pytest.mark.slow
+def test_requests_say_what_they_do() -> None:
+    """Those for something other than a position or register have the first sentence of their note."""
+    (devices, _), (docs,) = load_library([ENCODERS / "cui"]), targets_named(["docs"])
+    files = docs.files(Library(devices), {})
+    turns, zero, reset = "Asks for the number of revolutions", "Sets the zero position", "Restarts the encoder"
+    page = page_of(files, "AMT212A")
+    assert [line.split("|")[-2].strip() for line in page.splitlines() if "_request`](" in line][:4] == [
+        "Requests the position",
+        turns,
+        zero,
+        reset,
+    ]
+    page = page_of(files, "AMT22-14")
+    assert f"[`position`](#layout-position) | {zero} |" in page
+    assert "[`position_and_turns`](#layout-position_and_turns) | Requests the position, in words of 32 bits |" in page
 
 
 def test_a_field_without_bits_has_no_row(pages: Files) -> None:

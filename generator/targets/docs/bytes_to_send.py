@@ -105,8 +105,10 @@ def _requests(device: Device, interface: Interface) -> Iterator[Row]:
     for each in exchanges(interface):
         frames = [link(code(item.name), f"#layout-{item.name}") for item in (each.request, each.reply) if item]
         bits = each.item.word_bits
-        about = [PURPOSES[each.item.purpose], f"in words of {word_lengths([bits])}" if bits is not None else ""]
-        yield " → ".join(frames), ", ".join(filter(None, about)).capitalize()
+        effect = PURPOSES[each.item.purpose] or text(each.request.note.partition(". ")[0].removesuffix("."))
+        about = [effect, f"in words of {word_lengths([bits])}" if bits is not None else ""]
+        told = ", ".join(filter(None, about))
+        yield " → ".join(frames), told[:1].upper() + told[1:]
     if not isinstance(interface, Rs485):
         return
     for item in interface.data_ids:
