@@ -13,6 +13,8 @@ pytestmark = pytest.mark.slow
 
 ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
 
+#: GET1 for alpha of the MLX90363, whose time-out is FFFFh by default (Getting Started Guide, p.10).
+GET1 = "00 00 FF FF 00 00 13 EA"
 #: The request for the frame that each program shows.
 #: AMT21: RS485_ENC0 of the manufacturer's sketch. SKM36: "Read Position" of NiLAB's page. Orbis: the command "t".
 #: AMT22: two bytes 00 in the data sheet. AS5048A: FFFFh reads the angle. MT6835: A003h and zeros.
@@ -23,9 +25,9 @@ REQUESTS = {
     "cui/amt22_spi": "00 00",
     "ams/as5048a_spi": "FF FF",
     "magntek/mt6835_spi": "A0 03 00 00 00 00",
+    "melexis/mlx90363_spi": GET1,
 }
-#: GET1 for alpha of the MLX90363, whose time-out is FFFFh by default (Getting Started Guide, p.10).
-GET1 = "00 00 FF FF 00 00 13 EA"
+#: The same request with a joined number, a flag and a named value.
 MLX = """
 codewheel: 1
 device: mlx
