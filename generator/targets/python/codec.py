@@ -155,12 +155,11 @@ class Coder:
             case Raw():
                 # The value that the manual gives for a number in a frame.
                 stated = field.equals if self.register is None and not self.selects(field) else None
-                default = coded(stated) if isinstance(stated, int) else self._default(field)
-                yield self._attribute(field, "int", default)
+                yield self._number(field, stated if isinstance(stated, int) else self._default(field))
             case TwosComplement() | ZeroMeans():
-                yield self._attribute(field, "int", self._default(field))
+                yield self._number(field, self._default(field))
             case Active():
-                yield self._attribute(field, "bool", str(self._default(field) == "1"))
+                yield self._attribute(field, "bool", str(bool(self._default(field))))
             case Named():
                 yield self._attribute(field, self.enum(field))
             case DigitRuns(runs):
@@ -171,10 +170,13 @@ class Coder:
             case meaning:
                 assert_never(meaning)
 
-    def _default(self, field: Field) -> str:
-        """Return the default of a number or flag in a request, or an empty text."""
+    def _default(self, field: Field) -> int | None:
+        """Return the default of a number or flag in a request, if it has one."""
         is_request = self.register is None and self.layout.sender == "master"
-        return coded(field.default) if is_request and field.default is not None else ""
+        return field.default if is_request else None
+
+    def _number(self, field: Field, default: int | None) -> Attribute:
+        return self._attribute(field, "int", coded(default) if default is not None else "")
 
     def _attribute(self, field: Field, type_: str, default: str = "") -> Attribute:
         variants = () if field.width.is_constant else self.context.device.variants
