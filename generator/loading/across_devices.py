@@ -36,7 +36,7 @@ def _compare(kind: str, name: str, having: Sequence[Document], report: Report) -
         for key, fact in _facts(kind, by_name(document.data, kind)[name]):
             other, (place, shown) = first.setdefault(key, (document, fact))
             named = (kind, name, *key)
-            if shown == fact[1] or explained(document.data, *named) or explained(other.data, *named):
+            if shown == fact[1] or explained(document, *named) or explained(other, *named):
                 continue
             line = other.position((kind, name, *place))[0]
             wrong = (

@@ -147,6 +147,17 @@ def test_a_fact_that_only_the_second_reading_has_can_be_explained(folder: pathli
     assert told() == []
 
 
+def test_a_printed_byte_order_that_biss_does_not_have_is_explained_by_the_spec(folder: pathlib.Path) -> None:
+    """A second reading has no errata, so rules that accept what an erratum explains leave it to the comparison."""
+    register = "registers:\n  - {{name: profile_id, address: 0x42, length: 2, access: read_only, byte_order: {}{}}}\n"
+    changed(folder / "twice.yaml", "registers:\n", register.format("high_byte_first", ', source: "6"'))
+    changed(folder / "twice.second.yaml", "registers:\n", register.format("low_byte_first", ""))
+    assert [item.split(": ")[1] for item in told()] == ["readings-disagree"] * 2
+    readings = "readings: [{second: low_byte_first, used: high_byte_first}]"
+    changed(folder / "twice.yaml", ERRATUM, f"    affects: [registers.profile_id]\n    {readings}\n")
+    assert told() == []
+
+
 LEFT_OUT = "a second reading does not have this part; leave it out"
 
 

@@ -119,7 +119,7 @@ def access_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, register in items(spec, "registers"):
         fields = [field for _, field in items(register, "fields")]
         fixed = bool(fields) and all("equals" in field for field in fields)
-        is_explained = "note" in register or explained(raw, "registers", register["name"], "access")
+        is_explained = "note" in register or explained(report.document, "registers", register["name"], "access")
         if fixed and register["access"] == "read_write" and not is_explained:
             wrong = f"all fields of {quoted(register['name'])} have a fixed value ('equals'), so it should be read_only"
             right = "if the manual says read_write, say so in a 'note'"

@@ -69,7 +69,7 @@ def biss_taken(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             is_part = inside and (register["access"] == "read_only" or name.startswith(known))
             if known == "eds_bank" or not overlaps or is_part:
                 continue
-            if not explained(raw, "registers", name, "address"):
+            if not explained(report.document, "registers", name, "address"):
                 last = first + register["length"] - 1
                 at = f"at {first:02X}h" if first == last else f"at {first:02X}h to {last:02X}h"
                 wrong = f"{quoted(name)} is {at}, but BiSS has {quoted(known)} {where}"
@@ -87,7 +87,9 @@ def biss_byte_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         name = register["name"]
         if name not in _PLACES or interface_of(register) != Biss.name or "bank" in register:
             continue
-        if register.get("byte_order") == "low_byte_first" and not explained(raw, "registers", name, "byte_order"):
+        if register.get("byte_order") != "low_byte_first":
+            continue
+        if not explained(report.document, "registers", name, "byte_order"):
             report.add(
                 "biss-protocol",
                 (*path, "byte_order"),
@@ -104,7 +106,7 @@ def biss_frame(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         where = f"interfaces.{Biss.name}.{layout['name']}"
         if fields.interface == Biss.name and layout.get("from") == "encoder" and _FLAGS & _names(sent):
             for path, affected, wrong in _frame_faults(sent, crcs, (*fields.path, "name"), where):
-                if not explained(raw, affected):
+                if not explained(report.document, affected):
                     end = f"If this is what the manual says, add an erratum that affects {affected}"
                     report.add("biss-protocol", path, f"{wrong}. {end}")
 

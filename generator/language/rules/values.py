@@ -121,7 +121,7 @@ def cable_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that longer cables have slower clocks, and that no row of the table repeats another."""
     for interface in mapping(spec, "interfaces"):
         rows = sorted(items(spec, "interfaces", interface, "cable_lengths"), key=lambda row: row[1]["shorter_than_m"])
-        if explained(raw, "interfaces", interface, "cable_lengths", "below_hz"):
+        if explained(report.document, "interfaces", interface, "cable_lengths", "below_hz"):
             continue
         for (_, short), (path, long) in pairwise(rows):
             if short["below_hz"] <= long["below_hz"] or short["shorter_than_m"] == long["shorter_than_m"]:
@@ -211,7 +211,7 @@ def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     clock = mapping(spec, "interfaces", Biss.name, "clock")
     for below, printed in items(timeout, "printed") if "max_hz" in clock else ():
         low, high = clock.get("min_hz", 0), clock["max_hz"]
-        if not low <= printed["clock_hz"] <= high and not explained(raw, *map(str, path)):
+        if not low <= printed["clock_hz"] <= high and not explained(report.document, *map(str, path)):
             wrong = f"the clock is {low} to {high} Hz, so there is no time-out at {printed['clock_hz']} Hz"
             right = f"if the manual gives both, add an erratum that affects {'.'.join(map(str, path))}"
             report.add("timeout-mismatch", (*path, *below, "clock_hz"), f"{wrong}; {right}")

@@ -13,7 +13,9 @@ from enum import Enum
 from typing import Any
 
 from ...model import INTERFACES, Biss
+from ..document import Document
 from ..problems import DocumentReport, Path
+from ..second_reading import is_second
 
 #: A spec, or part of one.
 Spec = dict[str, Any]
@@ -171,10 +173,14 @@ def has_other_bits(register: Spec, groups: Mapping[str, Spec]) -> bool:
     return len(bits_of(register, groups)) > 1 or "other_bits" in register
 
 
-def explained(data: Spec, *keys: str) -> bool:
-    """Return True if an erratum affects exactly this place, given by keys and names."""
-    place = ".".join(keys)
-    return any(place in erratum["affects"] for _, erratum in items(data, "errata") if _is_list(erratum.get("affects")))
+def explained(document: Document, *keys: str) -> bool:
+    """Return True if an erratum affects exactly this place, given by keys and names.
+
+    A second reading has no errata. It contains what is printed, and its spec must agree or explain the difference.
+    """
+    place, errata = ".".join(keys), items(document.data, "errata")
+    listed = any(place in erratum["affects"] for _, erratum in errata if _is_list(erratum.get("affects")))
+    return listed or is_second(document.file)
 
 
 def _is_list(value: object) -> bool:
