@@ -171,6 +171,10 @@ typedef enum ichaus_icmu_biss_report {
 /** Bank select: BANKSEL [p.30]. */
 #define ICHAUS_ICMU_BISS_CLOCK_MIN_HZ 25000U /**< Clock: 25 kHz to 10 MHz [b1: p.10]. */
 #define ICHAUS_ICMU_BISS_CLOCK_MAX_HZ 10000000U /**< highest clock in Hz */
+/** Time-out: varies with the clock, at most 20 us [p.30, b1: p.10]. */
+#define ICHAUS_ICMU_BISS_TIMEOUT_AT_MOST_NS 20000U
+/** abs_reset: typically 10 ms: Duration of the command ABS_RESET [p.57]. */
+#define ICHAUS_ICMU_BISS_ABS_RESET_TYPICAL_US 10000U
 
 /**
  * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its
@@ -280,7 +284,7 @@ typedef enum ichaus_icmu_biss_report {
  * the last clock of the same frame. It comes at least 24 clock periods after its CDS: 2.4 us at 10
  * MHz and 960 us at 25 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed before
  * the next frame begins, since the SPI mode sends it. MA carries the inverse of the bit for the
- * whole time-out.
+ * whole time-out (varies with the clock, at most 20 us).
  */
 
 /**

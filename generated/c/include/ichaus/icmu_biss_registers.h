@@ -122,7 +122,10 @@ static inline cw_result ichaus_icmu_biss_write_bank(
 
 /** Values of Mode. */
 typedef enum ichaus_icmu_biss_mode {
+    ICHAUS_ICMU_BISS_MODE_SPITRI = 0x0, /**< SPI, function SPITRI. */
+    ICHAUS_ICMU_BISS_MODE_SPI = 0x1, /**< SPI. */
     ICHAUS_ICMU_BISS_MODE_BISS = 0x2, /**< BiSS-C. */
+    ICHAUS_ICMU_BISS_MODE_ABZ = 0x3, /**< Incremental signals. */
     ICHAUS_ICMU_BISS_MODE_SSI = 0x4, /**< Standard SSI, no error bit. */
     ICHAUS_ICMU_BISS_MODE_SSI_ERROR_LOW = 0x5, /**< Standard SSI, error bit active low. */
     ICHAUS_ICMU_BISS_MODE_SSI_ERROR_HIGH = 0x6, /**< Standard SSI, error bit active high. */
@@ -133,7 +136,7 @@ typedef enum ichaus_icmu_biss_mode {
 #define ICHAUS_ICMU_BISS_REG_MODE_MODEA_MASK 0x07U /**< bits of modea */
 
 /**
- * Mode, register 0Bh, read and write, over BiSS C-mode [p.30, p.31, driver: MU_MODEA].
+ * Mode, register 0Bh, read and write, over BiSS C-mode [p.30, p.31, b1: p.54, driver: MU_MODEA].
  * Functions of port A and port B.
  * First select bank 0 with BANKSEL.
  */
@@ -157,13 +160,6 @@ static inline cw_result ichaus_icmu_biss_reg_mode_decode(
         return CW_FAULT_LENGTH;
     }
     const uint8_t modea = (uint8_t)(bytes[0] & 0x07U);
-    if ((modea != (uint8_t)ICHAUS_ICMU_BISS_MODE_BISS) &&
-        (modea != (uint8_t)ICHAUS_ICMU_BISS_MODE_SSI) &&
-        (modea != (uint8_t)ICHAUS_ICMU_BISS_MODE_SSI_ERROR_LOW) &&
-        (modea != (uint8_t)ICHAUS_ICMU_BISS_MODE_SSI_ERROR_HIGH) &&
-        (modea != (uint8_t)ICHAUS_ICMU_BISS_MODE_EXTENDED_SSI)) {
-        return CW_FAULT_RANGE;
-    }
     out->modea = (ichaus_icmu_biss_mode)modea;
     return CW_OK;
 }
@@ -179,10 +175,7 @@ static inline cw_result ichaus_icmu_biss_reg_mode_encode(
     if (length != ICHAUS_ICMU_BISS_REG_MODE_LENGTH) {
         return CW_FAULT_LENGTH;
     }
-    if ((in->modea != ICHAUS_ICMU_BISS_MODE_BISS) && (in->modea != ICHAUS_ICMU_BISS_MODE_SSI) &&
-        (in->modea != ICHAUS_ICMU_BISS_MODE_SSI_ERROR_LOW) &&
-        (in->modea != ICHAUS_ICMU_BISS_MODE_SSI_ERROR_HIGH) &&
-        (in->modea != ICHAUS_ICMU_BISS_MODE_EXTENDED_SSI)) {
+    if ((uint32_t)in->modea > 0x07U) {
         return CW_FAULT_RANGE;
     }
     bytes[0] = (uint8_t)in->modea;
@@ -478,6 +471,7 @@ static inline cw_result ichaus_icmu_biss_write_output_selection(
 /**
  * EDSBANK, register 41h, read only, over BiSS C-mode [p.19, p.53].
  * First bank of the electronic data sheet. 00h and FFh stand for none.
+ * Erratum id_access (open, omission).
  * Eds bank.
  */
 #define ICHAUS_ICMU_BISS_REG_EDS_BANK_ADDRESS 0x41U
@@ -510,6 +504,7 @@ static inline cw_result ichaus_icmu_biss_read_eds_bank(
  * Profile ID.
  * Byte order: high byte first, at 42h.
  * Erratum id_byte_order (settled, wrong data).
+ * Erratum id_access (open, omission).
  *   bits 15:0  profile_id
  */
 typedef struct ichaus_icmu_biss_reg_profile_id {
@@ -577,6 +572,7 @@ static inline cw_result ichaus_icmu_biss_read_profile_id(
  * Serial number.
  * Byte order: high byte first, at 44h.
  * Erratum id_byte_order (settled, wrong data).
+ * Erratum id_access (open, omission).
  *   bits 31:0  serial_number
  */
 typedef struct ichaus_icmu_biss_reg_serial_number {
@@ -639,7 +635,7 @@ static inline cw_result ichaus_icmu_biss_read_serial_number(
 }
 
 /**
- * EVENT_COUNT, register 73h, read only, over BiSS C-mode [p.53, driver: MU_EVENT_COUNT].
+ * EVENT_COUNT, register 73h, read only, over BiSS C-mode [p.53, p.58, driver: MU_EVENT_COUNT].
  * Event counter.
  * Event count.
  */
@@ -693,7 +689,7 @@ static inline cw_result ichaus_icmu_biss_read_hardware_revision(
 }
 
 /**
- * CMD_MU, register 75h, write only, over BiSS C-mode [p.53, driver: CMD_MU].
+ * CMD_MU, register 75h, write only, over BiSS C-mode [p.57, driver: CMD_MU].
  * Executes a command.
  * Command.
  */
@@ -703,22 +699,25 @@ static inline cw_result ichaus_icmu_biss_read_hardware_revision(
 
 /** Values of CMD_MU. */
 typedef enum ichaus_icmu_biss_command {
-    ICHAUS_ICMU_BISS_COMMAND_WRITE_ALL = 0x01, /**< Write all. */
-    ICHAUS_ICMU_BISS_COMMAND_WRITE_OFF = 0x02, /**< Write the offset. */
-    ICHAUS_ICMU_BISS_COMMAND_ABS_RESET = 0x03, /**< Reset of the absolute value. */
-    ICHAUS_ICMU_BISS_COMMAND_NON_VER = 0x04, /**< Verify the nonius value. */
-    ICHAUS_ICMU_BISS_COMMAND_MT_RESET = 0x05, /**< Reset of the multiturn. */
-    ICHAUS_ICMU_BISS_COMMAND_MT_VER = 0x06, /**< Verify the multiturn. */
-    ICHAUS_ICMU_BISS_COMMAND_SOFT_RESET = 0x07, /**< Soft reset. */
-    ICHAUS_ICMU_BISS_COMMAND_SOFT_PRES = 0x08, /**< Preset. */
-    ICHAUS_ICMU_BISS_COMMAND_SOFT_E2P_PRES = 0x09, /**< Preset and write to the EEPROM. */
-    ICHAUS_ICMU_BISS_COMMAND_I2C_COM = 0x0A, /**< I2C communication. */
-    ICHAUS_ICMU_BISS_COMMAND_EVENT_COUNT = 0x0B, /**< Event counter. */
-    ICHAUS_ICMU_BISS_COMMAND_SWITCH = 0x0C, /**< Switch to another mode. */
+    /** Write the configuration and the offsets to the EEPROM. */
+    ICHAUS_ICMU_BISS_COMMAND_WRITE_ALL = 0x01,
+    ICHAUS_ICMU_BISS_COMMAND_WRITE_OFF = 0x02, /**< Write the offsets to the EEPROM. */
+    ICHAUS_ICMU_BISS_COMMAND_ABS_RESET = 0x03, /**< Determine the absolute value anew. */
+    ICHAUS_ICMU_BISS_COMMAND_NON_VER = 0x04, /**< Verify the position by a nonius calculation. */
+    ICHAUS_ICMU_BISS_COMMAND_MT_RESET = 0x05, /**< Read the multiturn again and synchronize it. */
+    ICHAUS_ICMU_BISS_COMMAND_MT_VER = 0x06, /**< Read the multiturn and verify the counted one. */
+    ICHAUS_ICMU_BISS_COMMAND_SOFT_RESET = 0x07, /**< Start up again from the EEPROM. */
+    ICHAUS_ICMU_BISS_COMMAND_SOFT_PRES = 0x08, /**< Set the output to the preset. */
+    /** Set the output to the preset and write the offsets to the EEPROM. */
+    ICHAUS_ICMU_BISS_COMMAND_SOFT_E2P_PRES = 0x09,
+    ICHAUS_ICMU_BISS_COMMAND_I2C_COM = 0x0A, /**< Start a communication over I2C. */
+    ICHAUS_ICMU_BISS_COMMAND_EVENT_COUNT = 0x0B, /**< Add 1 to the event counter. */
+    /** Write the configuration with MODEA_NEW and RPL_NEW to the EEPROM. */
+    ICHAUS_ICMU_BISS_COMMAND_SWITCH = 0x0C,
     ICHAUS_ICMU_BISS_COMMAND_CRC_VER = 0x0D, /**< Verify CRC16 and CRC8. */
     ICHAUS_ICMU_BISS_COMMAND_CRC_CALC = 0x0E, /**< Compute CRC16 and CRC8 again. */
-    ICHAUS_ICMU_BISS_COMMAND_SET_MTC = 0x0F, /**< Set pin MTC. */
-    ICHAUS_ICMU_BISS_COMMAND_RES_MTC = 0x10 /**< Reset pin MTC. */
+    ICHAUS_ICMU_BISS_COMMAND_SET_MTC = 0x0F, /**< Set pin MTC. MODE_MT must be 0. */
+    ICHAUS_ICMU_BISS_COMMAND_RES_MTC = 0x10 /**< Reset pin MTC. MODE_MT must be 0. */
 } ichaus_icmu_biss_command;
 
 /** Write the CMD_MU register (75h). */
@@ -760,7 +759,6 @@ static inline cw_result ichaus_icmu_biss_write_command(
 /**
  * STATUS0, register 76h, read only, over BiSS C-mode [p.55].
  * Start-up and signal errors.
- * Save the parameters after a write, or the encoder loses the value at power-off.
  */
 typedef struct ichaus_icmu_biss_reg_status0 {
     bool stup; /**< STUP. Active when 1: start-up. */
@@ -841,7 +839,6 @@ static inline cw_result ichaus_icmu_biss_read_status0(
 /**
  * STATUS1, register 77h, read only, over BiSS C-mode [p.55].
  * Errors of memory, multiturn, counters and frequency.
- * Save the parameters after a write, or the encoder loses the value at power-off.
  */
 typedef struct ichaus_icmu_biss_reg_status1 {
     bool crc_err; /**< CRC_ERR. Active when 1: invalid checksum of the internal RAM. */
@@ -926,6 +923,7 @@ static inline cw_result ichaus_icmu_biss_read_status1(
  * Device ID.
  * Byte order: high byte first, at 78h.
  * Erratum id_byte_order (settled, wrong data).
+ * Erratum id_access (open, omission).
  *   bits 47:0  device_id
  */
 typedef struct ichaus_icmu_biss_reg_device_id {
@@ -1003,6 +1001,7 @@ static inline cw_result ichaus_icmu_biss_read_device_id(
  * BiSS manufacturer ID.
  * Byte order: high byte first, at 7Eh.
  * Erratum id_byte_order (settled, wrong data).
+ * Erratum id_access (open, omission).
  *   bits 15:0  manufacturer_id
  */
 typedef struct ichaus_icmu_biss_reg_manufacturer_id {

@@ -11,8 +11,6 @@
 
 #- === iC-MU-16-0, iC-MU150-16-0
 #- #- Not in this file: Frame size = 16: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -23,6 +21,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,16,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -30,8 +30,6 @@
 
 #- === iC-MU-16-2, iC-MU150-16-2
 #- #- Not in this file: Frame size = 18: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -42,6 +40,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,16,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -49,8 +49,6 @@
 
 #- === iC-MU-16-7, iC-MU150-16-7
 #- #- Not in this file: Frame size = 23: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -61,6 +59,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,16,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -68,8 +68,6 @@
 
 #- === iC-MU-18-0, iC-MU150-18-0
 #- #- Not in this file: Frame size = 18: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -80,6 +78,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,18,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -87,8 +87,6 @@
 
 #- === iC-MU-18-2, iC-MU150-18-2
 #- #- Not in this file: Frame size = 20: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -99,6 +97,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,18,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -106,8 +106,6 @@
 
 #- === iC-MU-18-7, iC-MU150-18-7
 #- #- Not in this file: Frame size = 25: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -118,6 +116,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,18,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -125,8 +125,6 @@
 
 #- === iC-MU-19-0, iC-MU150-19-0
 #- #- Not in this file: Frame size = 19: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -137,6 +135,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,19,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -144,8 +144,6 @@
 
 #- === iC-MU-19-2, iC-MU150-19-2
 #- #- Not in this file: Frame size = 21: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -156,6 +154,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,19,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -163,8 +163,6 @@
 
 #- === iC-MU-19-7, iC-MU150-19-7
 #- #- Not in this file: Frame size = 26: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -175,6 +173,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,19,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -182,8 +182,6 @@
 
 #- === iC-MU-20-0, iC-MU150-20-0
 #- #- Not in this file: Frame size = 20: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -194,6 +192,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,20,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -201,8 +201,6 @@
 
 #- === iC-MU-20-2, iC-MU150-20-2
 #- #- Not in this file: Frame size = 22: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -213,6 +211,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,20,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -220,8 +220,6 @@
 
 #- === iC-MU-20-7, iC-MU150-20-7
 #- #- Not in this file: Frame size = 27: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -232,6 +230,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,20,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -239,8 +239,6 @@
 
 #- === iC-MU-24-0, iC-MU150-24-0
 #- #- Not in this file: Frame size = 24: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -251,6 +249,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,24,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -258,8 +258,6 @@
 
 #- === iC-MU-24-2, iC-MU150-24-2
 #- #- Not in this file: Frame size = 26: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -270,6 +268,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,24,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -277,8 +277,6 @@
 
 #- === iC-MU-24-7, iC-MU150-24-7
 #- #- Not in this file: Frame size = 31: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -289,6 +287,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,24,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -296,8 +296,6 @@
 
 #- === iC-MU-28-0, iC-MU150-28-0
 #- #- Not in this file: Frame size = 28: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -308,6 +306,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,28,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -315,8 +315,6 @@
 
 #- === iC-MU-28-2, iC-MU150-28-2
 #- #- Not in this file: Frame size = 30: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -327,6 +325,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,28,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -334,8 +334,6 @@
 
 #- === iC-MU-28-7, iC-MU150-28-7
 #- #- Not in this file: Frame size = 35: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -346,6 +344,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,28,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -353,8 +353,6 @@
 
 #- === iC-MU-38-0, iC-MU150-38-0
 #- #- Not in this file: Frame size = 38: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -365,6 +363,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,38,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -372,8 +372,6 @@
 
 #- === iC-MU-38-2, iC-MU150-38-2
 #- #- Not in this file: Frame size = 40: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -384,6 +382,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,38,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value
@@ -391,8 +391,6 @@
 
 #- === iC-MU-38-7, iC-MU150-38-7
 #- #- Not in this file: Frame size = 45: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
 #- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
 #- #-   start bit, in µs, BiSS).
 #-
@@ -403,6 +401,8 @@
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xC,38,1)"
 #- #- Singleturn first bit position
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xD,0,1)"
+#- #- Timeout, in µs, at least
+#- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xE,20,1)"
 #- #- CRC polynomial
 #- ecmcConfigOrDie "Cfg.EcAddSdo(${ECMC_EC_SLAVE_NUM},0x2110,0xF,67,1)"
 #- #- Status bits active value

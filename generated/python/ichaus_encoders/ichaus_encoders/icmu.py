@@ -313,8 +313,14 @@ def crc_configuration_16(data: bytes) -> int:
 class Modea(IntEnum):
     """MODEA."""
 
+    SPITRI = 0
+    """SPITRI: SPI, function SPITRI."""
+    SPI = 1
+    """SPI: SPI."""
     BISS = 2
     """BiSS-C."""
+    ABZ = 3
+    """ABZ: Incremental signals."""
     SSI = 4
     """Standard SSI, no error bit."""
     SSI_ERROR_LOW = 5
@@ -460,7 +466,7 @@ class _Mode(NamedTuple):
 
 
 class Mode(FixedRegister, _Mode):
-    """Mode, register 0Bh, read and write, over BiSS C-mode [p.30, p.31, driver: MU_MODEA].
+    """Mode, register 0Bh, read and write, over BiSS C-mode [p.30, p.31, b1: p.54, driver: MU_MODEA].
 
     Attributes:
         modea: MODEA.
@@ -617,6 +623,9 @@ class EdsBank(FixedRegister, _EdsBank):
         eds_bank: Eds bank.
 
     First bank of the electronic data sheet. 00h and FFh stand for none.
+
+    Errata (full text in ERRATA):
+        id_access (open, omission): They are read-only.
     """
 
     __slots__ = ()
@@ -654,6 +663,7 @@ class ProfileId(FixedRegister, _ProfileId):
 
     Errata (full text in ERRATA):
         id_byte_order (settled, wrong data): The lowest address has the high byte.
+        id_access (open, omission): They are read-only.
     """
 
     __slots__ = ()
@@ -691,6 +701,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
 
     Errata (full text in ERRATA):
         id_byte_order (settled, wrong data): The lowest address has the high byte.
+        id_access (open, omission): They are read-only.
     """
 
     __slots__ = ()
@@ -717,7 +728,7 @@ class _EventCount(NamedTuple):
 
 
 class EventCount(FixedRegister, _EventCount):
-    """EVENT_COUNT, register 73h, read only, over BiSS C-mode [p.53, driver: MU_EVENT_COUNT].
+    """EVENT_COUNT, register 73h, read only, over BiSS C-mode [p.53, p.58, driver: MU_EVENT_COUNT].
 
     Attributes:
         event_count: Event count.
@@ -777,43 +788,43 @@ class HardwareRevision(FixedRegister, _HardwareRevision):
 
 
 class Command(IntEnum):
-    """CMD_MU, register 75h, write only, over BiSS C-mode [p.53, driver: CMD_MU].
+    """CMD_MU, register 75h, write only, over BiSS C-mode [p.57, driver: CMD_MU].
 
     Executes a command.
     """
 
     WRITE_ALL = 1
-    """WRITE_ALL: Write all."""
+    """WRITE_ALL: Write the configuration and the offsets to the EEPROM."""
     WRITE_OFF = 2
-    """WRITE_OFF: Write the offset."""
+    """WRITE_OFF: Write the offsets to the EEPROM."""
     ABS_RESET = 3
-    """ABS_RESET: Reset of the absolute value."""
+    """ABS_RESET: Determine the absolute value anew."""
     NON_VER = 4
-    """NON_VER: Verify the nonius value."""
+    """NON_VER: Verify the position by a nonius calculation."""
     MT_RESET = 5
-    """MT_RESET: Reset of the multiturn."""
+    """MT_RESET: Read the multiturn again and synchronize it."""
     MT_VER = 6
-    """MT_VER: Verify the multiturn."""
+    """MT_VER: Read the multiturn and verify the counted one."""
     SOFT_RESET = 7
-    """SOFT_RESET: Soft reset."""
+    """SOFT_RESET: Start up again from the EEPROM."""
     SOFT_PRES = 8
-    """SOFT_PRES: Preset."""
+    """SOFT_PRES: Set the output to the preset."""
     SOFT_E2P_PRES = 9
-    """SOFT_E2P_PRES: Preset and write to the EEPROM."""
+    """SOFT_E2P_PRES: Set the output to the preset and write the offsets to the EEPROM."""
     I2C_COM = 0xA
-    """I2C_COM: I2C communication."""
+    """I2C_COM: Start a communication over I2C."""
     EVENT_COUNT = 0xB
-    """EVENT_COUNT: Event counter."""
+    """EVENT_COUNT: Add 1 to the event counter."""
     SWITCH = 0xC
-    """SWITCH: Switch to another mode."""
+    """SWITCH: Write the configuration with MODEA_NEW and RPL_NEW to the EEPROM."""
     CRC_VER = 0xD
     """CRC_VER: Verify CRC16 and CRC8."""
     CRC_CALC = 0xE
     """CRC_CALC: Compute CRC16 and CRC8 again."""
     SET_MTC = 0xF
-    """SET_MTC: Set pin MTC."""
+    """SET_MTC: Set pin MTC. MODE_MT must be 0."""
     RES_MTC = 0x10
-    """RES_MTC: Reset pin MTC."""
+    """RES_MTC: Reset pin MTC. MODE_MT must be 0."""
 
     @classmethod
     def decode(cls, data: Data) -> Command:
@@ -857,8 +868,6 @@ class Status0(FixedRegister, _Status0):
         unused: Bits that the manual does not describe, at their positions in the number that the bytes form.
 
     Start-up and signal errors.
-
-    Save the parameters after a write, or the encoder loses the value at power-off.
     """
 
     __slots__ = ()
@@ -913,8 +922,6 @@ class Status1(FixedRegister, _Status1):
         cmd_exe: CMD_EXE. True when 1: a command is being executed.
 
     Errors of memory, multiturn, counters and frequency.
-
-    Save the parameters after a write, or the encoder loses the value at power-off.
     """
 
     __slots__ = ()
@@ -962,6 +969,7 @@ class DeviceId(FixedRegister, _DeviceId):
 
     Errata (full text in ERRATA):
         id_byte_order (settled, wrong data): The lowest address has the high byte.
+        id_access (open, omission): They are read-only.
     """
 
     __slots__ = ()
@@ -999,6 +1007,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
 
     Errata (full text in ERRATA):
         id_byte_order (settled, wrong data): The lowest address has the high byte.
+        id_access (open, omission): They are read-only.
     """
 
     __slots__ = ()

@@ -29,6 +29,8 @@ from codewheel_runtime.facts import (
     Register,
     Severity,
     Status,
+    Timeout,
+    TimeoutRule,
     Timing,
 )
 from codewheel_runtime.order_codes import OrderCode, Part, PartValue
@@ -108,7 +110,9 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=25_000, max_hz=10_000_000, source="b1: p.10"),
+    timeout=Timeout(rule=TimeoutRule.FOLLOWS_CLOCK, at_most_ns=20_000, source="p.30, b1: p.10"),
     bank_select="bank",
+    timings=(Timing(name="abs_reset", meaning="Duration of the command ABS_RESET", typical_us=10_000, source="p.57"),),
     source="p.30",
 )
 
@@ -151,7 +155,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             bank=0,
             fields=(FieldFacts(name="modea", printed_name="MODEA"),),
             meaning="Functions of port A and port B",
-            source="p.30, p.31, driver: MU_MODEA",
+            source="p.30, p.31, b1: p.54, driver: MU_MODEA",
         ),
         "output_length": Register(
             name="output_length",
@@ -245,7 +249,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             access=Access.READ_ONLY,
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
             meaning="Event counter",
-            source="p.53, driver: MU_EVENT_COUNT",
+            source="p.53, p.58, driver: MU_EVENT_COUNT",
         ),
         "hardware_revision": Register(
             name="hardware_revision",
@@ -266,7 +270,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
             fields=(FieldFacts(name="command"),),
             meaning="Executes a command",
-            source="p.53, driver: CMD_MU",
+            source="p.57, driver: CMD_MU",
         ),
         "status0": Register(
             name="status0",
@@ -275,7 +279,6 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             length=1,
             access=Access.READ_ONLY,
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
-            volatile=True,
             fields=(
                 FieldFacts(name="stup", printed_name="STUP", active="high", when_active="start-up"),
                 FieldFacts(
@@ -313,7 +316,6 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             length=1,
             access=Access.READ_ONLY,
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
-            volatile=True,
             fields=(
                 FieldFacts(
                     name="crc_err",
@@ -422,6 +424,28 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         severity=Severity.WRONG_DATA,
         affects=("registers.manufacturer_id", "registers.device_id", "registers.profile_id", "registers.serial_number"),
         source="p.19, driver: MU_MFG_ID, spot: appendix B",
+    ),
+    Erratum(
+        name="id_access",
+        printed=(
+            "Figure 47 has r for EDSBANK, PROFILE_ID, SERIAL, DEV_ID and MFG_ID, for protection level RP1. The tables "
+            "of these registers have no R, unlike those of STATUS0 and STATUS1."
+        ),
+        used="They are read-only.",
+        why=(
+            "The pages that were read do not have the access for level RP0, where a chip is configured. Read-only is "
+            "correct in shipping mode."
+        ),
+        status=Status.OPEN,
+        severity=Severity.OMISSION,
+        affects=(
+            "registers.eds_bank",
+            "registers.profile_id",
+            "registers.serial_number",
+            "registers.device_id",
+            "registers.manufacturer_id",
+        ),
+        source="p.19, p.53",
     ),
     Erratum(
         name="crc16_byte_order",
