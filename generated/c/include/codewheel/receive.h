@@ -494,7 +494,6 @@ static inline cw_result cw_ssi_receive_frame(
 {
     CW_ASSERT((rx != NULL) && (frame != NULL));
     const size_t after = (size_t)bits + 1U;
-    size_t at = 1U;
     if (((size_t)bits > (8U * length)) || (after >= (8U * size))) {
         return CW_FAULT_LENGTH;
     }
@@ -502,6 +501,7 @@ static inline cw_result cw_ssi_receive_frame(
         return CW_FAULT_LINE_LOW;
     }
     if (cw_received_bit(rx, after) != 0U) {
+        size_t at = 1U;
         while ((at < after) && (cw_received_bit(rx, at) != 0U)) {
             at++;
         }
