@@ -35,12 +35,16 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PACKAGE = ROOT / "examples" / "rust-target"
 
+#: Made-up specs that are not for this target.
+OTHERS = ("long_crc", "lowfirst")
 #: The spec of every family. The made-up ones use features that others do not.
 SPECS = [
     path.relative_to(ROOT).as_posix()
     for folder in ("specs", "tests/specs", "tests/c/specs", "docs/example")
     for path in sorted((ROOT / folder).rglob("*.yaml"))
-    if "\ndevice: " in path.read_text(encoding="utf-8") and not is_second(path)
+    # The target cannot express a CRC that is not whole bytes at the end of a frame in bytes. The words of ``lowfirst``
+    # have 64 bits, so no number is too long for them.
+    if "\ndevice: " in path.read_text(encoding="utf-8") and not is_second(path) and path.stem not in OTHERS
 ]
 #: Content of a crate: the shipped families of a manufacturer, or a made-up one.
 CRATES = ["specs/ichaus", "specs/lika", *(spec for spec in SPECS if not spec.startswith("specs/"))]

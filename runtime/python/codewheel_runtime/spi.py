@@ -191,9 +191,9 @@ class Pipeline:
         if self._sent is not None:
             raise RuntimeError("take the word that was received with the previous request first")
         word: int = request.encode()
-        given = request._given()
-        self._bits = type(request).frame_bits(*given)
-        self._sent = _Sent(request, register, self._bits)
+        bits: int = request.frame_bits(*request._given())
+        self._bits = bits
+        self._sent = _Sent(request, register, bits)
         return word
 
     def _place_of(self, register: type) -> tuple[int, int]:
