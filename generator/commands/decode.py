@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from ..model import Crc, Device, Fault, Layout, PlacedLayout, Scale, Variant, Verdict
+from ..model.layout import have_lengths
 from ..order_codes.labels import Match
 from ..order_codes.parameters import parameters_of
 from ..reference import codec
@@ -73,7 +74,7 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
             )
         if not placed.layout.in_bytes:
             at = placed if layout is not None else _of_length(text, placed, layouts, variant)
-            return _decode_bits(device, at, frame_number(at, text, exact=_have_lengths(layouts)))
+            return _decode_bits(device, at, frame_number(at, text, exact=have_lengths(layouts, sender)))
         if layout is None:
             return codec.decode_bytes(device, variant, sender, frame_bytes(text))
         return codec.decode_placed(device, placed, frame_bytes(text))
@@ -91,14 +92,9 @@ def decode_register_text(device: Device, variant: Variant, name: str, text: str)
     return decode_register(device, variant, name, frame_bytes(checked(text)))
 
 
-def _have_lengths(layouts: Sequence[Layout]) -> bool:
-    """Return whether frames on one channel have different lengths."""
-    return len({(item.channel, item.bits) for item in layouts}) > len({item.channel for item in layouts})
-
-
 def _of_length(text: str, first: PlacedLayout, layouts: Sequence[Layout], variant: Variant) -> PlacedLayout:
     """Return the only layout that has the length of the text, or ``first`` if that fits or several do."""
-    if not _have_lengths(layouts) or _has_length(first, text):
+    if not have_lengths(layouts, first.layout.sender) or _has_length(first, text):
         return first
     found = [at for at in (item.place(variant.parameters) for item in layouts) if _has_length(at, text)]
     return found[0] if len(found) == 1 else first
@@ -127,8 +123,8 @@ def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: 
     from ..why.mistakes import explain_bits, explain_bytes, explain_constant
 
     if placed is not None and not placed.layout.in_bytes:
-        layouts = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
-        given = frame_number(placed, checked(text), exact=_have_lengths(layouts))
+        exact = have_lengths(device.interface(variant.interface).layouts, sender)
+        given = frame_number(placed, checked(text), exact=exact)
         if wrong & {Fault.CRC, Fault.LENGTH} or has_no_crc or is_flat:
             return explain_bits(device, variant, placed, given, is_valid=not wrong)
         return explain_constant(device, variant, placed, given)

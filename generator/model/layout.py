@@ -6,7 +6,7 @@ layout.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
 from types import MappingProxyType
 
@@ -351,6 +351,12 @@ class PlacedLayout:
         """Return lowest bit and width of a field, or of a join of adjacent fields. An absent field has width 0."""
         parts = [item for item in map(self.field, self.layout.names_in(name)) if item is not None]
         return (parts[-1].low, sum(item.width for item in parts)) if parts else (0, 0)
+
+
+def have_lengths(layouts: Sequence[Layout], sender: str) -> bool:
+    """Return whether frames of a sender on one channel have different lengths, so that bytes imply no leading zeros."""
+    frames = [item for item in layouts if item.sender == sender]
+    return len({(item.channel, item.bits) for item in frames}) > len({item.channel for item in frames})
 
 
 def number_from_bytes(layout: Layout, data: bytes) -> int:

@@ -86,14 +86,6 @@ function placedFor(found, layout, held, answers) {
   return { ...placed(found.family, layout, parametersOf(found, held, answers)), code: found.code };
 }
 
-/** Whether frames of a sender on one channel have different lengths. */
-function haveLengths(found, sender) {
-  const frames = found.interface.frames.filter((item) => item.sender === sender);
-  const channels = new Set(frames.map((item) => item.channel));
-  const lengths = frames.map((item) => JSON.stringify([item.channel, item.bits]));
-  return new Set(lengths).size > channels.size;
-}
-
 /** The frame in a text for an order code; ``what`` is its sender, with the name of the frame where that is needed. */
 function decodeFrame(found, what, text, held, answers) {
   const [sender, name] = what.split(":");
@@ -104,7 +96,7 @@ function decodeFrame(found, what, text, held, answers) {
   const trimmed = checked(text);
   if (!layouts[0].order) {
     const at = placedFor(found, layouts[0], held, answers);
-    return decodeBits(at, numberIn(trimmed, at.bits, haveLengths(found, sender)));
+    return decodeBits(at, numberIn(trimmed, at.bits, found.interface.exact?.includes(sender)));
   }
   const bytes = bytesIn(trimmed);
   const told = toldApart(found.interface, sender, bytes);

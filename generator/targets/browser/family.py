@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ...model import Alternative, Crc, Device, Interface
+from ...model.layout import have_lengths
 from ...plan.crcs import Carrier, carriers
 from ...plan.frames import Dispatch, dispatches
 from ...plan.reports import reportings
@@ -87,6 +88,7 @@ def _interface(device: Device, item: Interface, shared: Pool) -> Data:
         name=item.name,
         title=item.title,
         measure=_measure(device, item),
+        exact=[sender for sender in ("encoder", "master") if have_lengths(item.layouts, sender)],
         frames=[shared.parts(frame(device, layout, by_frame.get(layout.name))) for layout in item.layouts],
         told=[_dispatch(item, one) for one in dispatches(item.layouts)],
         registers=[shared.parts(register(device, one)) for one in device.registers if one.interface == item.name],
