@@ -33,7 +33,7 @@ _SHIPPED = "shipped"
 
 
 class Settings(Hashable, Protocol):
-    """What the environment of a target needs, see ``codewheel.render.Templates``."""
+    """Settings of an environment, which the templates of a target have, see ``codewheel.render.Templates``."""
 
     @property
     def folder(self) -> Path: ...

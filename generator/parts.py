@@ -28,8 +28,8 @@ _MEMORY = 256 * 2**20
 #: Least number of tasks that justifies more processes, and largest number of tasks whose parts a process holds.
 _FEWEST, _MOST = 4, 256
 _NUMBER = 4
-#: Targets whose parts of a family one process makes. The files for masters and their page need the same settings. What
-#: takes longest comes first. C is second, because this process has done half the work when it has looked for problems.
+#: Targets whose parts of a family one process makes. The files for masters and their page need the same settings. The
+#: longest ones come first. C is second, because this process has done half the work when it has looked for problems.
 _TOGETHER = (("masters", "docs"), ("c",), ("python",), ("biss",), ("opcua",), ("browser",))
 
 

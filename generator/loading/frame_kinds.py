@@ -1,4 +1,4 @@
-"""Check that a frame with the position can be told from other frames of the encoder, if a field tells them apart."""
+"""Check that a frame with the position requires the field that distinguishes it from other frames of the encoder."""
 
 from __future__ import annotations
 

@@ -157,7 +157,7 @@ def _left_out(layout: Layout, crc: Field, kind: CrcValue) -> Iterator[str]:
     others = (field.name for field in layout.fields if not isinstance(field.kind, (Constant, Unused)))
     found = listed(name for name in others if name not in known)
     if kind.of and found:
-        remedy = f"add what it covers to 'crc_of', or add a 'note' that the manual leaves out {found}"
+        remedy = f"add the fields that it covers to 'crc_of', or add a 'note' that the manual leaves out {found}"
         yield f"'{crc.name}' leaves out {found}; {remedy}"
 
 

@@ -11,7 +11,7 @@ from ..model import Device, Field, Flag, Quantity, Source
 from ..model.expressions import Expression
 from ..model.only import fits
 
-#: What holds for every order code. Most of a device is made of it, so looking into it would take most of the time.
+#: Parts that hold for every order code. They make up most of a device, so the search leaves them out.
 _ALWAYS = (str, int, Source, Expression, Quantity)
 #: Parts of a device that have ``only``, or that refer to such parts.
 _PARTS = ("interfaces", "registers", "alarms", "timings", "connectors", "leds", "characteristics", "errata")

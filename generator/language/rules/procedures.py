@@ -18,7 +18,7 @@ def step_access(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             register = registers.get(step.get("register", ""), {})
             access = register.get("access")
             if "field" in step and (step["do"], access) == ("write", "write_only") and has_other_bits(register, groups):
-                wrong = f"{quoted(step['register'])} is write_only, so nothing shows what its other bits must stay"
+                wrong = f"{quoted(step['register'])} is write_only, so a step cannot keep its other bits"
                 right = "describe it as one field with all its bits, and leave 'field' out"
                 report.add("access-mismatch", (*path, *below, "field"), f"{wrong}; {right}")
             if access is not None and _REFUSED.get(step["do"]) == access:

@@ -321,7 +321,7 @@ def example_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 known.refer((*path, "values", name), "field", name, names)
 
 
-#: Lists whose items belong to what is above the list: a frame to its interface, and a field to its frame.
+#: Lists that paths leave out: a frame belongs to its interface, and a field to its frame.
 _LISTS = ("layouts", "fields")
 
 

@@ -176,7 +176,7 @@ def has_other_bits(register: Spec, groups: Mapping[str, Spec]) -> bool:
 def explained(document: Document, *keys: str) -> bool:
     """Return True if an erratum affects exactly this place, given by keys and names.
 
-    A second reading has no errata. It contains what is printed, and its spec must agree or explain the difference.
+    A second reading has no errata. It repeats the printed values, and its spec must agree or explain the difference.
     """
     place, errata = ".".join(keys), items(document.data, "errata")
     listed = any(place in erratum["affects"] for _, erratum in errata if _is_list(erratum.get("affects")))
