@@ -48,6 +48,10 @@ def is_sound(layout: Layout, site: Site, low_byte_first: bool) -> bool:
         wrong = f"'{layout.name}' has {layout.widest} bits; the maximum is {LARGEST_NUMBER}"
         can_be_bytes = layout.bits.is_constant and layout.widest <= LARGEST_BYTES and site.interface != Spi.name
         site.report("too-long", f"{wrong}, or {LARGEST_BYTES} with 'carried_as: bytes'" if can_be_bytes else wrong)
+    on_line = INTERFACES[site.interface].carried_as == "bits" and site.path[0] == "interfaces"
+    if layout.in_bytes and on_line and layout.widest > LARGEST_BYTES:
+        sent = layout.sent_bits.constant
+        site.report("too-long", f"'{layout.name}' has {sent} bits; the maximum is {LARGEST_BYTES}")
     for field in layout.fields:
         _check_field(layout, field, replace(site, path=(*site.path, "fields", field.name)))
     selector = next((field for field in layout.fields if field.name == layout.selector), None)
