@@ -22,8 +22,8 @@ SHARED = {
     "biss_slave": "slave_init slave_allow slave_give slave_stored slave_next",
     "transport": "step_send step_poll step_more step_read_one",
     "receive": "words16 words32 samples biss_receive biss_receive_cds ssi_receive ssi_repeats"
-    " biss_receive_frame ssi_receive_frame"
     " ask take take_any resume late reason",
+    "receive_frame": "biss_receive_frame ssi_receive_frame",
     "runner": "start next done close",
     "spi": "start exchange bytes data store load",
     "tracker": "start restart add speed divided",

@@ -24,7 +24,7 @@ LINE_HIGH, LINE_LOW, NO_START, REPEAT, HEAD_MISSING = range(8, 13)
 
 #: Each line has one answer. All numbers and words of bytes are in hexadecimal.
 PROGRAM = r"""
-#include "codewheel/receive.h"
+#include "codewheel/receive_frame.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

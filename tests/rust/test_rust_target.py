@@ -147,7 +147,10 @@ def hostile(words: list[str]) -> Item:
     sizes = {str(size): {"interface": "biss", "sets": given} for size, given in sets.items()}
     check = {"name": "own_crc", "crc": "own_8"}
     layouts = [
-        layout_of("own_bytes", *fields, check, carried_as="bytes", byte_order="low_byte_first"),
+        *(
+            layout_of(f"own_{at}_bytes", *fields[at : at + 15], check, carried_as="bytes", byte_order="low_byte_first")
+            for at in range(0, len(fields), 15)
+        ),
         layout_of("own_choice", {"name": "own_mode", "bits": 16, "values": values}),
         *(_words(index, word) for index, word in enumerate(words)),
     ]

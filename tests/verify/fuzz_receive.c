@@ -2,7 +2,7 @@
  * Fuzz target for the header of receivers: buffers of any content and of exactly their size, lines
  * that are drawn here and must be read back, and a serial line with noise.
  */
-#include "codewheel/receive.h"
+#include "codewheel/receive_frame.h"
 #include "fuzz.h"
 #include <string.h>
 

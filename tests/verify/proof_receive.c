@@ -3,7 +3,7 @@
  * it and finds the word on the line, which is read here once more bit by bit. A serial line stays in a
  * possible state for any input.
  */
-#include "codewheel/receive.h"
+#include "codewheel/receive_frame.h"
 
 int nondet_int(void);
 uint8_t nondet_byte(void);

@@ -2,7 +2,7 @@
 #ifndef RECEIVE_BY_BITS_H
 #define RECEIVE_BY_BITS_H
 
-#include "codewheel/receive.h"
+#include "codewheel/receive_frame.h"
 
 static inline uint64_t by_bits_received_bits(const uint8_t *rx, size_t first, uint32_t bits)
 {
