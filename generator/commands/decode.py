@@ -22,7 +22,6 @@ from ..say.numbers import decimal, quantity
 from ..say.origin import origin
 from ..say.text import BY_NAME
 from ..say.words import WORTH, counted, sentence, with_unit
-from ..why.bit_text import BitText
 from .frame_text import FrameTextError, Line, checked, frame_bytes, frame_number
 
 if TYPE_CHECKING:
@@ -72,12 +71,10 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
             raise FrameTextError(
                 f"{variant.code} has no layout '{layout}' from the {sender}{from_other}; it has: {known}"
             )
-        if not placed.layout.in_bytes:
-            at = placed if layout is not None else _of_length(text, placed, layouts, variant)
-            return _decode_bits(device, at, frame_number(at, text, exact=have_lengths(layouts, sender)))
-        if layout is None:
+        if placed.layout.in_bytes and layout is None:
             return codec.decode_bytes(device, variant, sender, frame_bytes(text))
-        return codec.decode_placed(device, placed, frame_bytes(text))
+        at = placed if layout is not None else _of_length(text, placed, layouts, variant)
+        return decoded_as(device, at, text, exact=have_lengths(layouts, sender))
 
     return decoded
 
@@ -106,7 +103,15 @@ def _has_length(placed: PlacedLayout, text: str) -> bool:
     return given.bits == placed.bits if given.exact else given.bits <= placed.bits
 
 
-def _decode_bits(device: Device, placed: PlacedLayout, given: BitText) -> codec.Decoded:
+def decoded_as(device: Device, placed: PlacedLayout, text: str, *, exact: bool) -> codec.Decoded:
+    """Decode ``checked`` text with a known layout. ``exact`` is that of ``frame_number``.
+
+    Raises:
+        FrameTextError: The text cannot be read as a frame.
+    """
+    if placed.layout.in_bytes:
+        return codec.decode_placed(device, placed, frame_bytes(text))
+    given = frame_number(placed, text, exact=exact)
     if given.exact:
         return codec.decode_bits(device, placed, given.number, given.bits)
     return codec.decode(device, placed, given.number)
@@ -142,10 +147,12 @@ def decoded_data(
     why: Why | None = None,
     line: Line = _NO_LINE,
     taken: Mapping[str, str] = _NOTHING_TAKEN,
+    others: Sequence[PlacedLayout] = (),
 ) -> dict[str, Any]:
     """Return the result as plain data, in the shape of ``decode.schema.json``.
 
-    ``line`` is the line of standard input, if any. ``taken`` are the answers used to decode the frame.
+    ``line`` is the line of standard input, if any. ``taken`` are the answers used to decode the frame. ``others`` are
+    the other layouts that match the frame.
     """
     return {
         "version": VERSION,
@@ -155,6 +162,7 @@ def decoded_data(
         "evidence": device.evidence.grade,
         "alternatives": dict(taken),
         "layout": decoded.layout.name if decoded.layout is not None else None,
+        "other_layouts": [item.name for item in others],
         "direction": sender,
         "fields": list(map(_field_data, decoded.fields)),
         "crc": {"received": decoded.crc.received, "computed": decoded.crc.computed, "ok": decoded.crc.ok}
@@ -239,8 +247,12 @@ def explain(
     line: Line = _NO_LINE,
     taken: Mapping[str, str] = _NOTHING_TAKEN,
     label: Sequence[str] | None = None,
+    others: str = "",
 ) -> str:
-    """Return the result as text, at most 80 columns wide. ``label`` are the ``label_lines`` if they are known."""
+    """Return the result as text, at most 80 columns wide.
+
+    ``label`` are the ``label_lines`` if they are known. ``others`` names the other frames that it can be.
+    """
     start = f"line {line.number}: " if line.number is not None else ""
     start = f"{start.removesuffix(': ')} at {line.time}: ".lstrip() if line.time else start
     lines = [
@@ -261,6 +273,7 @@ def explain(
     lines += [wrapped(f"not as documented: {item.message}", WIDTH, "  ", "") for item in said.differences]
     if not decoded.problems:
         lines += _last_words(decoded, said)
+    lines += [wrapped(others, WIDTH, "  ", "")] if others else []
     lines += _why_lines(why, decoded.layout) if why is not None else []
     lines.append(f"evidence: {device.evidence.grade}")
     return "\n".join(lines)

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ..model import Device, Verdict
+from ..model import Device, PlacedLayout, Verdict
 from ..order_codes.labels import Match
 from ..order_codes.run_time import RegisterError
 from ..reference import codec
@@ -18,6 +18,7 @@ from ..reference.findings import Difference, Findings, findings
 from .choose import UndecidedError, refuse_undecided
 from .decode import decode_register_text, decoded_data, explain, label_lines, text_decoder, why_text
 from .frame_text import FrameTextError, Line, frame_lines
+from .other_frames import OtherFrames, other_frames_line
 
 if TYPE_CHECKING:
     from ..why.mistakes import Why
@@ -68,6 +69,8 @@ class Decoding:
     def __init__(self, request: Request) -> None:
         self._request = asked = request
         self._read = text_decoder(asked.device, asked.match.variant, asked.sender, asked.layout)
+        is_known = asked.layout is not None or asked.register is not None
+        self._others = None if is_known else OtherFrames(asked.device, asked.match.variant, asked.sender)
         self._label = tuple(label_lines(asked.device, asked.match))
         #: The layouts whose questions are answered, and the answers that each layout needs, by name.
         self._decided: set[str] = set()
@@ -99,8 +102,9 @@ class Decoding:
             if strange or self._request.others:
                 said = replace(said, differences=(*self._request.others, *said.differences, *strange))
             self._codes.add(_code(decoded, said))
+            others = self._others.of(line.text, decoded) if self._others is not None else ()
             # Someone who reads many frames should not have to wait for the end.
-            print(self._text(line, decoded, said, why), flush=line.number is not None)
+            print(self._text(line, decoded, said, why, others), flush=line.number is not None)
 
     def _decode(self, text: str) -> tuple[codec.Decoded, Why | None]:
         asked = self._request
@@ -128,14 +132,21 @@ class Decoding:
             self._answers[decoded.layout.name] = {it.name: answers[it.name] for it in needed if it.name in answers}
         return self._answers[decoded.layout.name]
 
-    def _text(self, line: Line, decoded: codec.Decoded, said: Findings, why: Why | None) -> str:
+    def _text(
+        self, line: Line, decoded: codec.Decoded, said: Findings, why: Why | None, others: Sequence[PlacedLayout]
+    ) -> str:
         asked, taken = self._request, self._taken(decoded)
         if asked.as_json:
-            data = decoded_data(asked.device, asked.match.variant, asked.sender, decoded, said, why, line, taken)
+            data = decoded_data(
+                asked.device, asked.match.variant, asked.sender, decoded, said, why, line, taken, others
+            )
             return json.dumps(data, indent=2, ensure_ascii=False) if line.number is None else _ONE_LINE.encode(data)
         between = "" if self._is_first else "\n"
         self._is_first = False
-        return between + explain(asked.device, asked.match, asked.sender, decoded, said, why, line, taken, self._label)
+        named = other_frames_line(decoded, others)
+        return between + explain(
+            asked.device, asked.match, asked.sender, decoded, said, why, line, taken, self._label, named
+        )
 
 
 def _code(decoded: codec.Decoded, said: Findings) -> int:

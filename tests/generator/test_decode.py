@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import json
 import shlex
+import shutil
 import subprocess
 import sys
 from importlib import resources
@@ -25,6 +26,7 @@ from codewheel.model import Flag, Layout, Verdict
 from planted import crc
 
 SPECS = Path(__file__).parents[1] / "specs"
+ENCODERS = str(Path(__file__).parents[2] / "examples" / "encoders")
 Capture = pytest.CaptureFixture[str]
 AS_PRINTED = ("--choose", "eeprom_address=as_printed")
 AS_T_FORMAT = ("--choose", "eeprom_address=as_t_format")
@@ -643,3 +645,62 @@ def test_many_frames_lead_to_the_command_of_the_package(
 def test_the_place_of_a_field_in_bytes(byte_order: str, high: int, low: int, place: str) -> None:
     layout = cast(Layout, SimpleNamespace(in_bytes=True, byte_order=byte_order))
     assert bit_place(layout, 16, high, low) == place
+
+
+# --------------------------------------------------------------------------------- frames that can also be other frames
+
+
+@pytest.mark.parametrize(
+    ("arguments", "others", "words"),
+    [
+        # Both replies consist of a number and two check bits.
+        ("AMT212B AB61", ["turns_reply"], "this can also be another frame: turns_reply (choose with --layout)"),
+        ("AMT212B AB61 --layout position_reply", [], ""),
+        ("AS5047P 0x0123", ["register_reply"], "this can also be another frame: register_reply (choose with --layout)"),
+        # The parity is wrong in both.
+        ("AS5047P 0x0124", [], ""),
+        # The words of 17 bits have the parity of the others behind them. Here it is wrong.
+        ("MA732 0b00000000000000011", [], ""),
+        ("MA732 0x0123", ["register_reply"], "this can also be another frame: register_reply (choose with --layout)"),
+        # The address of the request for the position is a constant.
+        (
+            "AS5047P 0x1001 --from master",
+            ["write_request", "write_data"],
+            "this can be another frame: write_request, write_data (choose with --layout)",
+        ),
+        ("AS5047P 0xFFFC --from master", ["read_request"], "this is a valid read_request: add --layout read_request"),
+        ("SKM36 404200272551 51", [], ""),
+        (
+            "SKM36 40520000000012",
+            ["type_label_reply"],
+            "this is a valid type_label_reply: add --layout type_label_reply",
+        ),
+        # The replies have other lengths.
+        (
+            "OrbisSerial-14 74 00 00 01 0D",
+            ["temperature_reply"],
+            "this is a valid temperature_reply: add --layout temperature_reply",
+        ),
+        ("OrbisSerial-14 74 00 00 01", [], ""),
+        # The control field identifies the frame.
+        ("TS5700N8401 02 00 12 34 00 24", [], ""),
+    ],
+)
+def test_other_frames_that_it_can_be(capsys: Capture, arguments: str, others: list[str], words: str) -> None:
+    given = ("--specs", ENCODERS, *arguments.split())
+    assert decode(capsys, *given)[1]["other_layouts"] == others
+    said = text(capsys, *given)[1]
+    assert words in said
+    assert said.count("--layout") == bool(others)
+
+
+def test_another_frame_that_has_nothing_to_check(tmp_path: Path, capsys: Capture) -> None:
+    """Any bytes are a valid frame then, so it is only a possibility."""
+    shutil.copytree(Path(ENCODERS) / "cui", tmp_path, dirs_exist_ok=True)
+    spec = tmp_path / "amt21.yaml"
+    before, _, after = spec.read_text(encoding="utf-8").partition("          - {name: turns, bits: 14")
+    turns = "          - {name: turns, bits: 16, signed: true, unit: revolutions, meaning: Number of revolutions}\n"
+    spec.write_text(before + turns + after[after.index("\n# The example") :], encoding="utf-8")
+    said = text(capsys, "--specs", str(tmp_path), "AMT212B", "AB 62")[1]
+    assert "constant error: k0" in said
+    assert "this can be another frame: turns_reply (choose with --layout)" in said

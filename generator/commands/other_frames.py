@@ -1,0 +1,53 @@
+"""Name the other frames of an interface that a frame can be, for ``codewheel decode`` without ``--layout``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..model import Constant, CrcValue, Device, Fault, Parity, PlacedLayout, Variant
+from ..model.layout import have_lengths
+from ..reference.codec import Decoded
+from .decode import decoded_as
+from .frame_text import checked
+
+
+class OtherFrames:
+    """The layouts of a sender, each a candidate for a frame that was decoded as one of them."""
+
+    def __init__(self, device: Device, variant: Variant, sender: str) -> None:
+        layouts = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
+        self._device = device
+        self._exact = have_lengths(layouts, sender)
+        # A selector identifies the frame.
+        is_open = len(layouts) > 1 and not any(item.selector for item in layouts)
+        self._candidates = [item.place(variant.parameters) for item in layouts] if is_open else []
+
+    def of(self, text: str, decoded: Decoded) -> tuple[PlacedLayout, ...]:
+        """Return the other layouts with which the text is a valid frame. ``decoded`` is its ``decode_text``."""
+        return tuple(item for item in self._candidates if self._can_be(item, text, decoded))
+
+    def _can_be(self, at: PlacedLayout, text: str, decoded: Decoded) -> bool:
+        if decoded.layout is None or at.name == decoded.layout.name:
+            return False
+        # Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
+        has_other_length = any(item.fault is Fault.LENGTH for item in decoded.problems)
+        if at.bits != decoded.layout.bits and not has_other_length:
+            return False
+        return not decoded_as(self._device, at, checked(text), exact=self._exact).problems
+
+
+def other_frames_line(decoded: Decoded, others: Sequence[PlacedLayout]) -> str:
+    """Return the names of the other frames in a sentence, or an empty string if there are none."""
+    if not others:
+        return ""
+    names = ", ".join(item.name for item in others)
+    if not decoded.problems:
+        return f"this can also be another frame: {names} (choose with --layout)"
+    if len(others) == 1 and _is_checked(others[0]):
+        return f"this is a valid {names}: add --layout {names}"
+    return f"this can be another frame: {names} (choose with --layout)"
+
+
+def _is_checked(placed: PlacedLayout) -> bool:
+    """Return whether a frame has bits that tell a valid one from random bits."""
+    return any(isinstance(item.field.kind, (Constant, CrcValue, Parity)) for item in placed.fields)
