@@ -120,6 +120,7 @@ def _does_not_fit(
         return key, f"{said} do not fit, because {held}"
     widths = _sources(device, *(case.layout.field(name).width for name, _ in case.fields))
     counted = _sources(device, *filter(None, (measurement.counts_per_turn, measurement.turns, measurement.modulus)))
+    # A position of fixed width can begin with zeros, as manuals draw it. Decoders reject a position above the counts.
     if 2 * counts <= 1 << case.width and widths and counted <= widths:
         return (
             key,

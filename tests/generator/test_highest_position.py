@@ -142,6 +142,23 @@ def test_the_highest_position_of_equal_widths_depends_on_the_order_code(tmp_path
     assert codec_of(found, found.layout("word")).depends
 
 
+@pytest.mark.parametrize(("bits", "accepted"), [(12, False), (13, True), (16, True)])
+def test_a_position_of_fixed_width_may_begin_with_zeros(tmp_path: Path, bits: int, accepted: bool) -> None:
+    """A position with the 5,760 counts in other bits than the lowest ones is rejected as soon as it exceeds them."""
+    text = SPECS[1].read_text(encoding="utf-8").replace("bits: position_bits}", f"bits: {bits}}}")
+    text = text.replace("counts_per_turn: counts,", "counts_per_turn: 5760,")
+    text = re.sub(r"parameters:\n(  .*\n)+", "parameters: {}\n", re.sub(r"sets: \{.*?\}, ", "", text))
+    (tmp_path / "ring.yaml").write_text(text, encoding="utf-8")
+    devices, report = load_library([SPECS[0], tmp_path / "ring.yaml"])
+    wrong = f"5760 counts do not fit, because 'position' in 'word' has {bits} bits for R5760"
+    assert [item.message for item in report.problems] == ([] if accepted else [wrong])
+    for found in devices if accepted else ():
+        placed = found.layout("word").place(found.variant("R5760").parameters)
+        frames = {position: ring_frame(position) for position in (5759, 5760, (1 << bits) - 1)}
+        valid = [item for item, frame in frames.items() if not codec.decode(found, placed, frame).problems]
+        assert valid == [5759]
+
+
 def test_decode_gives_the_reason(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["decode", "R5760", "0x1680C7", *[item for path in SPECS for item in ("--specs", str(path))]]) == 1
     assert "range error: position is 5760, but the highest is 5759" in capsys.readouterr().out
