@@ -29,6 +29,8 @@ class OtherFrames:
     def _can_be(self, at: PlacedLayout, text: str, decoded: Decoded) -> bool:
         if decoded.layout is None or at.name == decoded.layout.name:
             return False
+        if at.layout.in_bytes != decoded.layout.layout.in_bytes:
+            return False  # its text has another form
         # Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
         has_other_length = any(item.fault is Fault.LENGTH for item in decoded.problems)
         if at.bits != decoded.layout.bits and not has_other_length:

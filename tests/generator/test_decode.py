@@ -704,3 +704,14 @@ def test_another_frame_that_has_nothing_to_check(tmp_path: Path, capsys: Capture
     said = text(capsys, "--specs", str(tmp_path), "AMT212B", "AB 62")[1]
     assert "constant error: k0" in said
     assert "this can be another frame: turns_reply (choose with --layout)" in said
+
+
+def test_frames_of_bits_and_of_bytes_on_one_interface(tmp_path: Path, capsys: Capture) -> None:
+    """The bits of a short data channel are not read as the bytes of a long one, although 0 and b are hex digits."""
+    shutil.copy(SPECS / "manufacturer.yaml", tmp_path)
+    short = "{name: short, from: encoder, channel: 1, source: '6.1', fields: [{name: number, bits: 5}]}"
+    old = "      - name: single_cycle_data\n"
+    spec = (SPECS / "long.yaml").read_text(encoding="utf-8")
+    spec = spec.replace(old, f"      - {short}\n{old}        channel: 2\n")
+    (tmp_path / "long.yaml").write_text(spec, encoding="utf-8")
+    assert decode(capsys, "--specs", str(tmp_path), "LB", "0b0101101")[1]["other_layouts"] == []
