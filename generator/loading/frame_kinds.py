@@ -18,7 +18,8 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
     for interface in interfaces if sound_so_far(report).has_frames else ():
         frames = [item for item in interface.layouts if item.sender == "encoder"]
         for layout in (item for item in frames if device.tells_position(interface.name, item)):
-            others = [item for item in frames if item is not layout and item.channel == layout.channel]
+            numbers = {item.name for item in layout.fields if isinstance(item.kind, Number)}
+            others = [item for item in frames if item.channel == layout.channel and _has_constant(item, numbers)]
             found = next(_kinds(device, interface, layout, others), None)
             if found is not None:
                 field, other, value = found
@@ -27,6 +28,10 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
                 wrong = f"'{field.name}' can be any number, but it is always {value:#x} in '{other.name}'"
                 way = f"a frame '{other.name}' would decode as '{layout.name}'; give this field its 'constant'"
                 report.add("frame-kind", (*owner, "fields", field.name), f"{wrong}, so {way}")
+
+
+def _has_constant(layout: Layout, names: set[str]) -> bool:
+    return any(isinstance(item.kind, Constant) and item.name in names for item in layout.fields)
 
 
 def _kinds(

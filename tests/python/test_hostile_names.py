@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import builtins
 import json
 import keyword
@@ -16,6 +17,8 @@ from codewheel.loading.library import load_library
 from codewheel.model import Choice, Decimal, Device, Flag, Layout, Number, Variant, number_to_bytes
 from codewheel.reference import codec
 from codewheel.targets import Library
+from codewheel.targets.python import names
+from codewheel.targets.python.files import generate
 from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, flag, layout_of
 
 pytestmark = pytest.mark.slow
@@ -26,14 +29,33 @@ NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
 _OWN = re.compile(r"own_\w+|crc_own|from_own_position|own")
 
 
-def words() -> list[str]:
-    """Return every word in the templates, every word of Python, and every name derived from the spec below."""
-    found = {*keyword.kwlist, *dir(builtins), *dir(tuple)}
-    for path in (ROOT / "templates" / "python").glob("*.jinja"):
-        found |= set(re.findall(r"\b[a-z]\w*\b", path.read_text(encoding="utf-8")))
+def words(folder: Path) -> list[str]:
+    """Return every identifier of a package for the spec below, every member of the runtime's classes, and of Python."""
+    found = {*keyword.kwlist, *dir(builtins), *dir(tuple), *dir(dict)}
+    found |= {*names.VARIANT_NAMES, *names.CLASS_NAMES, *names.LOCAL_NAMES, *names.PROCEDURE_NAMES}
+    for name, text in generate(Library(_devices(["own_one", "own_two"], folder))).items():
+        tree: ast.AST = ast.parse(text) if name.endswith(".py") else ast.Module([], [])
+        inside = "/runtime/" in name
+        parts = [item for item in ast.walk(tree) if isinstance(item, ast.ClassDef)] if inside else [tree]
+        nodes = (node for part in parts for node in (part.body if isinstance(part, ast.ClassDef) else ast.walk(part)))
+        found |= {word for node in nodes for word in _identifiers(node)}
     # BiSS defines the meaning of error and warning.
     kept = {name for name in found - {"error", "warning"} if NAME.fullmatch(name) and not _OWN.fullmatch(name)}
     return sorted(kept | {"from_own_position", "own_preset_limits", "crc_own", "crc_own_of_bits"})
+
+
+def _identifiers(node: ast.AST) -> Iterator[str]:
+    match node:
+        case ast.Name(id=name) | ast.Attribute(attr=name) | ast.arg(arg=name) | ast.keyword(arg=str(name)):
+            yield name
+        case ast.FunctionDef(name=name) | ast.ClassDef(name=name) | ast.AnnAssign(target=ast.Name(id=name)):
+            yield name
+        case ast.Assign(targets=targets):
+            yield from (item.id for item in targets if isinstance(item, ast.Name))
+        case ast.alias(name=name, asname=other):
+            yield (other or name).partition(".")[0]
+        case ast.Constant(value=str(name)):
+            yield name  # Slots, members of __all__, and keys.
 
 
 def hostile(words: list[str]) -> Item:
@@ -130,12 +152,20 @@ def _procedure(index: int, word: str) -> Item:
     }
 
 
-@pytest.mark.slow
+def _devices(words: list[str], folder: Path) -> tuple[Device, ...]:
+    shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", folder)
+    (folder / "hostile.yaml").write_text(json.dumps(hostile(words), indent=1), encoding="utf-8")
+    devices, report = load_library([folder / "hostile.yaml"])
+    assert [problem.format() for problem in report.problems] == []
+    return devices
+
+
 @pytest.mark.parametrize("part", range(4))
 def test_no_name_of_a_spec_is_one_that_the_package_has(
     part: int, tmp_path: Path, import_generated: Callable[..., Any]
 ) -> None:
-    given = words()[part::4]
+    (tmp_path / "words").mkdir()
+    given = words(tmp_path / "words")[part::4]
     assert len(given) > 60
     for start in range(0, len(given), 60):
         _works(given[start : start + 60], tmp_path / str(start), import_generated)
@@ -143,10 +173,7 @@ def test_no_name_of_a_spec_is_one_that_the_package_has(
 
 def _works(given: list[str], folder: Path, import_generated: Callable[..., Any]) -> None:
     folder.mkdir()
-    shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", folder)
-    (folder / "hostile.yaml").write_text(json.dumps(hostile(given), indent=1), encoding="utf-8")
-    devices, report = load_library([folder / "hostile.yaml"])
-    assert [problem.format() for problem in report.problems] == []
+    devices = _devices(given, folder)
     package = import_generated(Library(devices), "test_encoders")[1]
     module = package.hostile
     for variant in devices[0].variants[-1:]:

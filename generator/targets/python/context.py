@@ -128,5 +128,9 @@ class Context:
         return {self.crc_name(item.crc, item.carrier): item for item in crc_functions(self.device)}
 
     def crc_name(self, crc: Crc, carrier: Carrier) -> str:
-        several = carrier is Carrier.BITS and len(carriers(self.device, crc)) > 1
-        return self.crcs[crc.name] + ("_of_bits" if several else "")
+        return self.crcs[crc.name] + ("_of_bits" if carrier is Carrier.BITS and crc in self._crcs_of_both else "")
+
+    @cached_property
+    def _crcs_of_both(self) -> list[Crc]:
+        """CRCs over frames of bits and over frames of bytes."""
+        return [item for item in self.device.crcs if len(carriers(self.device, item)) > 1]
