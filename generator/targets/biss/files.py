@@ -11,6 +11,7 @@ import textwrap
 import unicodedata
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Annotated, TypedDict
 
 from markupsafe import Markup, escape
@@ -155,7 +156,13 @@ def comment_text(text: object) -> Markup:
 
 def comment(text: object, indent: str) -> Markup:
     """Return a complete comment, wrapped if necessary. Line breaks in the text are preserved."""
-    lines = [(line.startswith("  "), str(comment_text(line))) for line in str(text).split("\n")]
+    return _comment(str(text), indent)
+
+
+# The files for the order codes of a family have most comments in common.
+@lru_cache(maxsize=256)
+def _comment(text: str, indent: str) -> Markup:
+    lines = [(line.startswith("  "), str(comment_text(line))) for line in text.split("\n")]
     if len(lines) == 1 and len(indent) + len(lines[0][1]) + 9 <= _WIDTH:
         return Markup(f"{indent}<!-- {lines[0][1]} -->")
     leads = {False: ("", ""), True: ("  ", "    ")}
