@@ -156,24 +156,19 @@ def comment_text(text: object) -> Markup:
 
 def comment(text: object, indent: str) -> Markup:
     """Return a complete comment, wrapped if necessary. Line breaks in the text are preserved."""
-    return _comment(str(text), indent)
-
-
-# The files for the order codes of a family have most comments in common.
-@lru_cache(maxsize=256)
-def _comment(text: str, indent: str) -> Markup:
-    lines = [(line.startswith("  "), str(comment_text(line))) for line in text.split("\n")]
-    if len(lines) == 1 and len(indent) + len(lines[0][1]) + 9 <= _WIDTH:
-        return Markup(f"{indent}<!-- {lines[0][1]} -->")
-    leads = {False: ("", ""), True: ("  ", "    ")}
-    wrapped = [
-        piece
-        for is_item, line in lines
-        for piece in textwrap.wrap(
-            line, _WIDTH - len(indent) - 5, initial_indent=leads[is_item][0], subsequent_indent=leads[is_item][1]
-        )
-    ]
+    lines = str(text).split("\n")
+    if len(lines) == 1 and len(indent) + len(whole := comment_text(lines[0])) + 9 <= _WIDTH:
+        return Markup(f"{indent}<!-- {whole} -->")
+    wrapped = [piece for line in lines for piece in _wrapped(line, _WIDTH - len(indent) - 5)]
     return Markup("\n".join([f"{indent}<!--", *(f"{indent}     {line}" for line in wrapped), f"{indent}-->"]))
+
+
+# The files for the order codes of a family have most lines in common.
+@lru_cache(maxsize=1024)
+def _wrapped(line: str, width: int) -> Sequence[str]:
+    """Return the lines of a comment for one line of its text. An indented one is an item of a list."""
+    first, others = ("  ", "    ") if line.startswith("  ") else ("", "")
+    return textwrap.wrap(str(comment_text(line)), width, initial_indent=first, subsequent_indent=others)
 
 
 def ascii_text(text: object) -> Markup:
