@@ -10,7 +10,7 @@ from __future__ import annotations
 import textwrap
 import unicodedata
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import Annotated, TypedDict
 
@@ -20,6 +20,7 @@ from ...dump.plain import device_dump, variant_dump
 from ...dump.xml import XSD_NAME, clean, to_xml
 from ...dump.xsd import schema_text
 from ...model import Biss, Crc, Device, Field, Layout, Manufacturer, assert_never, choices
+from ...model.record import dataclass
 from ...order_codes.labels import Match
 from ...order_codes.parameters import needed_parameters, run_time_widths
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
