@@ -13,6 +13,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from importlib import import_module
 from typing import Any, BinaryIO, NoReturn
 
 from .cache import Cache, content_of
@@ -73,6 +74,10 @@ class Rendering:
         if self._missing:
             with suppress(ValueError):  # The target reports it.
                 shipped_masters(kept.cache)
+            with suppress(ImportError, TargetError):  # Modules that two processes need are imported once, before both.
+                import_module(f"{__package__}.environments")
+                for name in self._missing[0][0]:
+                    load_target(name)
         self._first = _Pool(self._missing[:_MOST], self._make)
 
     def _finds(self, name: str, device: Device) -> bool:

@@ -8,6 +8,7 @@ whose position is not usable. With several frames, the worst one decides: 2, the
 from __future__ import annotations
 
 import argparse
+import atexit
 import gc
 import json
 import sys
@@ -31,8 +32,9 @@ JSON_VERSION = 1
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code. ``arguments`` default to those of the process."""
     if arguments is None:
-        # Models have no cycles, so a process that ends soon gains nothing from a frequent search for them.
-        gc.set_threshold(50_000, 50, 100)
+        # Models have no cycles, so a process that ends soon gains nothing from a search for them, not even at its end.
+        gc.set_threshold(1_000_000, 50, 100)
+        atexit.register(gc.freeze)
     prepare()
     try:
         code = _run(arguments)

@@ -12,7 +12,7 @@ expressions are resolved.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -42,6 +42,7 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS
+from ..model.record import dataclass
 from ..order_codes.holding_only import held_by
 from ..order_codes.labels import Match
 from ..order_codes.narrowing import for_interface

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from enum import Enum, auto
 from typing import Any
 
+from ..model.record import dataclass
 from .schema import show_schema
 
 Shape = Mapping[str, Any]

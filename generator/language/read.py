@@ -80,6 +80,8 @@ def _kept(file: str, text: str, lines: tuple[str, ...], cache: Cache) -> Documen
     """Return the document that was kept for the same text, or None if there is none."""
     with suppress(ValueError, TypeError, AttributeError):
         data, places = cache.get(_PARSED, [text])
+        if set(map(type, places)) != {int}:
+            return None
         numbers = zip(*[iter(places)] * 4, strict=True)
         marks = _marks(data, numbers)
         if isinstance(data, dict) and next(numbers, None) is None:
@@ -98,10 +100,10 @@ def _marks(data: Any, numbers: Iterator[tuple[int, int, int, int]]) -> Mark:
     """Return the marks of data. ``numbers`` yields those that ``_places`` yielded for it.
 
     Raises:
-        ValueError: There are too few numbers, or they are of another type.
+        ValueError: There are too few numbers.
     """
     found = next(numbers, None)
-    if found is None or not all(type(number) is int for number in found):
+    if found is None:
         raise ValueError
     mark = Mark(*found)
     if isinstance(data, dict):

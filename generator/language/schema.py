@@ -7,7 +7,6 @@ validator talk about instances and properties to someone who is transcribing a m
 from __future__ import annotations
 
 import functools
-import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
@@ -19,6 +18,7 @@ from .messages import RENAMED, Finding, explain
 from .problems import WORDS_ONLY, Path, Report
 from .schema_files import load_schema
 from .second_reading import is_second
+from .sound import follows, matches
 
 if TYPE_CHECKING:
     from jsonschema import ValidationError
@@ -76,8 +76,10 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
         report.add("missing-key", document, (), message)
         return None
     document.kept.clear()
-    validator = _validator(kind.value)
     cut = set(document.broken)
+    if not cut and follows(document.data, shape_of(kind.value)):
+        return Checked(without(document, frozenset()), kind, complete=True)
+    validator = _validator(kind.value)
     findings = _findings(validator, document.data, cut, kind.value)
     for finding in (item for item in findings[:MAX_PROBLEMS] if not _follows(item, findings, document.data)):
         report.add(
@@ -245,8 +247,7 @@ def _validator(kind: str) -> Any:
     from jsonschema import Draft202012Validator, ValidationError, validators
 
     def pattern(_: Any, expected: str, instance: Any, __: Any) -> Iterator[ValidationError]:
-        # JSON Schema searches for the pattern, so that a name could end in a line break.
-        if isinstance(instance, str) and not re.fullmatch(expected, instance.replace("\n", "\0")):
+        if isinstance(instance, str) and not matches(expected, instance):
             yield ValidationError("pattern")
 
     def integer(_: Any, instance: Any) -> bool:

@@ -88,7 +88,8 @@ def example_variant(device: Device, example: Example) -> Variant:
     """Return the order code of the example, or the first one of the family if it gives none."""
     if isinstance(example, CrcExample) or not example.order_code:
         return device.variants[0]
-    found = find(device, example.order_code).variant
+    listed = (item for item in device.variants if item.code == example.order_code)
+    found = next(listed, None) or find(device, example.order_code).variant
     return decided(device, found, example.alternatives) if isinstance(example, FrameExample) else found
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
 from ..language.problems import DocumentReport, Path
 from ..language.rules.shapes import RESERVED
@@ -29,6 +28,7 @@ from ..model import (
     Verdict,
 )
 from ..model.expressions import Expression, ExpressionError
+from ..model.record import dataclass
 from .from_mapping import Raw, record
 
 

@@ -7,12 +7,13 @@ expressions. Overlaps and negative widths are found with the parameters of every
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ..language.problems import Path
 from ..language.rules.shapes import PLACES
 from ..model import INTERFACES, Constant, Field, Join, Layout, Parity
 from ..model.expressions import Expression
+from ..model.record import dataclass
 from ..model.scale import WIDEST
 from .fields import Context, Site, bit_range, equals, kind, pieces, zero_field
 from .from_mapping import Raw, record, sources

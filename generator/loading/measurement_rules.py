@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 from ..language.problems import DocumentReport, Path
 from ..model import Device, Interface, Layout, Measurement, Variant
 from ..model.expressions import Expression
+from ..model.record import dataclass
 
 #: From this number, a power of two minus one is assumed to be the highest count, not the number of counts.
 _SEVERAL = 15

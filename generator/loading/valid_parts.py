@@ -7,7 +7,6 @@ is fixed.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 from ..language.problems import DocumentReport, Path
 from ..language.rules.walk import Spec, field_lists, items, mapping
@@ -20,6 +19,7 @@ from ..model import (
     RegisterExample,
     assert_never,
 )
+from ..model.record import dataclass
 
 #: A kind of item, as the key of its list, and a name.
 Item = tuple[str, str]

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ..model import Biss, Device, Ssi, assert_never
+from ..model.record import dataclass
 from ..say.words import hertz
 
 #: iC-Haus, application note AN15, BiSS C master operation details, revision A3, table 1: clock on MA with RS-422.

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ..model import Device, Interface, Variant, choices
+from ..model.record import dataclass
 from .record import NoRecord, Record, Undecided, record
 from .sheet import Master, Sheet, sheet
 

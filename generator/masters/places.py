@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import groupby
 from typing import Any
 
 from ..language.master_items import TYPES
 from ..language.problems import listed
+from ..model.record import dataclass
 from ..say.words import counted
 
 Raw = Mapping[str, Any]

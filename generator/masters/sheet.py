@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ from ..language.read import read_specs
 from ..loading.shipped import packaged_masters
 from ..model import INTERFACES, Document
 from ..model.expressions import Expression, ExpressionError
+from ..model.record import dataclass
 from ..say.numbers import decimal
 from ..say.words import hertz
 from .places import Device, Place, devices_of, misfit, places_of

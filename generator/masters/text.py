@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
+from functools import lru_cache
 from typing import Any
 
 from ..language.problems import listed
@@ -128,6 +129,7 @@ def mark(rule: Setting | Refusal | Writing) -> str:
     return _MARKS[rule.standing]
 
 
+@lru_cache(4096)
 def cited(source: str) -> str:
     """Return keys of documents separated by commas, those without a place first."""
     return ", ".join(sorted(re.split(r";\s*", source.strip()), key=lambda piece: ":" in piece))

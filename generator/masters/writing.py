@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 from ..language.problems import listed
+from ..model.record import dataclass
 from .places import Device, Place, places_of
 
 Raw = Mapping[str, Any]

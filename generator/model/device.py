@@ -364,6 +364,8 @@ class Device:
 
     def alternatives_of(self, layout: Layout) -> tuple[Alternative, ...]:
         """Return the questions that the user must answer before a frame of this layout can be read or written."""
+        if not self.alternatives:
+            return ()
         sets = {name for item in layout.fields for name in (*item.low.parameters, *item.width.parameters)}
         return tuple(item for item in self.alternatives if not sets.isdisjoint(item.answers[0].sets))
 

@@ -89,6 +89,8 @@ class Expression:
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of the parameters in order, without duplicates."""
+        if not self.terms:
+            return ()
         return tuple(dict.fromkeys(factor.parameter for term in self.terms for factor in term.factors))
 
     @property

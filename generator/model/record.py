@@ -1,4 +1,4 @@
-"""Data classes for the model, in a form that is created quickly.
+"""Data classes in a form that is created quickly, for the model and for modules that most commands import.
 
 Importing the model mostly means compiling the methods of a hundred data classes. Here all of them share every method
 except ``__init__``, which is compiled for the first object, because a command needs few of the classes.

@@ -6,12 +6,13 @@ A valid frame may contain an unusable position, since an encoder with an error, 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
 from dataclasses import field as dataclass_field
+from dataclasses import replace
 
 from ..model import Field, Flag, Verdict
 from ..model.kinds import Choice, Constant, CrcValue, Decimal, Number, Parity, Text, Unused
 from ..model.never import assert_never
+from ..model.record import dataclass
 from .codec import Codec, Part, Reserved
 
 

@@ -33,7 +33,11 @@ def _escaped(value: str) -> str:
 
 def code(value: object) -> str:
     """Return a code span that is safe inside a table, where a vertical bar would end the cell."""
-    made = plain(value)
+    return _span(plain(value))
+
+
+@lru_cache(4096)
+def _span(made: str) -> str:
     fence = "`" * (max((len(run) for run in re.findall("`+", made)), default=0) + 1)
     pad = " " if made.startswith("`") or made.endswith("`") else ""
     return f"{fence}{pad}{made}{pad}{fence}".replace("|", "\\|") if made else ""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections import ChainMap
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice, product
 
 from ..model import Answer, Constant, Crc, Device, Flag, Kind, Number, PlacedLayout, Unused, Variant, choices
+from ..model.record import dataclass
 from ..order_codes.parameters import run_time_widths
 from ..order_codes.run_time import possible_states, with_changed
 from ..reference.codec import binary_to_gray, gray_to_binary

@@ -8,10 +8,11 @@ comes with its chance.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import prod
 
 from ..model import Crc, Device, Number, PlacedLayout, Variant
+from ..model.record import dataclass
 from ..reference import codec
 from . import in_bits, in_bytes
 from .bit_text import BitText

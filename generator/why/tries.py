@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
 from ..model import (
@@ -21,6 +20,7 @@ from ..model import (
     Unused,
     assert_never,
 )
+from ..model.record import dataclass
 from ..reference.codec import parity_bit
 from ..reference.crc import compute_bits, compute_bytes
 

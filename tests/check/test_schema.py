@@ -15,9 +15,10 @@ from codewheel.language.document import Document
 from codewheel.language.messages import KEYWORDS, PATTERNS, explain
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
-from codewheel.language.schema import MAX_PROBLEMS, check_schema
+from codewheel.language.schema import MAX_PROBLEMS, FileKind, check_schema, shape_of
 from codewheel.language.schema_files import load_schema
 from codewheel.language.second_reading import is_second
+from codewheel.language.sound import follows
 from codewheel.loading.device import build_device
 from codewheel.model import Manufacturer
 from jsonschema import Draft202012Validator
@@ -124,23 +125,15 @@ def places(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
         yield from places(value, (*path, key))
 
 
-@pytest.mark.parametrize(
-    "path",
-    [MINIMAL, *(pytest.param(path, marks=pytest.mark.slow) for path in SPECS)],
-    ids=lambda path: path.stem,
-)
-def test_no_damage_makes_it_raise(path: pathlib.Path, tmp_path: pathlib.Path) -> None:
-    """Remove or replace random places of a valid spec. The result is problems or a valid spec, never an exception."""
-    report = Report()
-    sound = read_document(path, report)
-    assert sound is not None
-    choose = random.Random(path.stem)
-    spots = list(places(sound.data))
+def damaged(data: Any, seed: str) -> Iterator[Any]:
+    """Yield copies of data in which random places are removed or replaced."""
+    choose = random.Random(seed)
+    spots = list(places(data))
     junk: list[Any] = [None, -1, 2**70, 1.5, True, "", "x", "a.b", "é\n", [], ["x"], {}, {"name": "x"}, [{}], [[1]]]
     for _ in range(60):
-        data = copy.deepcopy(sound.data)
+        made = copy.deepcopy(data)
         for spot in choose.sample(spots, choose.randint(1, 3)):
-            node: Any = data
+            node: Any = made
             try:
                 for step in spot[:-1]:
                     node = node[step]
@@ -150,13 +143,44 @@ def test_no_damage_makes_it_raise(path: pathlib.Path, tmp_path: pathlib.Path) ->
                     node[spot[-1]] = choose.choice(junk)
             except (KeyError, IndexError, TypeError):
                 continue  # Earlier damage removed the place.
+        yield made
+
+
+EACH = pytest.mark.parametrize(
+    "path",
+    [MINIMAL, *(pytest.param(path, marks=pytest.mark.slow) for path in SPECS)],
+    ids=lambda path: path.stem,
+)
+
+
+@EACH
+def test_no_damage_makes_it_raise(path: pathlib.Path) -> None:
+    """Remove or replace random places of a valid spec. The result is problems or a valid spec, never an exception."""
+    sound = read_document(path, Report())
+    assert sound is not None
+    for data in damaged(sound.data, path.stem):
         # It is checked as data. The marks are those of the valid spec, since they only give places.
-        damaged, report = Document(path.name, sound.lines, data, sound.marks), Report()
-        rest = check_document(damaged, report)
+        document, report = Document(path.name, sound.lines, data, sound.marks), Report()
+        rest = check_document(document, report)
         if rest is not None and "device" in rest:
-            build_device(rest, MAKER, report.for_document(damaged))
+            build_device(rest, MAKER, report.for_document(document))
         for problem in report.problems[:50]:
             assert problem.format()
+
+
+@EACH
+def test_the_quick_test_agrees_with_jsonschema(path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It accepts each valid spec, so that jsonschema is not imported, and nothing that jsonschema rejects."""
+    sound = read_document(path, Report())
+    assert sound is not None
+    kind = next(kind for kind in (FileKind.DEVICE, FileKind.MASTER, FileKind.MANUFACTURER) if kind.value in sound.data)
+    shape = shape_of(kind.value)
+    assert follows(sound.data, shape)
+    monkeypatch.setattr("codewheel.language.schema.follows", lambda value, schema: False)
+    for data in (sound.data, *damaged(sound.data, path.stem)):
+        report = Report()
+        check_schema(Document(path.name, sound.lines, data, sound.marks), report, kind)
+        assert follows(data, shape) == (not report.problems)
 
 
 class _Hexadecimal(yaml.SafeDumper):

@@ -10,7 +10,8 @@ from __future__ import annotations
 import textwrap
 import unicodedata
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import lru_cache
 from typing import Annotated, TypedDict
 
 from markupsafe import Markup, escape
@@ -19,6 +20,7 @@ from ...dump.plain import device_dump, variant_dump
 from ...dump.xml import XSD_NAME, clean, to_xml
 from ...dump.xsd import schema_text
 from ...model import Biss, Crc, Device, Field, Layout, Manufacturer, assert_never, choices
+from ...model.record import dataclass
 from ...order_codes.labels import Match
 from ...order_codes.parameters import needed_parameters, run_time_widths
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
@@ -155,18 +157,19 @@ def comment_text(text: object) -> Markup:
 
 def comment(text: object, indent: str) -> Markup:
     """Return a complete comment, wrapped if necessary. Line breaks in the text are preserved."""
-    lines = [(line.startswith("  "), str(comment_text(line))) for line in str(text).split("\n")]
-    if len(lines) == 1 and len(indent) + len(lines[0][1]) + 9 <= _WIDTH:
-        return Markup(f"{indent}<!-- {lines[0][1]} -->")
-    leads = {False: ("", ""), True: ("  ", "    ")}
-    wrapped = [
-        piece
-        for is_item, line in lines
-        for piece in textwrap.wrap(
-            line, _WIDTH - len(indent) - 5, initial_indent=leads[is_item][0], subsequent_indent=leads[is_item][1]
-        )
-    ]
+    lines = str(text).split("\n")
+    if len(lines) == 1 and len(indent) + len(whole := comment_text(lines[0])) + 9 <= _WIDTH:
+        return Markup(f"{indent}<!-- {whole} -->")
+    wrapped = [piece for line in lines for piece in _wrapped(line, _WIDTH - len(indent) - 5)]
     return Markup("\n".join([f"{indent}<!--", *(f"{indent}     {line}" for line in wrapped), f"{indent}-->"]))
+
+
+# The files for the order codes of a family have most lines in common.
+@lru_cache(maxsize=1024)
+def _wrapped(line: str, width: int) -> Sequence[str]:
+    """Return the lines of a comment for one line of its text. An indented one is an item of a list."""
+    first, others = ("  ", "    ") if line.startswith("  ") else ("", "")
+    return textwrap.wrap(str(comment_text(line)), width, initial_indent=first, subsequent_indent=others)
 
 
 def ascii_text(text: object) -> Markup:

@@ -9,10 +9,10 @@ register order of the BiSS C protocol description: bit 63 is the highest of 78h,
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 from ...model import Biss, Crc, Device, Field, Layout, PlacedLayout, Register, Variant, choices
 from ...model.expressions import Expression
+from ...model.record import dataclass
 from ...plan.codec import only_value
 
 FIRST, LAST = 0x78, 0x7F

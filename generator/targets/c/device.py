@@ -208,7 +208,8 @@ class DeviceView:
         return [
             (f"  {item.key}: ", f"{item.title}{' - ' + item.url if item.url else ''}")
             for item in self.device.documents
-            if re.search(rf"\b{item.key}:", text)
+            # The first test is much faster, and few documents pass it.
+            if f"{item.key}:" in text and re.search(rf"\b{item.key}:", text)
         ]
 
     def modulus(self, encoder: str) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from ...model import (
     Biss,
@@ -25,6 +24,7 @@ from ...model import (
     WriteStep,
     assert_never,
 )
+from ...model.record import dataclass
 from ...plan.codec import codec_of, constant_values
 from ...plan.replies import exchanges
 from ...plan.values import Raw, TwosComplement, meaning_of

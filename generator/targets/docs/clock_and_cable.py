@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 from ...masters.cable import cable_table
 from ...model import (
@@ -17,6 +16,7 @@ from ...model import (
     assert_never,
     choices,
 )
+from ...model.record import dataclass
 from ...say.evidence import document
 from ...say.interface import settings
 from ...say.markdown import STYLE, cited, text

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ...model import Characteristic, Device
 from ...model.by_hand import has_steps, steps_of
+from ...model.record import dataclass
 from ...say.name import heading
 
 

@@ -8,9 +8,9 @@ its bit number, and so is each active-low bit. ``told`` returns a description in
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from ...model import Field, PlacedLayout
+from ...model.record import dataclass
 from ...plan.values import Active, meaning_of
 from ...say.box import as_words, colour, label
 from ...say.place import bit_range

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import MappingProxyType
 
 from ...model import Alternative, Answer, Device, Field, FieldGroup, Interface, Layout, PlacedLayout, Register, choices
 from ...model.expressions import Expression
+from ...model.record import dataclass
 from ...say.alternative import names
 from ...say.field import rules, value
 from ...say.markdown import STYLE, cited, code, joined, link, table, text

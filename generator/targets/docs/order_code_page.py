@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated
 
 from ...model import INTERFACES, Biss, Device, Interface, Layout, Parameter, Variant
+from ...model.record import dataclass
 from ...order_codes.narrowing import for_codes
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.with_numbers import applied

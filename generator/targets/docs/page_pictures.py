@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ...model import Device, Layout, Register
+from ...model.record import dataclass
 from ...say.name import Titled, title
 from . import layout_tables
 from .connector_pictures import connector_picture, connector_text

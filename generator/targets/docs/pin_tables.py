@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TypeVar
 
 from ...model import (
@@ -11,6 +10,7 @@ from ...model import (
     Device,
     Variant,
 )
+from ...model.record import dataclass
 from ...say.markdown import anchor, cited, code, text
 from ...say.words import sentence, volts
 

@@ -7,10 +7,10 @@ BiSS C-mode also from the public protocol description. Widths are not to scale.
 from __future__ import annotations
 
 from collections.abc import Container, Iterator, Sequence
-from dataclasses import dataclass
 from enum import Enum
 
 from ...model import Biss, Device, Interface, Rs485, SendStep, Spi, Ssi, assert_never
+from ...model.record import dataclass
 from ...plan.codec import Codec, codec_of
 from ...plan.values import Active, meaning_of
 from ...say.box import DATA, colour

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from textwrap import wrap
 
 from ...model import PlacedLayout
+from ...model.record import dataclass
 from ...say.place import bit_range
 from .layout_pictures import Stack, bit_stack, byte_stack, runs_of, told
 from .svg import card, number, rect, text, width

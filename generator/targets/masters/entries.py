@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
@@ -12,6 +11,7 @@ from ...masters.places import Place
 from ...masters.sheet import Setting, Sheet
 from ...masters.text import condition
 from ...masters.writing import Write, write_order
+from ...model.record import dataclass
 
 Raw = Mapping[str, Any]
 Value = int | bool | str

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 from ...model import Digits, Fault, Field, Layout, Register
 from ...model.expressions import Expression
 from ...model.never import assert_never
+from ...model.record import dataclass
 from ...plan.codec import Part, Whole, codec_of
 from ...plan.crcs import carrier_of
 from ...plan.limits import Limits, limits_of

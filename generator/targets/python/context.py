@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 
 from ...model import Alternative, Crc, Device, Field, Layout, Register
+from ...model.record import dataclass
 from ...plan.crcs import Carrier, CrcFunction, carriers, crc_functions
 from ...plan.reports import Reporting, reportings
 from ...plan.values import is_named, meaning_of

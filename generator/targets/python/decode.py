@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 from ...model import Digits, Field, Piece
 from ...model.expressions import Expression
 from ...model.never import assert_never
+from ...model.record import dataclass
 from ...plan.codec import AlwaysIs, AtMost, Check, Codec, IsOneOf, NotAbove, ParityIs, Part, ZerosAbove, parity
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from .bits import Reader

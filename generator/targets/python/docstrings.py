@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 
+from ...model.record import dataclass
 from ...say.lines import plain, wrapped
 from .lines import WIDTH
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 from ...model import (
     Alarm,
@@ -22,6 +21,7 @@ from ...model import (
     assert_never,
     cite,
 )
+from ...model.record import dataclass
 from ...plan.codec import Codec, codec_of, constant_values
 from ...plan.refusals import powers_of_two
 from ...plan.reports import reports_of

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 from ...model import Device, Field, Interface, Register, Value
+from ...model.record import dataclass
 from ...plan.frames import Dispatch, dispatches
 from ...plan.identity import identities
 from ...say.lines import plain

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
 from ...model import Argument, Field, Procedure, Register
 from ...model.never import assert_never
+from ...model.record import dataclass
 from ...plan.refusals import NotOneOf, TooWide
 from ...plan.steps import (
     ArgumentRefusal,

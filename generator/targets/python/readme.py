@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from math import prod
 
@@ -17,6 +17,7 @@ from ...model import (
     Variant,
     number_to_bytes,
 )
+from ...model.record import dataclass
 from ...plan.measurement import counts
 from ...plan.values import (
     is_number,

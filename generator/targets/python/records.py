@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
 
 from ...model import cite
 from ...model.expressions import Expression
 from ...model.members import PARTS_BY_CLASS
+from ...model.record import dataclass
 from ..runtime import our_runtime
 from .literals import Call, Hex, Literal, Member
 

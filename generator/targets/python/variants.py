@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 from ...model import Interface, Measurement, Register, Spi, Variant
 from ...model.expressions import Expression
+from ...model.record import dataclass
 from ...order_codes.labels import beginnings
 from ...plan.measurement import Cases, also_measured, by_interface, counts
 from ...plan.replies import Exchanged, exchanges
