@@ -249,16 +249,14 @@ class CallProof:
         """Yield several functions in one run. Those that go through all order codes run alone, as they take longest."""
         text = self.harness
         anywhere = [item for item in self.functions if ("size_t *", "next") in item.arguments]
-        codes = [
-            item
-            for item in self.functions
-            if "order_codes(" in item.body or "label" in item.name
-            if item not in anywhere
-        ]
+        labels = [item for item in self.functions if item.name.startswith("cw_label")]
+        codes = [item for item in self.functions if "order_codes(" in item.body or "label" in item.name]
+        codes = [item for item in codes if item not in (*anywhere, *labels)]
         steps = [item for item in self.functions if _any_steps(item)]
-        rest = [item for item in self.functions if item not in (*codes, *steps, *anywhere)]
+        rest = [item for item in self.functions if item not in (*labels, *codes, *steps, *anywhere)]
         groups = (
-            [([item], CODES_ROUNDS) for item in codes]
+            [([item], LABEL + 2) for item in labels]
+            + [([item], CODES_ROUNDS) for item in codes]
             + [([item], ANY_ROUNDS) for item in anywhere]
             + [([item], STEPS_ROUNDS) for item in steps]
         )
