@@ -38,11 +38,8 @@ def layout(both: FamilyPair, thing: Thing, old: Layout, new: Layout, scope: str)
     short = thing.label.rpartition(" ")[2]
     for pair in fields(both, old, new, thing.interface):
         yield from _field(both, thing, pair, scope, short)
-    for join in recognised(both, old.joins, new.joins, scope=scope):
-        place = thing.inside(join.item.name, f"{short}: number {join.item.name}")
-        yield from both.presence("joined", place, join.old, join.new)
-        if join.old is not None and join.new is not None:
-            yield from members(both, place, join.old, join.new, scope)
+    joins = recognised(both, old.joins, new.joins, scope=scope)
+    yield from things(both, "joined", joins, thing.path, f"{short}: number", thing.interface, scope=scope)
 
 
 def _field(both: FamilyPair, thing: Thing, pair: Pair[Field], scope: str, short: str) -> Iterator[Change]:

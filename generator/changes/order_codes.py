@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator
 from dataclasses import replace
 
-from ..model import Alternative, CodePart, CodeValue, Device, Measurement, Parameter, Spelling, Supply, Variant
+from ..model import Alternative, CodePart, CodeValue, Measurement, Parameter, Spelling, Supply, Variant
 from ..say.numbers import first_of
 from .affected_codes import pattern
 from .change import Change, Thing
-from .compare import members, things
-from .counterparts import recognised
+from .compare import members, section, things
+from .counterparts import in_section, recognised
 from .family_pair import FamilyPair
 from .pairs import both_of, paired
 from .value_text import arrow
@@ -43,9 +43,8 @@ def family(both: FamilyPair) -> Iterator[Change]:
 
 def order_codes(both: FamilyPair) -> Iterator[Change]:
     old, new = both.old, both.new
-    kept = set(both.shared.values())
     yield from _codes(both, "gone", [item for item in old.variants if item.code not in both.shared])
-    yield from _codes(both, "new", [item for item in new.variants if item.code not in kept])
+    yield from _codes(both, "new", [item for item in new.variants if item.code not in both.kept])
     renamed = {before: after for before, after in both.shared.items() if before != after}
     if renamed:
         said = first_of([" → ".join(names) for names in renamed.items()], 1)
@@ -55,14 +54,7 @@ def order_codes(both: FamilyPair) -> Iterator[Change]:
     before = old.order_code if renamed else replace(old.order_code, pattern=_in_new(both, old.order_code.pattern))
     after = replace(new.order_code, pattern=before.pattern) if renamed else new.order_code
     yield from members(both, Thing("order_code", "order codes"), before, after)
-    yield from things(
-        both,
-        "part",
-        recognised(both, old.order_code.parts, new.order_code.parts),
-        "order_code.parts",
-        "part",
-        inside=_part,
-    )
+    yield from section(both, "part", _part)
     yield from _spellings(both)
 
 
@@ -95,7 +87,7 @@ def _same_codes(both: FamilyPair) -> Iterator[Change]:
     for names, codes in moved.items():
         said = f": interface {arrow(*names)}"
         yield both.change("interface-of-code", Thing("order_codes.interface", "order codes"), said, *names, codes)
-    for before, now in both_of(both.parameters()):
+    for before, now in both_of(in_section(both, "parameters")):
         found: dict[tuple[int, int], list[str]] = {}
         for old, new in pairs if _is_of_code(before) and _is_of_code(now) else ():
             numbers = old.parameters[before.name], new.parameters[now.name]
@@ -155,17 +147,8 @@ def supply(
 
 def quantities(both: FamilyPair) -> Iterator[Change]:
     """Compare parameters, decisions and the measurement."""
-    numbers = both.parameters()
-    yield from things(both, "parameter", numbers, "parameters", "parameter", lambda pair: pair.item.interface)
-    yield from things(
-        both,
-        "decision",
-        recognised(both, both.old.alternatives, both.new.alternatives),
-        "alternatives",
-        "decision",
-        lambda pair: _interface_of(both.old if pair.new is None else both.new, pair.item),
-        _answers,
-    )
+    yield from section(both, "parameter")
+    yield from section(both, "decision", _answers)
     thing = Thing("measurement", "measurement")
     yield from _measurement(both, thing, both.old.measurement, both.new.measurement)
     for old, new in both_of(paired(both.old.interfaces, both.new.interfaces)):
@@ -178,12 +161,6 @@ def _measurement(both: FamilyPair, thing: Thing, old: Measurement | None, new: M
         yield from members(both, thing, old, new)
     elif old is not new:
         yield from both.presence("measurement", thing, old, new)
-
-
-def _interface_of(device: Device, decision: Alternative) -> str:
-    """Return the only interface whose parameters a decision sets, or "" if there are several."""
-    interfaces = {item.interface for item in device.parameters if item.alternative == decision.name}
-    return interfaces.pop() if len(interfaces) == 1 else ""
 
 
 def _answers(both: FamilyPair, thing: Thing, old: Alternative, new: Alternative) -> Iterator[Change]:

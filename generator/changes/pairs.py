@@ -8,10 +8,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any, Generic, TypeVar
 
 _Item = TypeVar("_Item")
 Key = Callable[[Any], Hashable | None]
+name_of: Callable[[Any], str] = attrgetter("name")
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,16 +36,6 @@ class Pair(Generic[_Item]):
         return Pair(self.new, self.old).item
 
 
-def name_of(item: Any) -> str:
-    """Return the name of a part of the model."""
-    name: str = item.name
-    return name
-
-
-def by_name_only(_: Any) -> None:
-    """Return None, for items that cannot be recognised except by name."""
-
-
 def both_of(pairs: Iterable[Pair[_Item]]) -> Iterator[tuple[_Item, _Item]]:
     """Yield the pairs that have both items."""
     yield from ((pair.old, pair.new) for pair in pairs if pair.old is not None and pair.new is not None)
@@ -52,7 +44,7 @@ def both_of(pairs: Iterable[Pair[_Item]]) -> Iterator[tuple[_Item, _Item]]:
 def paired(
     olds: Sequence[_Item],
     news: Sequence[_Item],
-    same: Key = by_name_only,
+    same: Key = lambda _: None,
     same_new: Key | None = None,
     name: Key = name_of,
 ) -> list[Pair[_Item]]:
@@ -62,6 +54,7 @@ def paired(
         olds: The old items.
         news: The new items.
         same: Return the property that identifies an old item whose name is gone, or None if only the name does.
+            Default: only the name.
         same_new: Return that property of a new item, if it is computed in another way. It identifies a counterpart only
             if it is unique on its side.
         name: Return the name of an item.

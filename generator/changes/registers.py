@@ -1,4 +1,4 @@
-"""Compare registers, CRCs and procedures."""
+"""Compare the content of registers and procedures."""
 
 from __future__ import annotations
 
@@ -7,33 +7,19 @@ from dataclasses import fields as members_of
 from dataclasses import replace
 from typing import Any
 
-from ..model import Biss, Crc, CrcValue, Device, Procedure, Register, Step
-from ..say.place import register_at
+from ..model import Procedure, Register, Step
 from ..say.register import access
 from .change import Change, Thing
 from .compare import members, things
-from .counterparts import bare, procedure_pairs, recognised, step_in_new
+from .counterparts import bare, recognised, step_in_new
 from .family_pair import FamilyPair
 from .fields import layout
-from .pairs import Pair
 from .value_text import arrow, plain, shown
 
 _CAN_READ, _CAN_WRITE = ("read_only", "read_write"), ("write_only", "read_write")
 
 
-def registers(both: FamilyPair) -> Iterator[Change]:
-    yield from things(
-        both,
-        "register",
-        recognised(both, both.old.registers, both.new.registers),
-        "registers",
-        lambda pair: register_at(pair.first),
-        lambda pair: pair.item.interface,
-        _register,
-    )
-
-
-def _register(both: FamilyPair, place: Thing, old: Register, new: Register) -> Iterator[Change]:
+def register(both: FamilyPair, place: Thing, old: Register, new: Register) -> Iterator[Change]:
     unnamed = place.unnamed
     if old.access != new.access:
         is_lost = any(old.access in can and new.access not in can for can in (_CAN_READ, _CAN_WRITE))
@@ -49,44 +35,12 @@ def _register(both: FamilyPair, place: Thing, old: Register, new: Register) -> I
     yield from layout(both, unnamed, before, new.layout, new.name)
 
 
-def crcs(both: FamilyPair) -> Iterator[Change]:
-    def interface(pair: Pair[Crc]) -> str:
-        return _interface_of(both.new if pair.old is None else both.old, pair.first)
-
-    yield from things(both, "crc", recognised(both, both.old.crcs, both.new.crcs), "crcs", "CRC", interface)
-
-
-def _interface_of(device: Device, crc: Crc) -> str:
-    """Return the only interface whose frames have a CRC, or "" if there are several."""
-    found = set()
-    for interface in device.interfaces:
-        kinds = [field.kind for layout in interface.layouts for field in layout.fields]
-        used = {kind.crc for kind in kinds if isinstance(kind, CrcValue)}
-        if isinstance(interface, Biss):
-            used |= {item.crc for item in interface.control_data}
-        if crc.name in used:
-            found.add(interface.name)
-    return found.pop() if len(found) == 1 else ""
-
-
-def procedures(both: FamilyPair) -> Iterator[Change]:
-    yield from things(
-        both,
-        "procedure",
-        procedure_pairs(both),
-        "procedures",
-        "procedure",
-        lambda pair: pair.first.interface,
-        _procedure,
-    )
-
-
 def _argument(name: str, of: str, meant_as: str) -> str:
     """Return an argument with the register that takes it."""
     return f"{name} for {of}" + (f" as {meant_as}" if meant_as else "")
 
 
-def _procedure(both: FamilyPair, place: Thing, old: Procedure, new: Procedure) -> Iterator[Change]:
+def procedure(both: FamilyPair, place: Thing, old: Procedure, new: Procedure) -> Iterator[Change]:
     was = [(item.name, both.to_new("register", item.of), item.meant_as) for item in old.arguments]
     now = [(item.name, item.of, item.meant_as) for item in new.arguments]
     inner = place.inside("arguments", place.label)
