@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from types import MappingProxyType
 from typing import Any, TypeVar
@@ -13,10 +13,10 @@ from ..model.members import PARTS_BY_CLASS, WIDER, Member
 from ..say.numbers import first_of
 from ..say.place import register_at
 from .change import Change, Thing
-from .counterparts import in_section
+from .counterparts import in_section, recognised
 from .expressions import Differing
 from .family_pair import FamilyPair
-from .pairs import Pair, name_of
+from .pairs import Pair
 from .value_text import arrow, differing_items, plain, shown, without_words
 
 _Item = TypeVar("_Item")
@@ -113,10 +113,9 @@ def numbers(found: Differing, old: Expression | None, new: Expression | None, fo
 def things(
     both: FamilyPair,
     kind: str,
-    pairs: Iterable[Pair[_Item]],
-    path: str,
-    label: str,
-    interface: str = "",
+    olds: Sequence[_Item],
+    news: Sequence[_Item],
+    place: Thing,
     inside: Inside | None = None,
     scope: str = "",
 ) -> Iterator[Change]:
@@ -125,20 +124,25 @@ def things(
     Args:
         both: The two versions of the family.
         kind: Kind of the things, with which the names of their rules begin.
-        pairs: The things with their counterparts.
-        path: Path of the section that contains them.
-        label: Words that precede the name of a thing.
-        interface: Interface that the things concern.
+        olds: The old things.
+        news: The new things.
+        place: The section that contains them. Its label has the words that precede the name of a thing.
         inside: Compare the content of a thing that the table of members does not compare.
         scope: Frame or register in which to look up the names of fields, if that is not the thing itself.
     """
-    for pair in pairs:
-        thing = _named_in_code(both, pair, path, label, interface)
-        yield from both.presence(kind, thing, pair.old, pair.new)
-        if pair.old is not None and pair.new is not None:
-            yield from members(both, thing.unnamed, pair.old, pair.new, scope or name_of(pair.new))
-            if inside is not None:
-                yield from inside(both, thing, pair.old, pair.new)
+    for pair in recognised(both, olds, news, place.interface, scope):
+        yield from _thing(both, kind, pair, place, inside, scope)
+
+
+def _thing(
+    both: FamilyPair, kind: str, pair: Pair[Any], place: Thing, inside: Inside | None, scope: str = ""
+) -> Iterator[Change]:
+    thing = _named_in_code(both, pair, place)
+    yield from both.presence(kind, thing, pair.old, pair.new)
+    if pair.old is not None and pair.new is not None:
+        yield from members(both, thing.unnamed, pair.old, pair.new, scope or pair.new.name)
+        if inside is not None:
+            yield from inside(both, thing, pair.old, pair.new)
 
 
 def section(both: FamilyPair, kind: str, inside: Inside | None = None) -> Iterator[Change]:
@@ -146,9 +150,9 @@ def section(both: FamilyPair, kind: str, inside: Inside | None = None) -> Iterat
     path, label = _SECTIONS[kind]
     for pair in in_section(both, path):
         words = label if isinstance(label, str) else label(pair)
-        item = pair.first if kind in _OF_OLD else pair.item
-        interface = _interface_of(both.old if item is pair.old else both.new, item)
-        yield from things(both, kind, [pair], path, words, interface, inside)
+        is_old = pair.new is None or (kind in _OF_OLD and pair.old is not None)
+        interface = _interface_of(*((both.old, pair.old) if is_old else (both.new, pair.new)))
+        yield from _thing(both, kind, pair, Thing(path, words, interface), inside)
 
 
 def _interface_of(device: Device, item: Any) -> str:
@@ -175,10 +179,10 @@ def _crcs_of(interface: Interface) -> set[str]:
     return {kind.crc for kind in kinds if isinstance(kind, CrcValue)} | {item.crc for item in controls}
 
 
-def _named_in_code(both: FamilyPair, pair: Pair[Any], path: str, label: str, interface: str) -> Thing:
-    """Return a thing, with its names in code if users already know it by them. ``label`` precedes its name."""
-    kind = path.rpartition(".")[2]
-    thing = Thing(f"{path}.{pair.item.name}", f"{label} {pair.item.name}", interface)
+def _named_in_code(both: FamilyPair, pair: Pair[Any], place: Thing) -> Thing:
+    """Return a thing in a section, with its names in code if users already know it by them."""
+    kind, interface = place.path.rpartition(".")[2], place.interface
+    thing = Thing(f"{place.path}.{pair.item.name}", f"{place.label} {pair.item.name}", interface)
     # A new data ID is a new member of an enumeration that users already have.
     if kind not in _NAMES or (pair.old is None and kind != "data_ids"):
         return thing
@@ -194,4 +198,4 @@ def _named_in_code(both: FamilyPair, pair: Pair[Any], path: str, label: str, int
     if kind == "crcs" and not interface:
         # C has no function for a CRC that no frame uses.
         c = "{manufacturer}_{family}_…".format(**words)
-    return replace(thing, c=c, python=python)
+    return replace(thing, names={"c": c, "python": python})

@@ -103,7 +103,6 @@ class FamilyPair:
         found = tuple(codes) if codes is not None else self.codes(thing.interface, side)
         if rule in _MOVES:
             found = (*found, *(code for code in self.codes(old) if code not in found))
-        names = {"c": thing.c, "python": thing.python}
         return Change(
             self.new.name,
             RULES[rule],
@@ -113,7 +112,7 @@ class FamilyPair:
             plain(new),
             found,
             "" if rule.startswith("order-code-") else self._reach(side, found),
-            {name: text for name, text in names.items() if text},
+            thing.names,
         )
 
     def _reach(self, side: str, codes: Collection[str]) -> str:

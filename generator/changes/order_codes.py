@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterator
 from dataclasses import replace
+from operator import attrgetter
 
-from ..model import Alternative, CodePart, CodeValue, Measurement, Parameter, Spelling, Supply, Variant
+from ..model import Alternative, CodePart, Measurement, Parameter, Spelling, Supply, Variant
 from ..say.numbers import first_of
 from .affected_codes import pattern
 from .change import Change, Thing
 from .compare import members, section, things
-from .counterparts import in_section, recognised
+from .counterparts import in_section
 from .family_pair import FamilyPair
 from .pairs import both_of, paired
 from .value_text import arrow
@@ -19,9 +20,7 @@ from .value_text import arrow
 def family(both: FamilyPair) -> Iterator[Change]:
     """Compare the family itself, its manufacturer and its manual."""
     old, new = both.old, both.new
-    if old.name != new.name:
-        thing = Thing("device", f"family {old.name} → {new.name} (the same order codes)")
-        yield both.change("family-renamed", thing, "", old.name, new.name)
+    yield from both.presence("family", Thing("device", f"family {new.name}"), old, new)
     if old.title != new.title:
         yield both.change("words", Thing("title", new.name), ": title", old.title, new.title)
     if old.movement != new.movement:
@@ -105,11 +104,7 @@ def _is_of_code(item: Parameter) -> bool:
 
 def _part(both: FamilyPair, thing: Thing, old: CodePart, new: CodePart) -> Iterator[Change]:
     """Compare the values that the part has in both versions. Other changes are visible in the order codes."""
-
-    def text(item: CodeValue) -> str:
-        return item.text
-
-    for before, after in both_of(paired(old.values, new.values, name=text)):
+    for before, after in both_of(paired(old.values, new.values, name=attrgetter("text"))):
         inner = thing.inside(after.text, f"{thing.label}: value {after.text}")
         yield from members(both, inner, before, after)
         codes = tuple(item.code for item in both.new.variants if item.parts.get(new.name) == after.text)
@@ -121,7 +116,7 @@ def _spellings(both: FamilyPair) -> Iterator[Change]:
         return _in_new(both, item.pattern), item.values, item.then
 
     olds, news = both.old.order_code.also_written, both.new.order_code.also_written
-    for pair in paired(olds, news, same, name=lambda item: item.where):
+    for pair in paired(olds, news, same, name=attrgetter("where")):
         thing = Thing("order_code.also_written", f"spelling by {pair.item.where}")
         if pair.old is None or pair.new is None:
             yield from both.presence("spelling", thing, pair.old, pair.new)
@@ -164,5 +159,4 @@ def _measurement(both: FamilyPair, thing: Thing, old: Measurement | None, new: M
 
 
 def _answers(both: FamilyPair, thing: Thing, old: Alternative, new: Alternative) -> Iterator[Change]:
-    answers = recognised(both, old.answers, new.answers)
-    yield from things(both, "answer", answers, thing.path, f"{thing.label}: answer", thing.interface)
+    yield from things(both, "answer", old.answers, new.answers, replace(thing, label=f"{thing.label}: answer"))

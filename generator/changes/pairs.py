@@ -6,12 +6,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any, Generic, TypeVar
 
 _Item = TypeVar("_Item")
+_Key = TypeVar("_Key", bound=Hashable)
 Key = Callable[[Any], Hashable | None]
 name_of: Callable[[Any], str] = attrgetter("name")
 
@@ -74,3 +75,10 @@ def _unique(items: Sequence[_Item], same: Key) -> dict[Hashable, _Item]:
     marks = [same(item) for item in items]
     often = Counter(marks)
     return {mark: item for item, mark in zip(items, marks, strict=True) if mark is not None and often[mark] == 1}
+
+
+def by_key(
+    first: Mapping[_Key, _Item], second: Mapping[_Key, _Item]
+) -> Iterator[tuple[_Key, _Item | None, _Item | None]]:
+    """Yield every key with its item on both sides: first the keys of one side in their order, then the others."""
+    yield from ((key, first.get(key), second.get(key)) for key in dict.fromkeys((*first, *second)))

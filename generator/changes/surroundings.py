@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from operator import attrgetter
-from typing import Any, TypeVar
+from collections.abc import Iterator
+from typing import Any
 
 from ..model import Connector
 from .change import Change, Thing
 from .compare import members
 from .family_pair import FamilyPair
-from .pairs import both_of, paired
+from .pairs import both_of, by_key, paired
 from .value_text import arrow, shown
 
-_Item = TypeVar("_Item")
 #: Sections without effect on code: the rule, the member of the family, the member that identifies an item, and a word.
 _DISPLAYED = (
     ("erratum", "errata", "name", "erratum"),
@@ -28,7 +26,8 @@ _DISPLAYED = (
 
 def contacts(both: FamilyPair, thing: Thing, old: Connector, new: Connector) -> Iterator[Change]:
     """Compare the contacts of a connector."""
-    for contact, before, after in _by_key(old.contacts, new.contacts, attrgetter("contact")):
+    olds, news = ({item.contact: item for item in each.contacts} for each in (old, new))
+    for contact, before, after in by_key(olds, news):
         place = thing.inside(contact, f"{thing.label}: contact {contact}")
         if before is not None and after is not None:
             yield from members(both, place, before, after)
@@ -40,21 +39,15 @@ def contacts(both: FamilyPair, thing: Thing, old: Connector, new: Connector) -> 
 def displayed(both: FamilyPair) -> Iterator[Change]:
     """Compare errata, examples, and facts that no code depends on."""
     for rule, section, identity, word in _DISPLAYED:
-        olds, news = (getattr(device, section) for device in (both.old, both.new))
-        for key, old, new in _by_key(olds, news, attrgetter(identity)):
+        olds, news = (
+            {getattr(item, identity): item for item in getattr(each, section)} for each in (both.old, both.new)
+        )
+        for key, old, new in by_key(olds, news):
             if old != new:
                 how = " is new" if old is None else " is gone" if new is None else _changed(old, new)
                 yield both.change(rule, Thing(f"{section}.{key}", f"{word} {key}"), how, old, new)
     for before, after in both_of(paired(both.old.field_groups, both.new.field_groups)):
         yield from members(both, Thing(f"field_groups.{after.name}", f"group {after.name}"), before, after)
-
-
-def _by_key(
-    olds: Iterable[_Item], news: Iterable[_Item], key: Callable[[_Item], str]
-) -> Iterator[tuple[str, _Item | None, _Item | None]]:
-    """Yield each key with its old and new item: first the old items in their order, then those that are new."""
-    before, after = ({key(item): item for item in items} for items in (olds, news))
-    yield from ((name, before.get(name), after.get(name)) for name in dict.fromkeys((*before, *after)))
 
 
 def _changed(old: Any, new: Any) -> str:
