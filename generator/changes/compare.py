@@ -131,13 +131,13 @@ def things(
         scope: Frame or register in which to look up the names of fields, if that is not the thing itself.
     """
     for pair in recognised(both, olds, news, place.interface, scope):
-        yield from _thing(both, kind, pair, place, inside, scope)
+        yield from compared(both, kind, _named_in_code(both, pair, place), pair, inside, scope)
 
 
-def _thing(
-    both: FamilyPair, kind: str, pair: Pair[Any], place: Thing, inside: Inside | None, scope: str = ""
+def compared(
+    both: FamilyPair, kind: str, thing: Thing, pair: Pair[Any], inside: Inside | None = None, scope: str = ""
 ) -> Iterator[Change]:
-    thing = _named_in_code(both, pair, place)
+    """Yield the changes of one thing, like ``things``."""
     yield from both.presence(kind, thing, pair.old, pair.new)
     if pair.old is not None and pair.new is not None:
         yield from members(both, thing.unnamed, pair.old, pair.new, scope or pair.new.name)
@@ -152,7 +152,8 @@ def section(both: FamilyPair, kind: str, inside: Inside | None = None) -> Iterat
         words = label if isinstance(label, str) else label(pair)
         is_old = pair.new is None or (kind in _OF_OLD and pair.old is not None)
         interface = _interface_of(*((both.old, pair.old) if is_old else (both.new, pair.new)))
-        yield from _thing(both, kind, pair, Thing(path, words, interface), inside)
+        thing = _named_in_code(both, pair, Thing(path, words, interface))
+        yield from compared(both, kind, thing, pair, inside)
 
 
 def _interface_of(device: Device, item: Any) -> str:

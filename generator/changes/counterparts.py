@@ -85,8 +85,8 @@ def _identity(both: FamilyPair, is_old: bool, interface: str, scope: str, item: 
             steps = (step_in_new(both, step) if is_old else bare(step) for step in item.steps)
             return item.interface, len(item.arguments), tuple(steps)
         case Parameter():
-            variants = [each for each in (both.old if is_old else both.new).variants if both.is_shared(each, is_old)]
-            numbers = tuple(each.parameters[item.name] for each in variants)
+            device, codes = (both.old, frozenset(both.shared)) if is_old else (both.new, both.kept)
+            numbers = tuple(each.parameters[item.name] for each in device.variants if each.code in codes)
             return (item.unit, bool(item.read_from), item.alternative, numbers) if numbers else None
 
     def value(member: Member, found: Any) -> Any:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
-from ..model import Device, Field, Variant
+from ..model import Device, Field
 from ..model.expressions import Expression
 from .affected_codes import reach
 from .change import Change, Thing
@@ -42,10 +42,6 @@ class FamilyPair:
                 self.shared[item.code] = other
         #: The new ones among them.
         self.kept = frozenset(self.shared.values())
-
-    def is_shared(self, variant: Variant, is_old: bool) -> bool:
-        """Return whether an order code of one version is one of the common ones."""
-        return variant.code in (self.shared if is_old else self.kept)
 
     def note(self, kind: str, pairs: Iterable[Pair[Any]]) -> None:
         """Remember which things were renamed, so that references to them do not count as changed."""

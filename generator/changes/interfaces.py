@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ..model import Biss, ControlField, Interface, Layout, Rs485, Timing
 from .change import Change, Thing
-from .compare import members, things
+from .compare import compared, members, things
 from .family_pair import FamilyPair
 from .fields import layout
 from .pairs import paired
@@ -16,10 +16,7 @@ from .pairs import paired
 def interfaces(both: FamilyPair) -> Iterator[Change]:
     for pair in paired(both.old.interfaces, both.new.interfaces):
         thing = Thing(f"interfaces.{pair.item.name}", pair.item.short, pair.item.name)
-        yield from both.presence("interface", thing, pair.old, pair.new)
-        if pair.old is not None and pair.new is not None:
-            yield from members(both, thing, pair.old, pair.new)
-            yield from _interface(both, thing, pair.old, pair.new)
+        yield from compared(both, "interface", thing, pair, _interface)
 
 
 def _interface(both: FamilyPair, thing: Thing, old: Interface, new: Interface) -> Iterator[Change]:

@@ -120,13 +120,6 @@ class Reading:
         if not layout.selects:
             yield frame
 
-    def flag_places(self, interface: str, name: str) -> Iterator[str]:
-        """Yield the bit of a flag in each frame of an interface that has it."""
-        for layout in self.device.interface(interface).layouts:
-            for field in layout.fields:
-                if field.name == name:
-                    yield from self.bits_in_frames(interface, layout, field)
-
     def printed_names(self, item: Any) -> Mapping[str, str]:
         """Return the names of an item as printed, by language. Several in one language are alternatives."""
         found = {language: [plain(text)] for language, text in getattr(item, "names", {}).items()}

@@ -110,5 +110,7 @@ def _referred(reading: Reading, member: Member, value: Any, interface: str) -> s
         case "procedure":
             return programs(reading, names)
         case _:
-            texts = {place for name in names for place in reading.flag_places(interface, name)}
+            layouts = reading.device.interface(interface).layouts
+            flags = ((layout, item) for layout in layouts for item in layout.fields if item.name in names)
+            texts = {place for flag in flags for place in reading.bits_in_frames(interface, *flag)}
     return ", ".join(sorted(texts))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 
 from ..language.problems import Path
-from ..model import Alarm, Connector, Edition, Manual
+from ..model import Alarm, Edition, Manual
 from .cited import numbers_in
-from .fact import Fact, Sort
+from .fact import Fact, Key, Sort
 from .reading import Reading, at, over, plain
 from .stated import Subject
 
@@ -32,24 +33,23 @@ def surroundings(reading: Reading) -> Iterator[Fact]:
 
 def _connectors(reading: Reading) -> Iterator[Fact]:
     """Yield every contact, by interface, number of its connector or cable, and pin or colour."""
-    counts: dict[tuple[str, str], int] = {}
-    for item in reading.device.connectors:
-        for interface in item.interfaces or ("",):
-            counts[interface, item.kind] = counts.get((interface, item.kind), 0) + 1
-            yield from _contacts(reading, item, interface, counts[interface, item.kind])
-
-
-def _contacts(reading: Reading, connector: Connector, interface: str, number: int) -> Iterator[Fact]:
-    what = f"{connector.kind} {number}" + (f" for {over(interface)}" if interface else "")
-    owner = Subject(reading, ("connector", interface, connector.kind, number), ("connectors", connector.name), what)
-    yield owner.first(Sort.PIN, "present", name=connector.name)
-    for item in connector.contacts:
-        key, place = (*owner.key, plain(item.contact)), (*owner.place, "contacts", item.contact)
-        contact = Subject(reading, key, place, f"contact {item.contact} of {what}", joint=" with ")
-        # Two readers differ in capitals and blanks, but not in the sign of a signal.
-        signal = "".join(item.signal.casefold().split())
-        yield contact.first(Sort.PIN, signal, at="signal", under=owner.key)
-        yield from contact.stated(item)
+    counts: Counter[tuple[str, str]] = Counter()
+    every = ((item, interface) for item in reading.device.connectors for interface in item.interfaces or ("",))
+    for connector, interface in every:
+        counts[interface, connector.kind] += 1
+        number = counts[interface, connector.kind]
+        what = f"{connector.kind} {number}" + (f" for {over(interface)}" if interface else "")
+        key: Key = ("connector", interface, connector.kind, number)
+        owner = Subject(reading, key, ("connectors", connector.name), what)
+        yield owner.first(Sort.PIN, "present", name=connector.name)
+        for item in connector.contacts:
+            place: Path = (*owner.place, "contacts", item.contact)
+            what = f"contact {item.contact} of {owner.what}"
+            contact = Subject(reading, (*owner.key, plain(item.contact)), place, what, joint=" with ")
+            # Two readers differ in capitals and blanks, but not in the sign of a signal.
+            signal = "".join(item.signal.casefold().split())
+            yield contact.first(Sort.PIN, signal, at="signal", under=owner.key)
+            yield from contact.stated(item)
 
 
 def _bits_of(reading: Reading, alarm: Alarm) -> Iterator[str]:
