@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from .impact import OUTPUTS, Impact, Rule
@@ -38,7 +38,7 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Thing:
-    """Subject of a change: its path in the spec, its name in a sentence, and its old names in C and Python.
+    """Subject of a change: its path in the spec, its name in a sentence, and its old names in outputs.
 
     ``interface`` is empty if it concerns all order codes.
     """
@@ -46,8 +46,7 @@ class Thing:
     path: str
     label: str
     interface: str = ""
-    c: str = ""
-    python: str = ""
+    names: Mapping[str, str] = field(default_factory=dict)
 
     def inside(self, path: str, label: str) -> Thing:
         """Return a thing inside it."""
@@ -56,4 +55,4 @@ class Thing:
     @property
     def unnamed(self) -> Thing:
         """The same thing without its names in code, for changes that keep them."""
-        return replace(self, c="", python="")
+        return replace(self, names={})

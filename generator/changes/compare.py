@@ -2,24 +2,56 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import fields
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import fields, replace
+from types import MappingProxyType
 from typing import Any, TypeVar
 
+from ..model import Alarm, Alternative, Biss, Connector, Crc, CrcValue, Device, Interface
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, WIDER, Member
 from ..say.numbers import first_of
+from ..say.place import register_at
 from .change import Change, Thing
+from .counterparts import in_section, recognised
 from .expressions import Differing
 from .family_pair import FamilyPair
-from .names_in_code import named_in_code
-from .pairs import Pair, name_of
+from .pairs import Pair
 from .value_text import arrow, differing_items, plain, shown, without_words
 
 _Item = TypeVar("_Item")
 #: Rules whose changes are described only by their location.
 _IN_WORDS = ("words", "source")
 _SOURCE = Member("source", rule="source")
+#: Kinds of things with a section in the spec: the path of the section, and the words that precede the name of a thing.
+_SECTIONS: Mapping[str, tuple[str, str | Callable[[Pair[Any]], str]]] = MappingProxyType(
+    {
+        "part": ("order_code.parts", "part"),
+        "parameter": ("parameters", "parameter"),
+        "decision": ("alternatives", "decision"),
+        "crc": ("crcs", "CRC"),
+        "register": ("registers", lambda pair: register_at(pair.first)),
+        "alarm": ("alarms", "alarm"),
+        "procedure": ("procedures", "procedure"),
+        "connector": ("connectors", lambda pair: str(pair.item.kind)),
+        "input": ("inputs", "input"),
+    }
+)
+#: Kinds of things that concern the interface of the old thing even if the new one has another.
+_OF_OLD = ("crc", "procedure")
+#: Names of things in C and in Python, so that users can search their code for them: by section, with the manufacturer,
+#: the family and the thing itself.
+_NAMES: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        "registers": ("{MANUFACTURER}_{FAMILY}_{INTERFACE}_REG_{NAME}_…", '{family}.REGISTERS["{name}"]'),
+        "layouts": ("{manufacturer}_{family}_{interface}_{name}_…", "{family}.{Name}"),
+        "procedures": ("{manufacturer}_{family}_{interface}_{name}_…", "{family}.{name}"),
+        "crcs": ("{manufacturer}_{family}_{interface}_crc_{name}", "{family}.crc_{name}"),
+        "data_ids": ("{MANUFACTURER}_{FAMILY}_{INTERFACE}_DATA_ID_{NAME}", "{family}.DataId"),
+    }
+)
+#: Compare the content of two things.
+Inside = Callable[[FamilyPair, Thing, Any, Any], Iterator[Change]]
 
 
 def members(both: FamilyPair, thing: Thing, old: Any, new: Any, scope: str = "") -> Iterator[Change]:
@@ -81,28 +113,90 @@ def numbers(found: Differing, old: Expression | None, new: Expression | None, fo
 def things(
     both: FamilyPair,
     kind: str,
-    pairs: Iterable[Pair[_Item]],
-    path: str,
-    label: str | Callable[[Pair[_Item]], str],
-    interface: str | Callable[[Pair[_Item]], str] = "",
-    inside: Callable[[FamilyPair, Thing, _Item, _Item], Iterator[Change]] | None = None,
+    olds: Sequence[_Item],
+    news: Sequence[_Item],
+    place: Thing,
+    inside: Inside | None = None,
+    scope: str = "",
 ) -> Iterator[Change]:
     """Yield the changes of several things: new, gone and renamed ones, and the members of the others.
 
     Args:
         both: The two versions of the family.
         kind: Kind of the things, with which the names of their rules begin.
-        pairs: The things with their counterparts.
-        path: Path of the section that contains them.
-        label: Words that precede the name of a thing, or a function that returns them.
-        interface: Interface that a thing concerns, or a function that returns it.
+        olds: The old things.
+        news: The new things.
+        place: The section that contains them. Its label has the words that precede the name of a thing.
         inside: Compare the content of a thing that the table of members does not compare.
+        scope: Frame or register in which to look up the names of fields, if that is not the thing itself.
     """
-    for pair in pairs:
-        words, over = (each if isinstance(each, str) else each(pair) for each in (label, interface))
-        thing = named_in_code(both, pair, path, words, over)
-        yield from both.presence(kind, thing, pair.old, pair.new)
-        if pair.old is not None and pair.new is not None:
-            yield from members(both, thing.unnamed, pair.old, pair.new, name_of(pair.new))
-            if inside is not None:
-                yield from inside(both, thing, pair.old, pair.new)
+    for pair in recognised(both, olds, news, place.interface, scope):
+        yield from compared(both, kind, _named_in_code(both, pair, place), pair, inside, scope)
+
+
+def compared(
+    both: FamilyPair, kind: str, thing: Thing, pair: Pair[Any], inside: Inside | None = None, scope: str = ""
+) -> Iterator[Change]:
+    """Yield the changes of one thing, like ``things``."""
+    yield from both.presence(kind, thing, pair.old, pair.new)
+    if pair.old is not None and pair.new is not None:
+        yield from members(both, thing.unnamed, pair.old, pair.new, scope or pair.new.name)
+        if inside is not None:
+            yield from inside(both, thing, pair.old, pair.new)
+
+
+def section(both: FamilyPair, kind: str, inside: Inside | None = None) -> Iterator[Change]:
+    """Yield the changes of all things in a section of the spec."""
+    path, label = _SECTIONS[kind]
+    for pair in in_section(both, path):
+        words = label if isinstance(label, str) else label(pair)
+        is_old = pair.new is None or (kind in _OF_OLD and pair.old is not None)
+        interface = _interface_of(*((both.old, pair.old) if is_old else (both.new, pair.new)))
+        thing = _named_in_code(both, pair, Thing(path, words, interface))
+        yield from compared(both, kind, thing, pair, inside)
+
+
+def _interface_of(device: Device, item: Any) -> str:
+    """Return the only interface that a thing concerns, or "" if it concerns several or all."""
+    match item:
+        case Alternative(name):
+            found = {each.interface for each in device.parameters if each.alternative == name}
+        case Alarm():
+            found = {each.interface for each in device.registers if each.name == item.register}
+            layouts = (pair for pair in device.layouts() if item.group)
+            found |= {each.name for each, layout in layouts if item.group in {field.group for field in layout.fields}}
+        case Connector():
+            found = set(item.interfaces)
+        case Crc(name):
+            found = {each.name for each in device.interfaces if name in _crcs_of(each)}
+        case _:
+            found = {getattr(item, "interface", "")}
+    return found.pop() if len(found) == 1 else ""
+
+
+def _crcs_of(interface: Interface) -> set[str]:
+    kinds = (field.kind for layout in interface.layouts for field in layout.fields)
+    controls = interface.control_data if isinstance(interface, Biss) else ()
+    return {kind.crc for kind in kinds if isinstance(kind, CrcValue)} | {item.crc for item in controls}
+
+
+def _named_in_code(both: FamilyPair, pair: Pair[Any], place: Thing) -> Thing:
+    """Return a thing in a section, with its names in code if users already know it by them."""
+    kind, interface = place.path.rpartition(".")[2], place.interface
+    thing = Thing(f"{place.path}.{pair.item.name}", f"{place.label} {pair.item.name}", interface)
+    # A new data ID is a new member of an enumeration that users already have.
+    if kind not in _NAMES or (pair.old is None and kind != "data_ids"):
+        return thing
+    device = both.new if pair.old is None else both.old
+    words = {"manufacturer": device.manufacturer.name, "family": device.name, "name": pair.first.name}
+    words["interface"] = interface or getattr(pair.first, "interface", "") or device.interfaces[0].name
+    words |= {key.upper(): text.upper() for key, text in words.items()}
+    words["Name"] = "".join(part[:1].upper() + part[1:] for part in pair.first.name.split("_"))
+    c, python = (text.format(**words) for text in _NAMES[kind])
+    if kind == "layouts" and len(device.interface(words["interface"]).layouts) == 1:
+        # The only frame of an interface needs no further name.
+        c = c.replace(f"_{pair.first.name}_…", "_…")
+    if kind == "crcs" and not interface:
+        # C has no function for a CRC that no frame uses.
+        c = "{manufacturer}_{family}_…".format(**words)
+    return replace(thing, names={"c": c, "python": python})

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import is_dataclass, replace
+from functools import partial
+from operator import attrgetter
 from typing import Any, TypeVar
 
-from ..model import Field, Layout, Procedure, Register, RegisterStep, Rs485, Step
+from ..model import Field, Layout, Parameter, Procedure, Register, RegisterStep, Rs485, Step
 from ..model.members import PARTS_BY_CLASS, Member
 from .family_pair import FamilyPair
 from .pairs import Pair, both_of, paired
@@ -16,94 +18,90 @@ _Part = TypeVar("_Part")
 
 def note_all(both: FamilyPair) -> None:
     """Remember every renaming, so that references to the renamed thing do not count as changed."""
-    old, new = both.old, both.new
-    both.note("part", recognised(both, old.order_code.parts, new.order_code.parts))
-    both.note("crc", recognised(both, old.crcs, new.crcs))
-    both.note("decision", recognised(both, old.alternatives, new.alternatives))
-    both.note("register", recognised(both, old.registers, new.registers))
-    for one, other in both_of(recognised(both, old.registers, new.registers)):
+    both.note("parameter", in_section(both, "parameters"))
+    both.note("part", in_section(both, "order_code.parts"))
+    both.note("crc", in_section(both, "crcs"))
+    both.note("decision", in_section(both, "alternatives"))
+    both.note("register", in_section(both, "registers"))
+    for one, other in both_of(in_section(both, "registers")):
         _note_layout(both, one.layout, other.layout, other.interface, other.name)
-    for before, after in both_of(paired(old.interfaces, new.interfaces)):
-        both.note("frame", recognised(both, before.layouts, after.layouts, after.name))
+    for before, after in both_of(paired(both.old.interfaces, both.new.interfaces)):
         for frame, frame_now in both_of(recognised(both, before.layouts, after.layouts, after.name)):
             _note_layout(both, frame, frame_now, after.name, frame_now.name)
         if isinstance(before, Rs485) and isinstance(after, Rs485):
             both.note("data-id", recognised(both, before.data_ids, after.data_ids))
-    both.note("procedure", procedure_pairs(both))
+    both.note("procedure", in_section(both, "procedures"))
 
 
 def _note_layout(both: FamilyPair, old: Layout, new: Layout, interface: str, scope: str) -> None:
-    names = f"field {scope}"
     found = fields(both, old, new, interface)
-    both.note(names, found)
-    both.note("any-field", found)
+    both.note(f"field {scope}", found)
     numbers = recognised(both, old.joins, new.joins, scope=scope)
-    both.note(names, numbers)
-    both.note("any-field", numbers)
+    both.note(f"field {scope}", numbers)
+    both.note("any-field", [*found, *numbers])
     for one, other in both_of(found):
         both.note("any-value", recognised(both, one.values, other.values))
+
+
+def in_section(both: FamilyPair, path: str) -> list[Pair[Any]]:
+    """Pair the things in a section of the spec."""
+    return recognised(both, *map(attrgetter(path), (both.old, both.new)))
+
+
+def fields(both: FamilyPair, old: Layout, new: Layout, interface: str) -> list[Pair[Field]]:
+    """Pair the fields of a frame or register, except those that only fill gaps."""
+    olds, news = (
+        [item for item in layout.fields if not item.fills_gap and not item.fills_byte] for layout in (old, new)
+    )
+    return recognised(both, olds, news, interface)
 
 
 def recognised(
     both: FamilyPair, olds: Sequence[_Part], news: Sequence[_Part], interface: str = "", scope: str = ""
 ) -> list[Pair[_Part]]:
-    """Pair parts of the model by name, or by the members that identify them, which the table of members names.
-
-    Frames and registers are also identified by the bits of their fields.
+    """Pair parts of the model by name, or by what identifies them under another name.
 
     Args:
         both: The two versions of the family.
         olds: The old parts.
         news: The new parts.
-        interface: The interface of frames.
+        interface: The interface of frames and fields.
         scope: The frame or register in which to look up the names of fields.
     """
-
-    def identity(is_old: bool) -> Callable[[Any], Hashable | None]:
-        def of(item: Any) -> Hashable | None:
-            part = PARTS_BY_CLASS[type(item).__name__]
-            values = [value(part.by_attribute[name], getattr(item, name)) for name in part.identity]
-            layout = item.layout if isinstance(item, Register) else item
-            if isinstance(layout, Layout):
-                values.append(both.places(layout, interface or item.interface, is_old))
-            return tuple(values) if any(values) else None
-
-        def value(member: Member, found: Any) -> Any:
-            if isinstance(found, Mapping):
-                return tuple(sorted(found.values()))
-            if isinstance(found, tuple) and any(map(is_dataclass, found)):
-                return tuple(map(of, found))
-            return both.to_new(member.refers_to, found, scope) if is_old and member.refers_to else found
-
-        return of
-
-    return paired(olds, news, identity(True), identity(False))
+    old, new = (partial(_identity, both, is_old, interface, scope) for is_old in (True, False))
+    return paired(olds, news, old, new)
 
 
-def fields(both: FamilyPair, old: Layout, new: Layout, interface: str) -> list[Pair[Field]]:
-    """Pair fields. A renamed one has the same bits, and carries data only if the old one does."""
+def _identity(both: FamilyPair, is_old: bool, interface: str, scope: str, item: Any) -> Hashable | None:
+    """Return what identifies a part: the members that the table of members names, or for some parts as follows.
 
-    def identity(layout: Layout, is_old: bool) -> Callable[[Field], Hashable]:
-        places = both.places(layout, interface, is_old)
-        at = {item.name: place for item, place in zip(layout.fields, places, strict=True)}
-        return lambda item: (at[item.name], item.carries_data)
+    Fields have the same bits, and a new one carries data only if the old one does. Frames and registers also have the
+    same bits. Procedures have the same steps, and parameters the same number for every order code.
+    """
+    match item:
+        case Field():
+            return both.place(item, interface, is_old), item.carries_data
+        case Procedure():
+            steps = (step_in_new(both, step) if is_old else bare(step) for step in item.steps)
+            return item.interface, len(item.arguments), tuple(steps)
+        case Parameter():
+            device, codes = (both.old, frozenset(both.shared)) if is_old else (both.new, both.kept)
+            numbers = tuple(each.parameters[item.name] for each in device.variants if each.code in codes)
+            return (item.unit, bool(item.read_from), item.alternative, numbers) if numbers else None
 
-    olds, news = (
-        [item for item in layout.fields if not item.fills_gap and not item.fills_byte] for layout in (old, new)
-    )
-    return paired(olds, news, identity(old, True), identity(new, False))
+    def value(member: Member, found: Any) -> Any:
+        if isinstance(found, Mapping):
+            return tuple(sorted(found.values()))
+        if isinstance(found, tuple) and any(map(is_dataclass, found)):
+            return tuple(_identity(both, is_old, interface, scope, each) for each in found)
+        return both.to_new(member.refers_to, found, scope) if is_old and member.refers_to else found
 
-
-def procedure_pairs(both: FamilyPair) -> list[Pair[Procedure]]:
-    """Pair procedures. A renamed one has the same steps."""
-
-    def old(item: Procedure) -> Hashable:
-        return item.interface, len(item.arguments), tuple(step_in_new(both, step) for step in item.steps)
-
-    def new(item: Procedure) -> Hashable:
-        return item.interface, len(item.arguments), tuple(bare(step) for step in item.steps)
-
-    return paired(both.old.procedures, both.new.procedures, old, new)
+    part = PARTS_BY_CLASS[type(item).__name__]
+    values = [value(part.by_attribute[name], getattr(item, name)) for name in part.identity]
+    layout = item.layout if isinstance(item, Register) else item
+    if isinstance(layout, Layout):
+        values.append(tuple(both.place(each, interface or item.interface, is_old) for each in layout.fields))
+    return tuple(values) if any(values) else None
 
 
 def bare(step: Step) -> Step:

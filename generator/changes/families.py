@@ -8,13 +8,14 @@ from itertools import chain
 
 from ..model import Device
 from .change import Change, Thing
+from .compare import section
 from .counterparts import note_all
 from .family_pair import FamilyPair
 from .interfaces import interfaces, timings
-from .order_codes import family, order_codes, quantities
+from .order_codes import family, order_codes, quantities, supply
 from .pairs import Pair, paired
-from .registers import crcs, procedures, registers
-from .surroundings import alarms, displayed, wiring
+from .registers import procedure, register
+from .surroundings import contacts, displayed
 
 
 def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
@@ -44,13 +45,15 @@ def compare_family(old: Device, new: Device) -> list[Change]:
                 family(both),
                 order_codes(both),
                 quantities(both),
-                crcs(both),
+                section(both, "crc"),
                 interfaces(both),
-                registers(both),
-                alarms(both),
-                procedures(both),
+                section(both, "register", register),
+                section(both, "alarm"),
+                section(both, "procedure", procedure),
                 timings(both, Thing("", ""), old.timings, new.timings),
-                wiring(both),
+                supply(both, Thing("", ""), old.supply, new.supply),
+                section(both, "connector", contacts),
+                section(both, "input"),
                 displayed(both),
             )
         )

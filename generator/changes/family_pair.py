@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
-from ..model import Device, Layout, Parameter
+from ..model import Device, Field
 from ..model.expressions import Expression
 from .affected_codes import reach
 from .change import Change, Thing
 from .expressions import Differing, Point, differing, points_of
-from .pairs import Pair, paired
+from .pairs import Pair, both_of
 from .rules import RULES, SAME
 from .value_text import plain
 
@@ -27,47 +28,26 @@ class FamilyPair:
         self.new = new
         #: The new name by the old one, for each kind of renamed thing, and for fields also by their frame or register.
         self.names: dict[str, dict[str, str]] = {}
-        by_parts = {tuple(sorted(item.parts.items())): item.code for item in new.variants}
-        codes = {item.code for item in new.variants}
         #: The fields and joined numbers of the new frames.
         self.frame_names = frozenset(
             item.name for _, layout in new.layouts() for items in (layout.fields, layout.joins) for item in items
         )
-        before = {item.code for item in old.variants}
+        by_parts = {tuple(sorted(item.parts.items())): item.code for item in new.variants}
+        codes, before = ({item.code for item in device.variants} for device in (new, old))
         #: The common order codes: the new ones by the old ones.
         self.shared: dict[str, str] = {}
         for item in old.variants:
             other = item.code if item.code in codes else by_parts.get(tuple(sorted(item.parts.items())), "")
             if other and (other == item.code or other not in before):
                 self.shared[item.code] = other
-        self.note("parameter", self.parameters())
-        points = points_of(old, new, self.shared, self.names.get("parameter", {}))
-        interfaces = {item.interface for item in points}
-        self._points = {"": points} | {
-            name: tuple(item for item in points if item.interface == name) for name in interfaces
-        }
+        #: The new ones among them.
+        self.kept = frozenset(self.shared.values())
 
     def note(self, kind: str, pairs: Iterable[Pair[Any]]) -> None:
         """Remember which things were renamed, so that references to them do not count as changed."""
-        for pair in pairs:
-            if pair.old is not None and pair.new is not None and pair.old.name != pair.new.name:
-                self.names.setdefault(kind, {})[pair.old.name] = pair.new.name
-
-    def parameters(self) -> list[Pair[Parameter]]:
-        """Pair the quantities. A renamed one has the same number for every order code."""
-        shared = {code: index for index, code in enumerate(self.shared.values())}
-
-        def same(device: Device, codes: Collection[str]) -> Any:
-            variants = [item for item in device.variants if item.code in codes]
-
-            def mark(item: Parameter) -> Any:
-                numbers = tuple(variant.parameters[item.name] for variant in variants)
-                return (item.unit, bool(item.read_from), item.alternative, numbers) if shared else None
-
-            return mark
-
-        before, after = same(self.old, self.shared), same(self.new, shared)
-        return paired(self.old.parameters, self.new.parameters, before, after)
+        for old, new in both_of(pairs):
+            if old.name != new.name:
+                self.names.setdefault(kind, {})[old.name] = new.name
 
     def to_new(self, kind: str, value: Any, scope: str = "") -> Any:
         """Return an old value with the new names of the things in it."""
@@ -87,34 +67,29 @@ class FamilyPair:
             return self.names.get(f"field {scope}", {}).get(value, value)
         return self.names.get(kind, {}).get(value, value)
 
-    def at(self, interface: str) -> tuple[Point, ...]:
-        """Return the points for comparing expressions of an interface, or of all interfaces if it is empty."""
-        return self._points.get(interface, ())
+    @cached_property
+    def _points(self) -> dict[str, tuple[Point, ...]]:
+        """The points for comparing expressions of each interface, and under an empty name those of all interfaces."""
+        points = points_of(self.old, self.new, self.shared, self.names.get("parameter", {}))
+        names = {"", *(item.interface for item in points)}
+        return {name: tuple(item for item in points if name in ("", item.interface)) for name in names}
 
     def differing(self, interface: str, old: Expression | None, new: Expression | None) -> Differing | None:
-        """Return the differences of two expressions at the points of an interface, or None if they are equal."""
-        return differing(old, new, self.at(interface))
+        """Return the differences of two expressions for an interface, or for all, or None if they are equal."""
+        return differing(old, new, self._points.get(interface, ()))
 
-    def places(self, layout: Layout, interface: str, is_old: bool) -> tuple[tuple[int, ...], ...]:
-        """Return the position of each field of a layout at every point."""
-        points = self.at(interface)
-        used = [item.old if is_old else item.new for item in points]
-        return tuple(
-            tuple(number for values in used for number in (item.low.value(values), item.width.value(values)))
-            if used
-            else (hash(item.low.render()), hash(item.width.render()))
-            for item in layout.fields
-        )
+    def place(self, field: Field, interface: str, is_old: bool) -> tuple[int | str, ...]:
+        """Return the bits of a field at every point of an interface."""
+        used = [item.old if is_old else item.new for item in self._points.get(interface, ())]
+        bits = field.low, field.width
+        return tuple(each.value(values) for values in used for each in bits) or tuple(each.render() for each in bits)
 
     def codes(self, interface: str, of: str = "shared") -> tuple[str, ...]:
         """Return the order codes of an interface, or all: of the ``old`` or ``new`` family, or the common ones."""
         device = self.old if of == "old" else self.new
-        kept = set(self.shared.values()) if of == "shared" and self.shared else None
-        return tuple(
-            item.code
-            for item in device.variants
-            if interface in ("", item.interface) and (kept is None or item.code in kept)
-        )
+        only = self.kept if of == "shared" else ()
+        variants = (item for item in device.variants if interface in ("", item.interface))
+        return tuple(item.code for item in variants if not only or item.code in only)
 
     def change(
         self, rule: str, thing: Thing, said: str, old: Any, new: Any, codes: Iterable[str] | None = None
@@ -124,7 +99,6 @@ class FamilyPair:
         found = tuple(codes) if codes is not None else self.codes(thing.interface, side)
         if rule in _MOVES:
             found = (*found, *(code for code in self.codes(old) if code not in found))
-        names = {"c": thing.c, "python": thing.python}
         return Change(
             self.new.name,
             RULES[rule],
@@ -134,14 +108,14 @@ class FamilyPair:
             plain(new),
             found,
             "" if rule.startswith("order-code-") else self._reach(side, found),
-            {name: text for name, text in names.items() if text},
+            thing.names,
         )
 
     def _reach(self, side: str, codes: Collection[str]) -> str:
         """Describe order codes of the old family, of the new one, or of those that both have."""
         if side == "old":
             return reach(self.old, codes)
-        kept = tuple(item for item in self.new.variants if item.code in self.shared.values())
+        kept = tuple(item for item in self.new.variants if item.code in self.kept)
         said = reach(self.new, codes)
         if side == "new" or not kept or len(kept) == len(self.new.variants) or said.startswith("all "):
             return said

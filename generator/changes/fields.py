@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from ..model import (
     Choice,
@@ -23,7 +24,7 @@ from ..model import (
 )
 from .change import Change, Thing
 from .compare import members, things
-from .counterparts import fields, recognised
+from .counterparts import fields
 from .family_pair import FamilyPair
 from .pairs import Pair
 from .value_text import shown
@@ -38,11 +39,7 @@ def layout(both: FamilyPair, thing: Thing, old: Layout, new: Layout, scope: str)
     short = thing.label.rpartition(" ")[2]
     for pair in fields(both, old, new, thing.interface):
         yield from _field(both, thing, pair, scope, short)
-    for join in recognised(both, old.joins, new.joins, scope=scope):
-        place = thing.inside(join.item.name, f"{short}: number {join.item.name}")
-        yield from both.presence("joined", place, join.old, join.new)
-        if join.old is not None and join.new is not None:
-            yield from members(both, place, join.old, join.new, scope)
+    yield from things(both, "joined", old.joins, new.joins, replace(thing, label=f"{short}: number"), scope=scope)
 
 
 def _field(both: FamilyPair, thing: Thing, pair: Pair[Field], scope: str, short: str) -> Iterator[Change]:
@@ -60,8 +57,7 @@ def _field(both: FamilyPair, thing: Thing, pair: Pair[Field], scope: str, short:
     yield from _kind(both, place, old, new, scope)
     if isinstance(old.kind, Choice) and isinstance(new.kind, Choice) and not _of_data_ids(both.new, new):
         label = place.label.replace(": field ", ".")
-        values = recognised(both, old.values, new.values)
-        yield from things(both, "value", values, path, f"{label}: value", place.interface)
+        yield from things(both, "value", old.values, new.values, replace(place, label=f"{label}: value"))
 
 
 def _of_data_ids(device: Device, field: Field) -> bool:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from ..model import Biss, ControlField, Interface, Layout, Rs485, Timing
 from .change import Change, Thing
-from .compare import members, things
-from .counterparts import recognised
+from .compare import compared, members, things
 from .family_pair import FamilyPair
 from .fields import layout
 from .pairs import paired
@@ -16,25 +16,20 @@ from .pairs import paired
 def interfaces(both: FamilyPair) -> Iterator[Change]:
     for pair in paired(both.old.interfaces, both.new.interfaces):
         thing = Thing(f"interfaces.{pair.item.name}", pair.item.short, pair.item.name)
-        yield from both.presence("interface", thing, pair.old, pair.new)
-        if pair.old is not None and pair.new is not None:
-            yield from members(both, thing, pair.old, pair.new)
-            yield from _interface(both, thing, pair.old, pair.new)
+        yield from compared(both, "interface", thing, pair, _interface)
 
 
 def _interface(both: FamilyPair, thing: Thing, old: Interface, new: Interface) -> Iterator[Change]:
     if isinstance(new, Rs485) and isinstance(old, Rs485):
         yield from members(both, thing.inside("port", thing.label), old.port, new.port)
-        ids = recognised(both, old.data_ids, new.data_ids)
-        yield from things(both, "data-id", ids, f"{thing.path}.data_ids", "data ID", new.name)
+        yield from things(both, "data-id", old.data_ids, new.data_ids, thing.inside("data_ids", "data ID"))
     elif not isinstance(new, Rs485) and not isinstance(old, Rs485):
         yield from members(both, thing.inside("clock", thing.label), old.clock, new.clock)
     if isinstance(old, Biss) and isinstance(new, Biss):
-        found, path = recognised(both, old.control_data, new.control_data), f"{thing.path}.control_data"
-        yield from things(both, "control-field", found, path, "control frame: field", new.name, _control_values)
+        place = thing.inside("control_data", "control frame: field")
+        yield from things(both, "control-field", old.control_data, new.control_data, place, _control_values)
     yield from timings(both, thing, old.timings, new.timings)
-    frames = recognised(both, old.layouts, new.layouts, new.name)
-    yield from things(both, "frame", frames, f"{thing.path}.layouts", "frame", new.name, _frame)
+    yield from things(both, "frame", old.layouts, new.layouts, thing.inside("layouts", "frame"), _frame)
 
 
 def _frame(both: FamilyPair, thing: Thing, old: Layout, new: Layout) -> Iterator[Change]:
@@ -50,11 +45,10 @@ def _frame(both: FamilyPair, thing: Thing, old: Layout, new: Layout) -> Iterator
 
 
 def _control_values(both: FamilyPair, thing: Thing, old: ControlField, new: ControlField) -> Iterator[Change]:
-    values = recognised(both, old.values, new.values)
-    yield from things(both, "value", values, thing.path, f"control frame: {new.name}: value", thing.interface)
+    place = replace(thing, label=f"control frame: {new.name}: value")
+    yield from things(both, "value", old.values, new.values, place)
 
 
 def timings(both: FamilyPair, thing: Thing, olds: tuple[Timing, ...], news: tuple[Timing, ...]) -> Iterator[Change]:
     """Compare times of an interface or of the device."""
-    place = thing.inside("timings", f"{thing.label} time".strip())
-    yield from things(both, "timing", recognised(both, olds, news), place.path, place.label, place.interface)
+    yield from things(both, "timing", olds, news, thing.inside("timings", f"{thing.label} time".strip()))

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterator
 from dataclasses import replace
+from operator import attrgetter
 
-from ..model import Alternative, CodePart, CodeValue, Device, Measurement, Parameter, Spelling, Supply, Variant
+from ..model import Alternative, CodePart, Measurement, Parameter, Spelling, Supply, Variant
 from ..say.numbers import first_of
 from .affected_codes import pattern
 from .change import Change, Thing
-from .compare import members, things
-from .counterparts import recognised
+from .compare import members, section, things
+from .counterparts import in_section
 from .family_pair import FamilyPair
 from .pairs import both_of, paired
 from .value_text import arrow
@@ -19,9 +20,7 @@ from .value_text import arrow
 def family(both: FamilyPair) -> Iterator[Change]:
     """Compare the family itself, its manufacturer and its manual."""
     old, new = both.old, both.new
-    if old.name != new.name:
-        thing = Thing("device", f"family {old.name} → {new.name} (the same order codes)")
-        yield both.change("family-renamed", thing, "", old.name, new.name)
+    yield from both.presence("family", Thing("device", f"family {new.name}"), old, new)
     if old.title != new.title:
         yield both.change("words", Thing("title", new.name), ": title", old.title, new.title)
     if old.movement != new.movement:
@@ -43,9 +42,8 @@ def family(both: FamilyPair) -> Iterator[Change]:
 
 def order_codes(both: FamilyPair) -> Iterator[Change]:
     old, new = both.old, both.new
-    kept = set(both.shared.values())
     yield from _codes(both, "gone", [item for item in old.variants if item.code not in both.shared])
-    yield from _codes(both, "new", [item for item in new.variants if item.code not in kept])
+    yield from _codes(both, "new", [item for item in new.variants if item.code not in both.kept])
     renamed = {before: after for before, after in both.shared.items() if before != after}
     if renamed:
         said = first_of([" → ".join(names) for names in renamed.items()], 1)
@@ -55,14 +53,7 @@ def order_codes(both: FamilyPair) -> Iterator[Change]:
     before = old.order_code if renamed else replace(old.order_code, pattern=_in_new(both, old.order_code.pattern))
     after = replace(new.order_code, pattern=before.pattern) if renamed else new.order_code
     yield from members(both, Thing("order_code", "order codes"), before, after)
-    yield from things(
-        both,
-        "part",
-        recognised(both, old.order_code.parts, new.order_code.parts),
-        "order_code.parts",
-        "part",
-        inside=_part,
-    )
+    yield from section(both, "part", _part)
     yield from _spellings(both)
 
 
@@ -95,7 +86,7 @@ def _same_codes(both: FamilyPair) -> Iterator[Change]:
     for names, codes in moved.items():
         said = f": interface {arrow(*names)}"
         yield both.change("interface-of-code", Thing("order_codes.interface", "order codes"), said, *names, codes)
-    for before, now in both_of(both.parameters()):
+    for before, now in both_of(in_section(both, "parameters")):
         found: dict[tuple[int, int], list[str]] = {}
         for old, new in pairs if _is_of_code(before) and _is_of_code(now) else ():
             numbers = old.parameters[before.name], new.parameters[now.name]
@@ -113,11 +104,7 @@ def _is_of_code(item: Parameter) -> bool:
 
 def _part(both: FamilyPair, thing: Thing, old: CodePart, new: CodePart) -> Iterator[Change]:
     """Compare the values that the part has in both versions. Other changes are visible in the order codes."""
-
-    def text(item: CodeValue) -> str:
-        return item.text
-
-    for before, after in both_of(paired(old.values, new.values, name=text)):
+    for before, after in both_of(paired(old.values, new.values, name=attrgetter("text"))):
         inner = thing.inside(after.text, f"{thing.label}: value {after.text}")
         yield from members(both, inner, before, after)
         codes = tuple(item.code for item in both.new.variants if item.parts.get(new.name) == after.text)
@@ -129,7 +116,7 @@ def _spellings(both: FamilyPair) -> Iterator[Change]:
         return _in_new(both, item.pattern), item.values, item.then
 
     olds, news = both.old.order_code.also_written, both.new.order_code.also_written
-    for pair in paired(olds, news, same, name=lambda item: item.where):
+    for pair in paired(olds, news, same, name=attrgetter("where")):
         thing = Thing("order_code.also_written", f"spelling by {pair.item.where}")
         if pair.old is None or pair.new is None:
             yield from both.presence("spelling", thing, pair.old, pair.new)
@@ -155,17 +142,8 @@ def supply(
 
 def quantities(both: FamilyPair) -> Iterator[Change]:
     """Compare parameters, decisions and the measurement."""
-    numbers = both.parameters()
-    yield from things(both, "parameter", numbers, "parameters", "parameter", lambda pair: pair.item.interface)
-    yield from things(
-        both,
-        "decision",
-        recognised(both, both.old.alternatives, both.new.alternatives),
-        "alternatives",
-        "decision",
-        lambda pair: _interface_of(both.old if pair.new is None else both.new, pair.item),
-        _answers,
-    )
+    yield from section(both, "parameter")
+    yield from section(both, "decision", _answers)
     thing = Thing("measurement", "measurement")
     yield from _measurement(both, thing, both.old.measurement, both.new.measurement)
     for old, new in both_of(paired(both.old.interfaces, both.new.interfaces)):
@@ -180,12 +158,5 @@ def _measurement(both: FamilyPair, thing: Thing, old: Measurement | None, new: M
         yield from both.presence("measurement", thing, old, new)
 
 
-def _interface_of(device: Device, decision: Alternative) -> str:
-    """Return the only interface whose parameters a decision sets, or "" if there are several."""
-    interfaces = {item.interface for item in device.parameters if item.alternative == decision.name}
-    return interfaces.pop() if len(interfaces) == 1 else ""
-
-
 def _answers(both: FamilyPair, thing: Thing, old: Alternative, new: Alternative) -> Iterator[Change]:
-    answers = recognised(both, old.answers, new.answers)
-    yield from things(both, "answer", answers, thing.path, f"{thing.label}: answer", thing.interface)
+    yield from things(both, "answer", old.answers, new.answers, replace(thing, label=f"{thing.label}: answer"))

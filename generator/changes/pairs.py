@@ -6,12 +6,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any, Generic, TypeVar
 
 _Item = TypeVar("_Item")
+_Key = TypeVar("_Key", bound=Hashable)
 Key = Callable[[Any], Hashable | None]
+name_of: Callable[[Any], str] = attrgetter("name")
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,16 +37,6 @@ class Pair(Generic[_Item]):
         return Pair(self.new, self.old).item
 
 
-def name_of(item: Any) -> str:
-    """Return the name of a part of the model."""
-    name: str = item.name
-    return name
-
-
-def by_name_only(_: Any) -> None:
-    """Return None, for items that cannot be recognised except by name."""
-
-
 def both_of(pairs: Iterable[Pair[_Item]]) -> Iterator[tuple[_Item, _Item]]:
     """Yield the pairs that have both items."""
     yield from ((pair.old, pair.new) for pair in pairs if pair.old is not None and pair.new is not None)
@@ -52,7 +45,7 @@ def both_of(pairs: Iterable[Pair[_Item]]) -> Iterator[tuple[_Item, _Item]]:
 def paired(
     olds: Sequence[_Item],
     news: Sequence[_Item],
-    same: Key = by_name_only,
+    same: Key = lambda _: None,
     same_new: Key | None = None,
     name: Key = name_of,
 ) -> list[Pair[_Item]]:
@@ -62,6 +55,7 @@ def paired(
         olds: The old items.
         news: The new items.
         same: Return the property that identifies an old item whose name is gone, or None if only the name does.
+            Default: only the name.
         same_new: Return that property of a new item, if it is computed in another way. It identifies a counterpart only
             if it is unique on its side.
         name: Return the name of an item.
@@ -81,3 +75,10 @@ def _unique(items: Sequence[_Item], same: Key) -> dict[Hashable, _Item]:
     marks = [same(item) for item in items]
     often = Counter(marks)
     return {mark: item for item, mark in zip(items, marks, strict=True) if mark is not None and often[mark] == 1}
+
+
+def by_key(
+    first: Mapping[_Key, _Item], second: Mapping[_Key, _Item]
+) -> Iterator[tuple[_Key, _Item | None, _Item | None]]:
+    """Yield every key with its item on both sides: first the keys of one side in their order, then the others."""
+    yield from ((key, first.get(key), second.get(key)) for key in dict.fromkeys((*first, *second)))

@@ -1,47 +1,31 @@
-"""Compare registers, CRCs and procedures."""
+"""Compare the content of registers and procedures."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import fields as members_of
-from dataclasses import replace
-from typing import Any
+from dataclasses import fields, replace
 
-from ..model import Biss, Crc, CrcValue, Device, Procedure, Register, Step
-from ..say.place import register_at
+from ..model import Procedure, Register, Step
+from ..model.members import PARTS_BY_CLASS
 from ..say.register import access
 from .change import Change, Thing
 from .compare import members, things
-from .counterparts import bare, procedure_pairs, recognised, step_in_new
+from .counterparts import bare, step_in_new
 from .family_pair import FamilyPair
 from .fields import layout
-from .pairs import Pair
-from .value_text import arrow, plain, shown
+from .value_text import arrow, plain
 
 _CAN_READ, _CAN_WRITE = ("read_only", "read_write"), ("write_only", "read_write")
 
 
-def registers(both: FamilyPair) -> Iterator[Change]:
-    yield from things(
-        both,
-        "register",
-        recognised(both, both.old.registers, both.new.registers),
-        "registers",
-        lambda pair: register_at(pair.first),
-        lambda pair: pair.item.interface,
-        _register,
-    )
-
-
-def _register(both: FamilyPair, place: Thing, old: Register, new: Register) -> Iterator[Change]:
+def register(both: FamilyPair, place: Thing, old: Register, new: Register) -> Iterator[Change]:
     unnamed = place.unnamed
     if old.access != new.access:
         is_lost = any(old.access in can and new.access not in can for can in (_CAN_READ, _CAN_WRITE))
         said = f": {access(old)} → {access(new)}"
         rule, thing = ("access-lost", place) if is_lost else ("access-gained", unnamed)
         yield both.change(rule, thing.inside("access", place.label), said, old.access, new.access)
-    meanings = recognised(both, old.meanings, new.meanings)
-    yield from things(both, "meaning", meanings, place.path, f"{place.label}: meaning", place.interface)
+    yield from things(both, "meaning", old.meanings, new.meanings, replace(place, label=f"{place.label}: meaning"))
     # Everything else in the layout of a register follows from the register, which is compared separately.
     own = {name: getattr(old.layout, name) for name in ("fields", "joins", "gaps")}
     before = replace(new.layout, **own)
@@ -49,51 +33,15 @@ def _register(both: FamilyPair, place: Thing, old: Register, new: Register) -> I
     yield from layout(both, unnamed, before, new.layout, new.name)
 
 
-def crcs(both: FamilyPair) -> Iterator[Change]:
-    def interface(pair: Pair[Crc]) -> str:
-        return _interface_of(both.new if pair.old is None else both.old, pair.first)
-
-    yield from things(both, "crc", recognised(both, both.old.crcs, both.new.crcs), "crcs", "CRC", interface)
-
-
-def _interface_of(device: Device, crc: Crc) -> str:
-    """Return the only interface whose frames have a CRC, or "" if there are several."""
-    found = set()
-    for interface in device.interfaces:
-        kinds = [field.kind for layout in interface.layouts for field in layout.fields]
-        used = {kind.crc for kind in kinds if isinstance(kind, CrcValue)}
-        if isinstance(interface, Biss):
-            used |= {item.crc for item in interface.control_data}
-        if crc.name in used:
-            found.add(interface.name)
-    return found.pop() if len(found) == 1 else ""
-
-
-def procedures(both: FamilyPair) -> Iterator[Change]:
-    yield from things(
-        both,
-        "procedure",
-        procedure_pairs(both),
-        "procedures",
-        "procedure",
-        lambda pair: pair.first.interface,
-        _procedure,
-    )
-
-
-def _argument(name: str, of: str, meant_as: str) -> str:
-    """Return an argument with the register that takes it."""
-    return f"{name} for {of}" + (f" as {meant_as}" if meant_as else "")
-
-
-def _procedure(both: FamilyPair, place: Thing, old: Procedure, new: Procedure) -> Iterator[Change]:
+def procedure(both: FamilyPair, place: Thing, old: Procedure, new: Procedure) -> Iterator[Change]:
     was = [(item.name, both.to_new("register", item.of), item.meant_as) for item in old.arguments]
     now = [(item.name, item.of, item.meant_as) for item in new.arguments]
     inner = place.inside("arguments", place.label)
     if was != now:
-        has_other_names = [item[0] for item in was] != [item[0] for item in now]
-        texts = [[item[0] if has_other_names else _argument(*item) for item in each] for each in (was, now)]
-        said = f": arguments {shown(texts[0])} → {shown(texts[1])}"
+        texts = [[item.name for item in each.arguments] for each in (old, new)]
+        if texts[0] == texts[1]:  # Then the register that takes an argument differs, or its meaning.
+            texts = [[f"{name} for {of}{f' as {as_}' if as_ else ''}" for name, of, as_ in each] for each in (was, now)]
+        said = f": arguments {arrow(texts[0], texts[1])}"
         yield both.change("procedure-arguments", inner, said, was, now)
     elif [item.meaning for item in old.arguments] != [item.meaning for item in new.arguments]:
         yield both.change("words", inner.unnamed, ": arguments", old.arguments, new.arguments)
@@ -121,11 +69,10 @@ def _step(old: Step, new: Step) -> str:
     """Describe the difference between two steps."""
     if type(old) is not type(new):
         return f"{old.do} → {new.do}"
-    names = [item.name for item in members_of(new) if getattr(old, item.name) != getattr(new, item.name)]
-    return ", ".join(_part(name, plain(getattr(old, name)), plain(getattr(new, name))) for name in names)
-
-
-def _part(name: str, old: Any, new: Any) -> str:
-    if name == "microseconds":
-        return f"pause {arrow(old, new, 'us')}"
-    return f"{name.replace('_', ' ')} {arrow(old, new)}"
+    known, texts = PARTS_BY_CLASS[type(new).__name__].by_attribute, []
+    for item in fields(new):
+        before, after = getattr(old, item.name), getattr(new, item.name)
+        if before != after:
+            member = known[item.name]
+            texts.append(f"{member.words} {arrow(plain(before), plain(after), member.notation)}")
+    return ", ".join(texts)

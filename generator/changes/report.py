@@ -1,14 +1,18 @@
-"""Parts of a report on changes, common to text and Markdown."""
+"""Reports on changes: as data, and the parts that are common to text and Markdown."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from ..say.words import counted
 from .change import Change
 from .impact import OUTPUTS, TITLES, Impact
 from .version import Package
+
+#: Version of the data, in the shape of ``language/diff.schema.json``.
+VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -69,3 +73,36 @@ def versions(package: Package) -> str:
     if package.is_enough:
         return step
     return f"{step}, but the spec still says {package.stated}"
+
+
+def as_data(found: Found) -> dict[str, Any]:
+    """Return the output of ``codewheel diff --json``."""
+    counts = {impact.word: sum(change.impact is impact for change in found.changes) for impact in Impact if impact}
+    return {
+        "version": VERSION,
+        "impact": found.impact.word,
+        "counts": counts,
+        "changes": list(map(_change_data, found.changes)),
+        "generated": {"files": found.files.count, "changed": list(found.files.changed)} if found.files else None,
+        "packages": [
+            {"name": item.name, "old": item.old, "stated": item.stated, "due": item.due, "new": item.new}
+            for item in found.packages
+        ],
+        "notices": list(found.notices),
+    }
+
+
+def _change_data(change: Change) -> dict[str, Any]:
+    return {
+        "family": change.family,
+        "rule": change.rule.name,
+        "impact": change.impact.word,
+        "outputs": {name: impact.word for name, impact in zip(OUTPUTS, change.rule.impacts, strict=True)},
+        "path": change.path,
+        "text": change.text,
+        "old": change.old,
+        "new": change.new,
+        "order_codes": list(change.codes),
+        "reach": change.reach,
+        "names": dict(change.names),
+    }

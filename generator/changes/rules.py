@@ -21,6 +21,17 @@ _RENAMED = "Names in C, Python and XML follow the spec, so code must use the new
 _WIRE = "The same names have a different meaning on the wire, so code still builds but behaves differently."
 _LESS = "Values, clocks or pauses that used to work may be rejected or too short."
 _MORE = "Everything that was allowed is still allowed."
+_SUPPLY_DAMAGE = "A supply that was correct may cause damage."
+_WIRING_DAMAGE = "Wiring according to the old spec may cause damage."
+_OTHER_FRAMES = "Different frames are rejected or reported."
+_USABLE = "It decides whether positions are usable."
+_BUFFERS = "Buffers of the old length are too short or too long."
+_ACCESS = "An access that used to work may behave differently."
+_BOUND = "A higher bound may mean a longer wait, and a lower one leaves less time to act."
+_INSTALLATIONS = "Installations depend on it."
+_RESET = "A reset or a wait has a different effect."
+_APART = "Separate rules apply to changed facts."
+_NO_CODE = "No code depends on it."
 
 #: Named things. Their rules are THING-gone, THING-new and THING-renamed. Each has a description, then the impacts on C,
 #: Python, XML and pages of the three rules, then the property by which a renamed one is recognised.
@@ -68,12 +79,7 @@ _CHANGES = (
     ("measurement", "WWWD", "the units of the position have changed", "Angles and lengths differ."),
     ("maker", "BBBD", "the manufacturer's name or its Python package has changed", "Every name begins with it."),
     ("maker-id", "--BD", "the BiSS manufacturer ID has changed", "Masters use it to find the description file."),
-    (
-        "supply-narrower",
-        "D+WD",
-        "the supply voltage has narrower limits",
-        "A supply that was correct may cause damage.",
-    ),
+    ("supply-narrower", "D+WD", "the supply voltage has narrower limits", _SUPPLY_DAMAGE),
     ("supply-wider", "D++D", "the supply voltage has wider limits, or none", _MORE),
     ("frame-length", "WWWD", "a frame has a different length", _WIRE),
     ("frame-order", "WWWD", "a frame is sent in a different order or code", _WIRE),
@@ -84,101 +90,51 @@ _CHANGES = (
     ("field-width", "WWWD", "a field has a different width", _WIRE),
     ("field-kind", "BBBD", "a field is of a different kind", "Its type changes, or it is added or removed."),
     ("field-reads-otherwise", "WWWD", "the bits of a field are converted differently", _WIRE),
-    (
-        "field-constant",
-        "WWWD",
-        "fixed or unused bits have a different value",
-        "Different frames are rejected or reported.",
-    ),
-    (
-        "field-verdict",
-        "WWWD",
-        "a bit has a different effect on the position",
-        "It decides whether positions are usable.",
-    ),
+    ("field-constant", "WWWD", "fixed or unused bits have a different value", _OTHER_FRAMES),
+    ("field-verdict", "WWWD", "a bit has a different effect on the position", _USABLE),
     ("field-expected", "WWWD", "a field has a different documented value", "It identifies the encoder."),
     ("field-default", "WWWD", "a field has a different default", _WIRE),
     ("field-unit", "DWWD", "a field has a different unit", "The same number has a different meaning."),
     ("value-changed", "WWWD", "a named value has a different number", _WIRE),
     ("joined-of", "WWWD", "a number consists of different fields", _WIRE),
     ("register-moved", "WWWD", "a register has a different address or bank", _WIRE),
-    (
-        "register-length",
-        "BWWD",
-        "a register has a different length",
-        "Buffers of the old length are too short or too long.",
-    ),
+    ("register-length", "BWWD", "a register has a different length", _BUFFERS),
     ("register-order", "WWWD", "the bytes of a register are in a different order", _WIRE),
     ("register-interface", "BBBD", "a register belongs to a different interface", "It is accessed in a different way."),
     ("access-lost", "BBBD", "a register can no longer be read or written", "Its functions are gone."),
     ("access-gained", "+++D", "a register can now also be read or written", _NEW),
     ("register-default", "WWWD", "a register has a different default", _WIRE),
-    (
-        "register-rule",
-        "WWWD",
-        "the effect, the conditions or the time of a write have changed",
-        "An access that used to work may behave differently.",
-    ),
+    ("register-rule", "WWWD", "the effect, the conditions or the time of a write have changed", _ACCESS),
     ("limit-narrower", "WWWD", "a value has narrower limits", _LESS),
     ("limit-wider", "+++D", "a value has wider limits, or none", _MORE),
     ("wait-longer", "WWWD", "a required waiting time is longer or was added", _LESS),
     ("wait-shorter", "+++D", "a required waiting time is shorter or was removed", _MORE),
-    (
-        "time-limit",
-        "WWWD",
-        "the upper bound of a time is different",
-        "A higher bound may mean a longer wait, and a lower one leaves less time to act.",
-    ),
+    ("time-limit", "WWWD", "the upper bound of a time is different", _BOUND),
     ("timing-typical", "+++D", "a typical time or its symbol has changed", "Code cannot rely on typical times."),
     ("clock-narrower", "WWWD", "the clock has narrower limits", _LESS),
     ("clock-wider", "+++D", "the clock has wider limits", _MORE),
     ("port", "WWWD", "the settings of the serial port have changed", _WIRE),
     ("alignment", "DWWD", "a word has a different alignment or code", _WIRE),
     ("bank-select", "WWWD", "the bank is selected by a different register", _WIRE),
-    (
-        "interface-rule",
-        "DWWD",
-        "signals, network, profile or memory access have changed",
-        "Installations depend on it.",
-    ),
+    ("interface-rule", "DWWD", "signals, network, profile or memory access have changed", _INSTALLATIONS),
     ("data-id-changed", "WWWD", "a data ID has a different number, control byte or purpose", _WIRE),
     ("crc-changed", "WWWD", "a CRC is computed differently", "Frames that were valid are rejected."),
     ("alarm-bit", "WWWD", "an error or warning is signalled by a different bit", _WIRE),
-    (
-        "alarm-rule",
-        "DWWD",
-        "the conditions that set or clear an error or warning have changed",
-        "A reset or a wait has a different effect.",
-    ),
+    ("alarm-rule", "DWWD", "the conditions that set or clear an error or warning have changed", _RESET),
     ("procedure-steps", "WWWD", "the steps of a procedure have changed", "The same call sends different data."),
     ("procedure-arguments", "BBBD", "a procedure has different arguments", "Calls no longer match."),
     ("procedure-interface", "BBBD", "a procedure uses a different interface", "It is accessed in a different way."),
     ("answer-sets", "WWWD", "an answer selects different bits", _WIRE),
-    (
-        "contact",
-        "DWWD",
-        "a contact or wire carries a different signal",
-        "Wiring according to the old spec may cause damage.",
-    ),
+    ("contact", "DWWD", "a contact or wire carries a different signal", _WIRING_DAMAGE),
     ("input-rule", "DWWD", "a hardware input has a different function", "An encoder wired to it behaves differently."),
     ("unforeseen", "WWWD", "a change that no other rule covers", "It is reported rather than ignored."),
-    ("words", "DDDD", "only the wording has changed", "No code depends on it."),
-    ("source", "DDDD", "a citation has changed", "No code depends on it."),
-    ("evidence", "DDDD", "the evidence for the facts has changed", "Separate rules apply to changed facts."),
-    (
-        "manual",
-        "DDDD",
-        "the manual has a different edition or more revisions",
-        "Separate rules apply to changed facts.",
-    ),
-    ("erratum", "DDDD", "an erratum was added, removed or changed", "Separate rules apply to changed facts."),
+    ("words", "DDDD", "only the wording has changed", _NO_CODE),
+    ("source", "DDDD", "a citation has changed", _NO_CODE),
+    ("evidence", "DDDD", "the evidence for the facts has changed", _APART),
+    ("manual", "DDDD", "the manual has a different edition or more revisions", _APART),
+    ("erratum", "DDDD", "an erratum was added, removed or changed", _APART),
     ("example", "DDDD", "a worked example was added, removed or changed", "Examples only affect tests and pages."),
-    (
-        "told",
-        "DDDD",
-        "a characteristic, table, LED, document or missing figure has changed",
-        "No code depends on it.",
-    ),
+    ("told", "DDDD", "a characteristic, table, LED, document or missing figure has changed", _NO_CODE),
     ("order", "DDDD", "only the order of the facts has changed", "Facts are identified by name."),
 )
 

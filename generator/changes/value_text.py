@@ -88,14 +88,15 @@ def without_words(value: Any) -> Any:
 def differing_items(old: Any, new: Any) -> tuple[Any, Any]:
     """Return two values, reduced to the items that differ if both are sequences of parts."""
     if isinstance(old, tuple) and isinstance(new, tuple) and any(map(is_dataclass, (*old, *new))):
-        bare = [[without_words(item) for item in each] for each in (old, new)]
-        pairs = ((old, bare[0], bare[1]), (new, bare[1], bare[0]))
-        left, right = (
-            tuple(item for item, data in zip(each, own, strict=True) if data not in others)
-            for each, own, others in pairs
-        )
+        left, right = _without(old, new), _without(new, old)
         return (left, right) if left or right else (old, new)
     return old, new
+
+
+def _without(items: tuple[Any, ...], others: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Return the items that are not among others, apart from their texts."""
+    known = [without_words(item) for item in others]
+    return tuple(item for item in items if without_words(item) not in known)
 
 
 def arrow(old: Any, new: Any, form: str = "") -> str:

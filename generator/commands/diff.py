@@ -110,7 +110,7 @@ def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence
 
         print(as_review(findings(asked, after.families, after.names), chosen.format))
     elif chosen.json or chosen.format == "json":
-        from ..changes.report_data import as_data
+        from ..changes.report import as_data
 
         print(json.dumps(as_data(found), indent=2, ensure_ascii=False))
     elif chosen.markdown:

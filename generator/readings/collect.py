@@ -14,10 +14,9 @@ def facts_of(reading: Reading) -> Facts:
     interfaces.add_interfaces(reading, facts)
     registers.add_registers(reading, facts)
     facts.add(procedures.procedures(reading))
-    for found in (surroundings.contacts, surroundings.alarms, surroundings.inputs, surroundings.history):
-        facts.add(found(reading))
-    for found in (surroundings.characteristics, surroundings.tables, surroundings.leds, cited.contents, cited.texts):
-        facts.add(found(reading))
+    facts.add(surroundings.surroundings(reading))
+    facts.add(cited.contents(reading))
+    facts.add(cited.texts(reading))
     facts.found, facts.sections = cited.by_path(reading), cited.sections_by_path(reading)
     facts.decided = reading.document.data.get("decided", ())
     return facts

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
@@ -122,7 +123,6 @@ class Placed:
 class Word:
     """A frame or a register, bit by bit, in each case."""
 
-    key: Key
     what: str
     place: Path
     cases: Mapping[Case, Placed]
@@ -145,7 +145,7 @@ class Facts:
 
     facts: dict[Key, Fact] = field(default_factory=dict)
     words: dict[Key, Word] = field(default_factory=dict)
-    derived: dict[Sort, int] = field(default_factory=dict)
+    derived: Counter[Sort] = field(default_factory=Counter)
     names: dict[Key, Names] = field(default_factory=dict)
     found: Mapping[str, tuple[str, Path]] = field(default_factory=dict)
     sections: Mapping[str, Sequence[str]] = field(default_factory=dict)
@@ -166,10 +166,6 @@ class Facts:
     def call(self, kind: Key, key: Key, name: Name) -> None:
         """Add the name of an item."""
         self.names.setdefault(kind, {}).setdefault(key, name)
-
-    def follows(self, sort: Sort, count: int = 1) -> None:
-        """Count facts that follow from others."""
-        self.derived[sort] = self.derived.get(sort, 0) + count
 
 
 #: Items with separate names for each interface, which is the second element of their keys.

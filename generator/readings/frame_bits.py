@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from operator import itemgetter
 
 from ..language.problems import Path, listed
 from ..model import (
@@ -17,38 +18,43 @@ from ..model import (
     Parity,
     PlacedField,
     PlacedLayout,
+    Register,
     Text,
     Unused,
     assert_never,
 )
+from ..say.place import bits
 from .fact import Bit, Case, Key, Names, Placed, Word
-from .field_properties import Properties
-from .reading import Parameters, Reading, bits
+from .field_properties import add_names, properties
+from .reading import Parameters
+from .stated import Subject
 
 
-def word(reading: Reading, layout: Layout, key: Key, what: str, properties: Properties) -> Word:
-    """Return a frame or register in each case of its interface."""
+def word(owner: Subject, layout: Layout, register: Register | None = None) -> Word:
+    """Return a frame or register, which ``owner`` describes, in each case of its interface."""
     made: dict[tuple[int, ...], Placed] = {}
-    sources = reading.sources_of(layout)
+    sources = owner.reading.sources_of(layout)
     cases: dict[Case, Placed] = {}
-    for case, parameters in reading.cases(properties.interface).items():
+    for case, parameters in owner.reading.cases(owner.interface).items():
         same = tuple(parameters[name] for name in sources)
         if same not in made:
-            made[same] = _placed(layout.place(parameters), properties, parameters)
+            made[same] = _placed(owner, layout.place(parameters), parameters, register)
         cases[case] = made[same]
-    return Word(key, what, properties.owner, cases)
+    return Word(owner.what, owner.place, cases)
 
 
-def _placed(placed: PlacedLayout, properties: Properties, parameters: Parameters) -> Placed:
-    found = [Bit("unspecified", None, None, (*properties.owner, "other_bits"))] * placed.bits
+def _placed(owner: Subject, placed: PlacedLayout, parameters: Parameters, register: Register | None) -> Placed:
+    found = [Bit("unspecified", None, None, (*owner.place, "other_bits"))] * placed.bits
     fields = {}
     names: dict[Key, Names] = {}
     for item in placed.fields:
-        place = properties.place(item.field)
-        for index, bit in enumerate(_bits(item, placed, place)):
-            found[item.low + index] = bit
-        fields[item.low, item.width] = properties.of(item, parameters)
-        properties.add_names(item, names)
+        place, what = owner.reading.field_place(owner.place, item.field), f"{bits(item.high, item.low)} of {owner.what}"
+        for index, bit in enumerate(_bits(item, placed, place), item.low):
+            found[index] = bit
+        subject = Subject(owner.reading, (), place, what, owner.interface)
+        facts = properties(subject, item, parameters, register)
+        fields[item.low, item.width] = {fact.key: fact for fact in facts}
+        add_names(subject, item, owner.place[-1], names)
     return Placed(tuple(found), fields, names)
 
 
@@ -105,16 +111,13 @@ def _gray(item: PlacedField, placed: PlacedLayout) -> str:
 
 def _joined(item: PlacedField, placed: PlacedLayout) -> int | None:
     """Return the weight of the field's lowest bit in the longest joined number that contains it, or None."""
-    found: tuple[int, int] | None = None
+    found: list[tuple[int, int | None]] = [(0, None)]
     for join in placed.layout.joins:
-        if item.name not in join.fields:
-            continue
-        parts = [part for part in map(placed.field, join.fields) if part is not None]
-        below = parts[[part.name for part in parts].index(item.name) + 1 :]
-        longest = sum(part.width for part in parts)
-        if found is None or longest > found[0]:
-            found = longest, sum(part.width for part in below)
-    return None if found is None else found[1]
+        if item.name in join.fields:
+            parts = [part for part in map(placed.field, join.fields) if part is not None]
+            below = parts[[part.name for part in parts].index(item.name) + 1 :]
+            found.append((sum(part.width for part in parts), sum(part.width for part in below)))
+    return max(found, key=itemgetter(0))[1]
 
 
 def run(found: Sequence[Bit]) -> str:
@@ -127,8 +130,8 @@ def run(found: Sequence[Bit]) -> str:
     return f"{bits(first.weight, last.weight)} of {first.part}"
 
 
-def continues(one: Bit, other: Bit) -> bool:
-    """Return True if ``other``, the next lower bit, continues the same item."""
-    if one.part != other.part or (one.fixed is None) is not (other.fixed is None):
+def continues(bit: Bit, above: Bit) -> bool:
+    """Return True if a bit continues the same item as ``above``, the next higher bit."""
+    if (bit.part, bit.place) != (above.part, above.place) or (bit.fixed is None) is not (above.fixed is None):
         return False
-    return one.weight is None or other.weight is None or one.weight == other.weight + 1
+    return bit.weight is None or above.weight is None or bit.weight + 1 == above.weight

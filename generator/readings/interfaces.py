@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+from itertools import accumulate
 
 from ..language.problems import Path
-from ..model import Biss, Constant, ControlField, Interface, Layout, Rs485, Spi, Ssi, Timeout, Timing
+from ..model import Biss, Constant, ControlField, Interface, Layout, Rs485, Spi, Ssi, Timing
 from .fact import Fact, Facts, Key, Name, Sort
-from .field_properties import Properties
 from .frame_bits import word
-from .printed_names import plain
-from .reading import Reading, in_hex, over
+from .reading import Reading, in_hex, over, plain
 from .stated import Subject
 
 #: Width of a frame without byte order, even if a reader states one.
@@ -23,7 +23,7 @@ def add_interfaces(reading: Reading, facts: Facts) -> None:
         marks = _marks(interface)
         for layout in interface.layouts:
             _add_frames(reading, interface, layout, marks.get(layout.name, -1), facts)
-            facts.follows(Sort.POSITION, len(layout.joins))
+            facts.derived[Sort.POSITION] += len(layout.joins)
         facts.add(_of_interface(reading, interface))
         facts.add(timings(interface.timings, interface.name, ("interfaces", interface.name, "timings")))
     facts.add(timings(reading.device.timings, "", ("timings",)))
@@ -47,14 +47,14 @@ def _add_frames(reading: Reading, interface: Interface, layout: Layout, mark: st
     owner: Path = ("interfaces", interface.name, "layouts", layout.name)
     for value in layout.selects or (mark,):
         key: Key = ("frame", interface.name, layout.sender, layout.channel or 0, value)
-        what = f"'{layout.name}'"
-        facts.add(_of_frame(Subject(reading, key, owner, what, interface.name), layout))
-        facts.words[key] = word(reading, layout, key, what, Properties(reading, owner, interface.name, what))
+        frame = Subject(reading, key, owner, f"'{layout.name}'", interface.name)
+        facts.add(_of_frame(frame, layout))
+        facts.words[key] = word(frame, layout)
         for item in layout.fields:
             if item.group:
                 bits = reading.bits_of(interface.name, item)
-                name = Name(Sort.POSITION, item.group, f"group of {bits} of {what}", reading.field_place(owner, item))
-                facts.call(("group", interface.name), (*key, bits), name)
+                what, place = f"group of {bits} of {frame.what}", reading.field_place(owner, item)
+                facts.call(("group", interface.name), (*key, bits), Name(Sort.POSITION, item.group, what, place))
 
 
 def _of_frame(frame: Subject, layout: Layout) -> Iterator[Fact]:
@@ -62,7 +62,7 @@ def _of_frame(frame: Subject, layout: Layout) -> Iterator[Fact]:
     yield frame.first(Sort.POSITION, f"sent by the {layout.sender}", at="name", name=layout.name)
     place = reading.first((*owner, "carried_as"), owner)
     yield frame.fact(Sort.POSITION, "carried", layout.carried_as, "units", place)
-    several, is_stated = layout.widest > _BYTE, reading.has((*owner, "byte_order"))
+    several, is_stated = layout.widest > _BYTE, reading.document.has((*owner, "byte_order"))
     if layout.in_bytes and (several or is_stated):
         place = (*owner, "byte_order") if is_stated else owner
         yield frame.fact(Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", place, mild=not several)
@@ -90,11 +90,15 @@ def _of_interface(reading: Reading, interface: Interface) -> Iterator[Fact]:
             if interface.network is not None:
                 yield from part("network", "network", " of the network over ").stated(interface.network)
             if interface.timeout is not None:
-                yield from _timeout(part("timeout", "timeout", " of the time-out over "), interface.timeout)
-            offset = 0
-            for item in interface.control_data:
-                yield from _control(reading, item, offset)
-                offset += item.bits
+                timeout = part("timeout", "timeout", " of the time-out over ")
+                yield from timeout.stated(interface.timeout)
+                for index, item in enumerate(interface.timeout.printed):
+                    what = f"time-out over BiSS at {item.clock_hz} Hz"
+                    place = (*timeout.place, "printed", index, "timeout_ns")
+                    yield Fact(Sort.TIME, ("timeout", "at", item.clock_hz), f"{item.timeout_ns} ns", what, place)
+            offsets = accumulate((item.bits for item in interface.control_data), initial=0)
+            for field, offset in zip(interface.control_data, offsets, strict=False):
+                yield from _control(reading, field, offset)
         case Rs485():
             yield from part("port", "port", " of the port over ").stated(interface.port)
             yield from _rs485(reading, interface)
@@ -103,30 +107,17 @@ def _of_interface(reading: Reading, interface: Interface) -> Iterator[Fact]:
             yield from _exchanges(interface)
 
 
-def _timeout(subject: Subject, timeout: Timeout) -> Iterator[Fact]:
-    yield from subject.stated(timeout)
-    for index, item in enumerate(timeout.printed):
-        what = f"time-out over BiSS at {item.clock_hz} Hz"
-        place = (*subject.place, "printed", index, "timeout_ns")
-        yield Fact(Sort.TIME, ("timeout", "at", item.clock_hz), f"{item.timeout_ns} ns", what, place)
-
-
 def _control(reading: Reading, item: ControlField, offset: int) -> Iterator[Fact]:
     """Yield the facts of a field of the control frame, starting at a bit of the frame."""
-    owner: Path = ("interfaces", "biss", "control_data", "fields", item.name)
-    what = f"field of the control frame from bit {offset + 1}"
-    field = Subject(reading, ("control", offset), owner, what)
-    yield field.first(Sort.POSITION, f"{item.bits} bits", name=item.name)
-    yield from field.stated(item)
+    place: Path = ("interfaces", "biss", "control_data", "fields", item.name)
+    field = Subject(reading, ("control", offset), place, f"field of the control frame from bit {offset + 1}")
+    yield from field.present(Sort.POSITION, item, f"{item.bits} bits")
     for each in item.values:
-        place, key = (*owner, "values", each.name), (*field.key, "value", each.value)
-        value = Subject(reading, key, place, f"value {in_hex(each.value)} of {what}", under=field.key)
-        yield value.first(Sort.VALUE, "named", name=each.name, under=field.key)
-        yield from value.stated(each)
+        what = f"value {in_hex(each.value)} of {field.what}"
+        value = field.inside(("value", each.value), ("values", each.name), what)
+        yield from value.present(Sort.VALUE, each, "named")
     if item.crc:
-        crc = Subject(
-            reading, (*field.key, "crc"), ("crcs", item.crc), "the control frame's CRC over BiSS", under=field.key
-        )
+        crc = replace(field.inside(("crc",), (), "the control frame's CRC over BiSS"), place=("crcs", item.crc))
         yield from crc.stated(reading.device.crc(item.crc))
 
 
@@ -134,8 +125,7 @@ def _rs485(reading: Reading, interface: Rs485) -> Iterator[Fact]:
     owner: Path = ("interfaces", interface.name)
     for item in interface.data_ids:
         subject = Subject(reading, ("data id", item.id), (*owner, "data_ids", item.name), f"data ID {item.id:X}")
-        yield subject.first(Sort.VALUE, f"control field {in_hex(item.control)}", at="control", name=item.name)
-        yield from subject.stated(item)
+        yield from subject.present(Sort.VALUE, item, f"control field {in_hex(item.control)}", at="control")
     for index, access in enumerate(interface.memory_access):
         what = f"reply to a {access.access} while the busy flag is {access.busy}"
         value = f"address {plain(access.address)}, data {plain(access.data)}"

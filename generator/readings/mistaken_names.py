@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import takewhile
 
 from .fact import Facts, Name, Names
 
@@ -47,15 +46,10 @@ def mistaken(own: Names, theirs: Names, settled: bool) -> Iterator[tuple[Name, N
 
 
 def _is_slip(one: str, other: str) -> bool:
-    """Return True for one extra, missing or wrong letter, or two swapped ones."""
-    if abs(len(one) - len(other)) > 1:
-        return False
-    start = _alike(one, other)
-    end = _alike(one[start:][::-1], other[start:][::-1])
-    here, there = one[start : len(one) - end], other[start : len(other) - end]
-    return max(len(here), len(there)) < 2 or (len(here) == 2 and here == there[::-1])
-
-
-def _alike(one: str, other: str) -> int:
-    """Return the length of the common prefix of two words."""
-    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False)))
+    """Return True if two different names differ by one extra, missing or wrong letter, or two swapped ones."""
+    short, long = sorted((one, other), key=len)
+    if len(short) < len(long):
+        return any(long[:index] + long[index + 1 :] == short for index in range(len(long)))
+    differing = [index for index, letters in enumerate(zip(one, other, strict=True)) if letters[0] != letters[1]]
+    first, end = differing[0], differing[-1] + 1
+    return end - first == 1 or (end - first == 2 and one[first:end] == other[first:end][::-1])

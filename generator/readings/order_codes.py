@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ..language.problems import Path
-from ..model import Interface, Measurement, Parameter
+from ..model import Interface, Parameter
 from ..order_codes.labels import spelled
-from .fact import Fact, Facts, Key, Name, Sort
-from .reading import Reading, bits, short
+from ..say.place import bits
+from .fact import Fact, Facts, Name, Sort
+from .reading import Reading, short
 from .stated import Subject
 
 
@@ -23,26 +24,26 @@ def add_codes(reading: Reading, facts: Facts) -> None:
     for item in reading.device.run_time_parameters:
         facts.add(_held(reading, item))
     for interface in reading.device.interfaces:
-        measurement = reading.device.measurement_of(interface.name)
-        if measurement is not None:
-            facts.add(_measured(reading, interface, measurement))
+        facts.add(_measured(reading, interface))
     movement = reading.device.movement
     facts.add(iter((Fact(Sort.MEASUREMENT, ("movement",), movement, "movement", ("movement",)),)))
-    facts.follows(Sort.LIMIT, len(reading.device.definitions))
+    facts.derived[Sort.LIMIT] += len(reading.device.definitions)
 
 
 def _codes(reading: Reading) -> Iterator[Fact]:
+    """Yield the order codes, and the values that the manual leaves open."""
+    parts: Path = ("order_code", "parts")
     for item in reading.device.variants:
-        place: Path = ("order_code", "parts")
-        key: Key = ("code", item.code)
-        yield Fact(Sort.ORDER_CODE, key, item.interface, f"interface of the order code {item.code}", place)
+        what = f"interface of the order code {item.code}"
+        yield Fact(Sort.ORDER_CODE, ("code", item.code), item.interface, what, parts)
     for part in reading.device.order_code.parts:
         if part.open:
             only = ", ".join(sorted(value for values in part.open_only_with.values() for value in values))
             value = part.open + (f" with {only}" if only else "")
             listed = ", ".join(sorted(item.text for item in part.values))
-            place = (*place_of_part(part.name), "open")
-            yield Fact(Sort.ORDER_CODE, ("open", listed), value, f"other values than {listed}", place)
+            yield Fact(
+                Sort.ORDER_CODE, ("open", listed), value, f"other values than {listed}", (*parts, part.name, "open")
+            )
 
 
 def _supplies(reading: Reading) -> Iterator[Fact]:
@@ -72,13 +73,8 @@ def _add_alternatives(reading: Reading, facts: Facts) -> None:
         facts.call(("alternative",), (number,), name)
         for index, answer in enumerate(item.answers, 1):
             what = f"name of answer {index} of alternative {number}"
-            place_of = (*place, "values", answer.name)
-            facts.call(("answer", number), (index,), Name(Sort.ORDER_CODE, answer.name, what, place_of))
-
-
-def place_of_part(name: str) -> Path:
-    """Return the place of a part of the order code."""
-    return ("order_code", "parts", name)
+            name = Name(Sort.ORDER_CODE, answer.name, what, (*place, "values", answer.name))
+            facts.call(("answer", number), (index,), name)
 
 
 def _spellings(reading: Reading) -> Iterator[Fact]:
@@ -86,19 +82,17 @@ def _spellings(reading: Reading) -> Iterator[Fact]:
     code = reading.device.order_code
     for index, spelling in enumerate(code.also_written):
         place: Path = ("order_code", "also_written", index)
-        labels: set[str] = set()
         for variant in reading.device.variants:
             label = spelling.pattern
             for part in code.parts:
                 texts = [text for text, value in spelled(part, spelling).items() if value == variant.parts[part.name]]
                 label = label.replace(f"{{{part.name}}}", texts[0] if texts else "\0")
             if "\0" not in label:
-                labels.add(label)
                 yield Fact(Sort.ORDER_CODE, ("label", label, spelling.then), variant.code, f"label {label}", place)
 
 
 def _held(reading: Reading, item: Parameter) -> Iterator[Fact]:
-    where = reading.held_in(item)
+    where = reading.bits_at(item.read_from)
     place: Path = ("parameters", item.name)
     register = reading.register(item.register)
     under = reading.key_of(register) if register is not None else ()
@@ -108,13 +102,15 @@ def _held(reading: Reading, item: Parameter) -> Iterator[Fact]:
             yield Fact(Sort.LIMIT, ("held", where, name), short(bound), what, (*place, name), under)
 
 
-def _measured(reading: Reading, interface: Interface, measurement: Measurement) -> Iterator[Fact]:
+def _measured(reading: Reading, interface: Interface) -> Iterator[Fact]:
+    measurement = reading.device.measurement_of(interface.name)
+    if measurement is None:
+        return
     own: Path = ("interfaces", interface.name, "measurement")
     place = own if interface.measurement is not None else ("measurement",)
     what = f"measurement over {interface.short}"
     subject = Subject(reading, ("measurement", interface.name), place, what, interface.name, joint=" of the ")
-    yield subject.first(Sort.MEASUREMENT, "present")
-    yield from subject.stated(measurement)
+    yield from subject.present(Sort.MEASUREMENT, measurement)
     cases = reading.cases(interface.name)
     for layout in interface.layouts:
         places = {}

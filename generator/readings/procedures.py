@@ -5,20 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..language.problems import Path
-from ..model import (
-    ModifyStep,
-    PollStep,
-    Procedure,
-    ReadStep,
-    Register,
-    SendStep,
-    Step,
-    WaitStep,
-    WriteStep,
-    assert_never,
-)
+from ..model import ModifyStep, PollStep, Procedure, ReadStep, SendStep, Step, WaitStep, WriteStep, assert_never
 from .fact import Fact, Key, Sort
 from .reading import Reading, at, in_hex, over
+
+#: A fact about part of a procedure: its class, its key and its place within the procedure, its value and its name.
+_Detail = tuple[Sort, Key, Path, str, str]
 
 
 def procedures(reading: Reading) -> Iterator[Fact]:
@@ -28,19 +20,45 @@ def procedures(reading: Reading) -> Iterator[Fact]:
         key: Key = ("procedure", item.interface, text)
         owner: Path = ("procedures", item.name)
         yield Fact(Sort.PROCEDURE, key, text, f"a procedure over {over(item.interface)}", owner, name=item.name)
-        yield from _arguments(reading, item, key, owner)
-        yield from _times(reading, item, key, owner)
+        for sort, part, place, value, what in (*_arguments(reading, item), *_times(reading, item)):
+            yield Fact(sort, (*key, *part), value, what, (*owner, *place), key)
 
 
-def _arguments(reading: Reading, procedure: Procedure, key: Key, owner: Path) -> Iterator[Fact]:
+def _arguments(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
     """Yield the registers whose limits apply to the arguments."""
     for number, item in enumerate(procedure.arguments, 1):
         register = reading.device.register(item.of)
         meaning = next((found for found in register.meanings if found.name == item.meant_as), None)
         held = f" while {reading.state(meaning.when, meaning.value)}" if meaning is not None else ""
         what = f"limits of argument {number} of the procedure '{procedure.name}'"
-        place: Path = (*owner, "arguments", item.name, "of")
-        yield Fact(Sort.LIMIT, (*key, "argument", number), f"{at(register)}{held}", what, place, key)
+        place = ("arguments", item.name, "of")
+        yield Sort.LIMIT, ("argument", number), place, f"{at(register)}{held}", what
+
+
+def _times(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
+    """Yield the waits, the bits that are read, and the repetitions of requests."""
+    done, waited, before = 0, 0, "at its start"
+    called = f"the procedure '{procedure.name}'"
+    for index, step in enumerate(procedure.steps):
+        place = ("steps", index)
+        if isinstance(step, WaitStep):
+            waited += step.microseconds
+            if not isinstance(next(iter(procedure.steps[index + 1 :]), None), WaitStep):
+                what = f"wait {before} in {called}"
+                yield Sort.WAIT, ("wait", done), (*place, "at_least_ms"), f"{waited // 1000} ms", what
+            continue
+        text = f"'{_done(reading, step, procedure)}'"
+        done, waited, before = done + 1, 0, f"after {text}"
+        if isinstance(step, ReadStep) and step.field:
+            bits = _bits(reading, step.register, step.field)
+            yield Sort.PROCEDURE, ("bits", done), (*place, "field"), bits, f"bits used by {text}"
+        if isinstance(step, SendStep):
+            sent, every = f"{text} in {called}", (*place, "every_at_least_us")
+            yield Sort.PROCEDURE, ("times", done), (*place, "times"), str(step.times), f"repetitions of {sent}"
+            if step.microseconds:
+                yield Sort.WAIT, ("every", done), every, f"{step.microseconds} µs", f"interval of {sent}"
+            if step.in_succession:
+                yield Sort.PROCEDURE, ("succession", done), (*place, "in_succession"), "yes", f"succession of {sent}"
 
 
 def program(reading: Reading, procedure: Procedure) -> str:
@@ -53,7 +71,8 @@ def _done(reading: Reading, step: Step, procedure: Procedure) -> str:
     match step:
         case WriteStep(register, name, value):
             found = reading.device.register(register)
-            return f"write {_bytes(found, value, _argument(procedure, name))}"
+            text = found.bytes_of(value).hex(" ").upper() if value is not None else _argument(procedure, name)
+            return f"write {_bits(reading, register, '')} = {text}"
         case ModifyStep(register, field, name, value):
             text = in_hex(value) if value is not None else _argument(procedure, name)
             return f"set {_bits(reading, register, field)} to {text}"
@@ -75,12 +94,6 @@ def _argument(procedure: Procedure, name: str) -> str:
     return f"argument {names.index(name) + 1}" if name in names else name
 
 
-def _bytes(register: Register, value: int | None, argument: str) -> str:
-    """Return text such as ``0x4B = 10 00 00``."""
-    text = register.bytes_of(value).hex(" ").upper() if value is not None else argument
-    return f"{at(register).removeprefix('register ')} = {text}"
-
-
 def _bits(reading: Reading, name: str, field: str) -> str:
     """Return a register, and its bits if the step does not use all of them."""
     register = reading.device.register(name)
@@ -89,35 +102,6 @@ def _bits(reading: Reading, name: str, field: str) -> str:
     if found is not None and found.width.is_constant and found.width.constant == 8 * register.length:
         where = ""
     return f"{at(register).removeprefix('register ')}{where}"
-
-
-def _times(reading: Reading, procedure: Procedure, key: Key, owner: Path) -> Iterator[Fact]:
-    done, waited, before = 0, 0, "at its start"
-    called = f"the procedure '{procedure.name}'"
-    for index, step in enumerate(procedure.steps):
-        place: Path = (*owner, "steps", index)
-        if isinstance(step, WaitStep):
-            waited += step.microseconds
-            if not isinstance(next(iter(procedure.steps[index + 1 :]), None), WaitStep):
-                value, what = f"{waited // 1000} ms", f"wait {before} in {called}"
-                yield Fact(Sort.WAIT, (*key, "wait", done), value, what, (*place, "at_least_ms"), key)
-            continue
-        done, waited = done + 1, 0
-        if isinstance(step, ReadStep) and step.field:
-            here, what = (*place, "field"), f"bits used by '{_done(reading, step, procedure)}'"
-            yield Fact(Sort.PROCEDURE, (*key, "bits", done), _bits(reading, step.register, step.field), what, here, key)
-        before = f"after '{_done(reading, step, procedure)}'"
-        if isinstance(step, SendStep):
-            sent = f"'{_done(reading, step, procedure)}' in {called}"
-            yield Fact(
-                Sort.PROCEDURE, (*key, "times", done), str(step.times), f"repetitions of {sent}", (*place, "times"), key
-            )
-            if step.microseconds:
-                here, value = (*place, "every_at_least_us"), f"{step.microseconds} µs"
-                yield Fact(Sort.WAIT, (*key, "every", done), value, f"interval of {sent}", here, key)
-            if step.in_succession:
-                here = (*place, "in_succession")
-                yield Fact(Sort.PROCEDURE, (*key, "succession", done), "yes", f"succession of {sent}", here, key)
 
 
 def programs(reading: Reading, names: tuple[str, ...]) -> str:

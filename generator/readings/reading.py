@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from functools import cached_property
+from typing import Any
 
 from ..language.document import Document
 from ..language.problems import Path
-from ..model import INTERFACES, Device, Field, Layout, Parameter, Register
+from ..model import INTERFACES, Device, Field, Layout, Register
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from ..order_codes.run_time import with_changed
+from ..say.place import bits
 from .fact import Case, Key
 
 Parameters = Mapping[str, int]
 
+_OR = " | "
+_BREAKS = re.compile(r"[\W_]+")
 #: Prefix of the names of fields that the build adds for zero bits.
 _ZEROS = "zero"
 #: Smallest number shown in hexadecimal.
@@ -34,28 +39,24 @@ class Reading:
         The cases are the factory defaults, both ends of the range of each parameter in a register, and each other
         answer of an alternative.
         """
-        if interface not in self._cases:
-            self._cases[interface] = dict(self._found(interface))
-        return self._cases[interface]
+        return self._cases.get(interface, {})
 
     @cached_property
-    def _cases(self) -> dict[str, Mapping[Case, Parameters]]:
-        return {}
-
-    def _found(self, interface: str) -> Iterator[tuple[Case, Parameters]]:
-        changes = list(self._changes(interface))
+    def _cases(self) -> Mapping[str, Mapping[Case, Parameters]]:
+        changes = {name: list(self._changes(name)) for name in {item.interface for item in self.device.variants}}
+        found: dict[str, dict[Case, Parameters]] = {name: {} for name in changes}
         for variant in self.device.variants:
-            if variant.interface != interface:
-                continue
-            yield (variant.code, ""), variant.parameters
-            for state, changed in changes:
-                yield (variant.code, state), with_changed(self.device, variant, changed)
+            cases = found[variant.interface]
+            cases[variant.code, ""] = variant.parameters
+            for state, changed in changes[variant.interface]:
+                cases[variant.code, state] = with_changed(self.device, variant, changed)
+        return found
 
     def _changes(self, interface: str) -> Iterator[tuple[str, Parameters]]:
         for item in self.device.run_time_parameters:
             if item.interface in ("", interface):
                 bounds = (bound for bound in (item.min, item.max) if bound is not None)
-                yield from ((f"{self.held_in(item)} = {bound}", {item.name: bound}) for bound in bounds)
+                yield from ((f"{self.bits_at(item.read_from)} = {bound}", {item.name: bound}) for bound in bounds)
         for number, alternative in enumerate(self.device.alternatives, 1):
             for index, answer in enumerate(alternative.answers[1:], 2):
                 yield f"answer {index} of alternative {number}", answer.sets
@@ -68,27 +69,25 @@ class Reading:
             found |= set(item.equals.parameters) if isinstance(item.equals, Expression) else set()
         return tuple(sorted(found))
 
-    def held_in(self, item: Parameter) -> str:
-        """Return the bits of a register that hold a parameter, in words without names."""
-        return self.bits_at(item.read_from)
-
     def bits_at(self, path: str) -> str:
         """Return the bits of a register given by ``register.field``, in words without names."""
-        name, _, inner = path.partition(".")
-        register = self.register(name)
-        field = next((item for item in register.layout.fields if item.name == inner), None) if register else None
+        register, field = self._field_at(path)
         if register is None or field is None:
             return path
         return f"{at(register)} {self.bits_of(register.interface, field)}"
 
     def state(self, path: str, name: str) -> str:
         """Return the condition that ``register.field`` has the value ``name``, in words without names."""
-        register, _, inner = path.partition(".")
-        found = self.register(register)
-        fields = found.layout.fields if found is not None else ()
-        values = (value for item in fields if item.name == inner for value in item.values)
+        _, field = self._field_at(path)
+        values = field.values if field is not None else ()
         number = next((in_hex(value.value) for value in values if value.name == name), name)
         return f"{self.bits_at(path)} is {number}"
+
+    def _field_at(self, path: str) -> tuple[Register | None, Field | None]:
+        name, _, inner = path.partition(".")
+        register = self.register(name)
+        fields = register.layout.fields if register is not None else ()
+        return register, next((item for item in fields if item.name == inner), None)
 
     def bits_of(self, interface: str, field: Field) -> str:
         """Return text such as ``bits 7:4`` for a field of a register or frame, for the first order code."""
@@ -110,7 +109,7 @@ class Reading:
         if field.group:
             owner = ("field_groups", field.group)
         own: Path = (*owner, "fields", field.padding_of or field.name)
-        if field.name.startswith(_ZEROS) and not self.has(own):
+        if field.name.startswith(_ZEROS) and not self.document.has(own):
             return (*owner, "other_bits")
         return self.first(own, owner)
 
@@ -121,24 +120,16 @@ class Reading:
         if not layout.selects:
             yield frame
 
-    def flag_places(self, interface: str, name: str) -> Iterator[str]:
-        """Yield the bit of a flag in each frame of an interface that has it."""
-        for layout in self.device.interface(interface).layouts:
-            for field in layout.fields:
-                if field.name == name:
-                    yield from self.bits_in_frames(interface, layout, field)
-
-    def has(self, path: Path) -> bool:
-        """Return True if the file has a value at a place."""
-        return self.document.has(path)
-
-    def name_place(self, owner: Path, language: str) -> Path:
-        """Return the place of a printed name in a language."""
-        return self.first((*owner, "names", language), (*owner, "printed_name"), owner)
+    def printed_names(self, item: Any) -> Mapping[str, str]:
+        """Return the names of an item as printed, by language. Several in one language are alternatives."""
+        found = {language: [plain(text)] for language, text in getattr(item, "names", {}).items()}
+        if name := getattr(item, "printed_name", ""):
+            found.setdefault(self.device.manual.language, []).append(plain(name))
+        return {language: _OR.join(texts) for language, texts in found.items()}
 
     def first(self, *paths: Path) -> Path:
         """Return the first of these places that exists in the file, otherwise the last."""
-        return next((path for path in paths if self.has(path)), paths[-1])
+        return next((path for path in paths if self.document.has(path)), paths[-1])
 
     def key_of(self, register: Register) -> Key:
         """Return the key of a register: interface, bank, address, and readability if several share the address."""
@@ -173,11 +164,6 @@ def short(value: int) -> str:
     return str(value) if value < _LONG else f"0x{value:X}"
 
 
-def bits(high: int, low: int) -> str:
-    """Return text such as ``bit 5`` or ``bits 7:4``."""
-    return f"bit {high}" if high == low else f"bits {high}:{low}"
-
-
 def as_delivered(register: Register) -> tuple[int | None, bool]:
     """Return the factory default of the register, and True if the spec states it explicitly."""
     if register.default is not None:
@@ -193,3 +179,13 @@ def as_delivered(register: Register) -> tuple[int | None, bool]:
             return None, False
         found |= number << item.low.constant
     return found, False
+
+
+def same_name(one: str, other: str) -> bool:
+    """Return True if two readers have a printed name in common. Alternatives are as from ``printed_names``."""
+    return not set(one.split(_OR)).isdisjoint(other.split(_OR))
+
+
+def plain(text: str) -> str:
+    """Return text without the differences between readers: capitals and punctuation."""
+    return _BREAKS.sub(" ", text).strip().casefold() or text

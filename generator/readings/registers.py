@@ -6,23 +6,22 @@ from collections.abc import Iterator, Mapping
 
 from ..model import Choice, Register
 from ..model.limits import bounded, bounds
+from ..say.place import bits
 from .fact import NOTHING, Fact, Facts, Name, Sort
-from .field_properties import Properties
 from .frame_bits import word
-from .reading import Reading, as_delivered, at, bits, in_hex, short
+from .reading import Reading, as_delivered, at, in_hex, short
 from .stated import Subject
 
 
 def add_registers(reading: Reading, facts: Facts) -> None:
     """Add every register, its bits, and its behaviour."""
     for register in reading.device.registers:
-        key, what = reading.key_of(register), at(register)
-        subject = Subject(reading, key, ("registers", register.name), what, register.interface)
+        key, place = reading.key_of(register), ("registers", register.name)
+        subject = Subject(reading, key, place, at(register), register.interface)
         facts.add(_facts(subject, register))
         _add_names(subject, register, facts)
-        facts.follows(Sort.POSITION, len(register.layout.joins))
-        properties = Properties(reading, subject.place, register.interface, what, register)
-        facts.words[key] = word(reading, register.layout, key, what, properties)
+        facts.derived[Sort.POSITION] += len(register.layout.joins)
+        facts.words[key] = word(subject, register.layout, register)
 
 
 def _add_names(subject: Subject, register: Register, facts: Facts) -> None:

@@ -14,7 +14,6 @@ from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, Member
 from ..model.record import dataclass
 from .fact import Fact, Key, Sort, Value
-from .printed_names import printed_names
 from .procedures import programs
 from .reading import Reading, at, in_hex, short
 
@@ -37,9 +36,19 @@ class Subject:
     under: Key | None = None
     joint: str = " of "
 
+    def inside(self, key: Key, place: Path, what: str) -> Subject:
+        """Return a part of the subject, about which there are only facts if there is the subject."""
+        return Subject(self.reading, (*self.key, *key), (*self.place, *place), what, self.interface, self.key)
+
     def first(self, sort: Sort, value: Value, at: str = "", name: str = "", under: Key = ()) -> Fact:
         """Return the fact that the subject exists. ``name`` is the reader's name of it."""
-        return Fact(sort, self.key, value, self.what, (*self.place, at) if at else self.place, under, name=name)
+        place = (*self.place, at) if at else self.place
+        return Fact(sort, self.key, value, self.what, place, under or self.under or (), name=name)
+
+    def present(self, sort: Sort, item: Any, value: str = "present", at: str = "") -> Iterator[Fact]:
+        """Yield the fact that the subject exists, and those that are stated about its part of the model, ``item``."""
+        yield self.first(sort, value, at, getattr(item, "name", ""))
+        yield from self.stated(item)
 
     def fact(self, sort: Sort, name: str, value: Value, noun: str, at: Path | None = None, mild: bool = False) -> Fact:
         """Return another fact about the subject, which ``noun`` describes."""
@@ -49,28 +58,22 @@ class Subject:
 
     def stated(self, item: Any, without: Collection[str] = ()) -> Iterator[Fact]:
         """Yield a fact for each stated member that the table assigns to a class of facts, and for each printed name."""
-        for member, value in _stated(self.reading, item, self.interface):
-            if member.name not in without:
+        own = {each.name for each in fields(item)}
+        for member in PARTS_BY_CLASS[type(item).__name__].members:
+            value = getattr(item, member.attribute) if member.read and member.attribute in own else None
+            if member.is_stated(value) and member.name not in without:
                 # The spec uses its name in the model or in the data.
                 place = self.reading.first((*self.place, member.attribute), (*self.place, member.name))
-                yield self.fact(Sort(member.read), member.name, value, member.noun or member.words, place)
-        names = printed_names(self.reading, getattr(item, "printed_name", ""), getattr(item, "names", {}))
-        for language, text in names:
-            place = self.reading.name_place(self.place, language)
+                text = _text(self.reading, member, value, self.interface)
+                yield self.fact(Sort(member.read), member.name, text, member.noun or member.words, place)
+        for language, text in self.reading.printed_names(item).items():
+            places = (*self.place, "names", language), (*self.place, "printed_name"), self.place
+            place = self.reading.first(*places)
             yield self.fact(Sort.PRINTED, f"name in {language}", text, "printed name", place, mild=True)
 
 
-def _stated(reading: Reading, item: Any, interface: str) -> Iterator[tuple[Member, Value]]:
-    """Yield the stated members of a part of the model with their values, in words without names."""
-    own = {each.name for each in fields(item)}
-    for member in PARTS_BY_CLASS[type(item).__name__].members:
-        if member.read and member.attribute in own:
-            value = getattr(item, member.attribute)
-            if member.is_stated(value):
-                yield member, _text(reading, member, value, interface)
-
-
 def _text(reading: Reading, member: Member, value: Any, interface: str) -> Value:
+    """Return a stated value in words without names."""
     if member.refers_to:
         return _referred(reading, member, value, interface)
     if isinstance(value, Expression):
@@ -107,5 +110,7 @@ def _referred(reading: Reading, member: Member, value: Any, interface: str) -> s
         case "procedure":
             return programs(reading, names)
         case _:
-            texts = {place for name in names for place in reading.flag_places(interface, name)}
+            layouts = reading.device.interface(interface).layouts
+            flags = ((layout, item) for layout in layouts for item in layout.fields if item.name in names)
+            texts = {place for flag in flags for place in reading.bits_in_frames(interface, *flag)}
     return ", ".join(sorted(texts))

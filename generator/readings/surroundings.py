@@ -1,51 +1,55 @@
-"""Facts other than data: contacts, alarms, inputs, the manual's history."""
+"""Facts other than data: contacts, alarms, inputs, the manual's history, characteristics, tables, LEDs."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 
 from ..language.problems import Path
-from ..model import Alarm, Connector, Edition, Manual
+from ..model import Alarm, Edition, Manual
 from .cited import numbers_in
-from .fact import Fact, Sort
-from .printed_names import plain
-from .reading import Reading, at, over
+from .fact import Fact, Key, Sort
+from .reading import Reading, at, over, plain
 from .stated import Subject
 
 
-def contacts(reading: Reading) -> Iterator[Fact]:
+def surroundings(reading: Reading) -> Iterator[Fact]:
+    """Yield all facts other than data."""
+    yield from _connectors(reading)
+    for alarm in reading.device.alarms:
+        for where in _bits_of(reading, alarm):
+            subject = Subject(reading, ("alarm", where), ("alarms", alarm.name), f"the alarm '{alarm.name}'")
+            yield replace(subject.first(Sort.ALARM, "present", name=alarm.name), what=f"alarm at {where}")
+            yield from subject.stated(alarm)
+    for number, item in enumerate(reading.device.inputs, 1):
+        subject = Subject(reading, ("input", number), ("inputs", item.name), f"input {number}")
+        yield from subject.present(Sort.INPUT, item)
+    yield from _history(reading, reading.device.manual)
+    yield from _characteristics(reading)
+    yield from _tables(reading)
+    yield from _leds(reading)
+
+
+def _connectors(reading: Reading) -> Iterator[Fact]:
     """Yield every contact, by interface, number of its connector or cable, and pin or colour."""
-    counts: dict[tuple[str, str], int] = {}
-    for item in reading.device.connectors:
-        for interface in item.interfaces or ("",):
-            counts[interface, item.kind] = counts.get((interface, item.kind), 0) + 1
-            yield from _contacts(reading, item, interface, counts[interface, item.kind])
-
-
-def _contacts(reading: Reading, connector: Connector, interface: str, number: int) -> Iterator[Fact]:
-    what = f"{connector.kind} {number}" + (f" for {over(interface)}" if interface else "")
-    owner = Subject(reading, ("connector", interface, connector.kind, number), ("connectors", connector.name), what)
-    yield owner.first(Sort.PIN, "present", name=connector.name)
-    for item in connector.contacts:
-        key, place = (*owner.key, plain(item.contact)), (*owner.place, "contacts", item.contact)
-        contact = Subject(reading, key, place, f"contact {item.contact} of {what}", joint=" with ")
-        yield contact.first(Sort.PIN, signal(item.signal), at="signal", under=owner.key)
-        yield from contact.stated(item)
-
-
-def signal(text: str) -> str:
-    """Return a signal as used in comparisons: with its sign, without blanks."""
-    return "".join(text.casefold().split())
-
-
-def alarms(reading: Reading) -> Iterator[Fact]:
-    """Yield every alarm, by the place of its bit."""
-    for item in reading.device.alarms:
-        for where in _bits_of(reading, item):
-            subject = Subject(reading, ("alarm", where), ("alarms", item.name), f"the alarm '{item.name}'")
-            yield replace(subject.first(Sort.ALARM, "present", name=item.name), what=f"alarm at {where}")
-            yield from subject.stated(item)
+    counts: Counter[tuple[str, str]] = Counter()
+    every = ((item, interface) for item in reading.device.connectors for interface in item.interfaces or ("",))
+    for connector, interface in every:
+        counts[interface, connector.kind] += 1
+        number = counts[interface, connector.kind]
+        what = f"{connector.kind} {number}" + (f" for {over(interface)}" if interface else "")
+        key: Key = ("connector", interface, connector.kind, number)
+        owner = Subject(reading, key, ("connectors", connector.name), what)
+        yield owner.first(Sort.PIN, "present", name=connector.name)
+        for item in connector.contacts:
+            place: Path = (*owner.place, "contacts", item.contact)
+            what = f"contact {item.contact} of {owner.what}"
+            contact = Subject(reading, (*owner.key, plain(item.contact)), place, what, joint=" with ")
+            # Two readers differ in capitals and blanks, but not in the sign of a signal.
+            signal = "".join(item.signal.casefold().split())
+            yield contact.first(Sort.PIN, signal, at="signal", under=owner.key)
+            yield from contact.stated(item)
 
 
 def _bits_of(reading: Reading, alarm: Alarm) -> Iterator[str]:
@@ -60,51 +64,36 @@ def _bits_of(reading: Reading, alarm: Alarm) -> Iterator[str]:
                 yield from (f"{place} over {interface.short}" for place in places)
 
 
-def inputs(reading: Reading) -> Iterator[Fact]:
-    """Yield every hardware input, in the order of the manual."""
-    for number, item in enumerate(reading.device.inputs, 1):
-        subject = Subject(reading, ("input", number), ("inputs", item.name), f"input {number}")
-        yield subject.first(Sort.INPUT, "present", name=item.name)
-        yield from subject.stated(item)
-
-
-def history(reading: Reading) -> Iterator[Fact]:
-    """Yield the edition that was read, and the manual's revisions."""
-    manual = reading.device.manual
-    yield from _edition(reading, manual, ("manual",))
-    for item in manual.editions:
-        yield from _edition(reading, item, ("manual", "editions", item.revision))
+def _history(reading: Reading, manual: Manual) -> Iterator[Fact]:
+    """Yield the editions that were read, and the manual's revisions."""
+    editions: list[tuple[Path, Manual | Edition]] = [(("manual",), manual)]
+    editions += [(("manual", "editions", item.revision), item) for item in manual.editions]
+    for place, edition in editions:
+        subject = Subject(reading, ("edition", edition.language), place, f"the edition '{edition.language}'")
+        what = f"revision of {subject.what}"
+        yield replace(subject.first(Sort.HISTORY, edition.revision, at="revision"), what=what)
+        yield from subject.stated(edition)
     for row in manual.history:
         key, place = ("revision", row.revision), ("manual", "history", row.revision)
-        subject = Subject(reading, key, place, f"revision {row.revision}")
-        yield subject.first(Sort.HISTORY, "listed")
-        yield from subject.stated(row)
+        yield from Subject(reading, key, place, f"revision {row.revision}").present(Sort.HISTORY, row, "listed")
 
 
-def _edition(reading: Reading, item: Manual | Edition, place: Path) -> Iterator[Fact]:
-    subject = Subject(reading, ("edition", item.language), place, f"the edition '{item.language}'")
-    yield Fact(Sort.HISTORY, subject.key, item.revision, f"revision of {subject.what}", (*place, "revision"))
-    yield from subject.stated(item)
-
-
-def characteristics(reading: Reading) -> Iterator[Fact]:
+def _characteristics(reading: Reading) -> Iterator[Fact]:
     """Yield every characteristic by its name, with its quantities in the order of the text."""
     for item in reading.device.characteristics:
         key, place = ("characteristic", item.name), ("characteristics", item.name)
         subject = Subject(reading, key, place, f"the characteristic '{item.name}'")
-        yield subject.first(Sort.CHARACTERISTIC, "present", name=item.name)
-        yield from subject.stated(item)
+        yield from subject.present(Sort.CHARACTERISTIC, item)
         for index, value in enumerate(item.values):
             what = f"{value.quantity} {index + 1} of {subject.what}"
-            yield from Subject(reading, (*key, index), (*place, "values", index), what, under=key).stated(value)
+            yield from subject.inside((index,), ("values", index), what).stated(value)
 
 
-def tables(reading: Reading) -> Iterator[Fact]:
+def _tables(reading: Reading) -> Iterator[Fact]:
     """Yield every table by its name, with the numbers in its cells by row and column."""
     for item in reading.device.tables:
         subject = Subject(reading, ("table", item.name), ("tables", item.name), f"the table '{item.name}'")
-        yield subject.first(Sort.TABLE, f"{len(item.rows)} rows", name=item.name)
-        yield from subject.stated(item)
+        yield from subject.present(Sort.TABLE, item, f"{len(item.rows)} rows")
         for number, row in enumerate(item.rows):
             for column, cell in enumerate(row):
                 if numbers := numbers_in(cell):
@@ -112,13 +101,12 @@ def tables(reading: Reading) -> Iterator[Fact]:
                     yield subject.fact(Sort.TABLE, f"{number} {column}", numbers, noun, place)
 
 
-def leds(reading: Reading) -> Iterator[Fact]:
+def _leds(reading: Reading) -> Iterator[Fact]:
     """Yield every LED by its name, with its states in the order of the manual."""
     for item in reading.device.leds:
         owner = Subject(reading, ("led", item.name), ("leds", item.name), f"the LED '{item.name}'")
         yield owner.first(Sort.LED, f"{len(item.states)} states", name=item.name)
         for number, state in enumerate(item.states):
-            key, place = (*owner.key, number), (*owner.place, "states", number)
-            subject = Subject(reading, key, place, f"state {number + 1} of {owner.what}", under=owner.key)
+            subject = owner.inside((number,), ("states", number), f"state {number + 1} of {owner.what}")
             yield subject.fact(Sort.LED, "state", state.state.casefold(), "words")
             yield from subject.stated(state)
