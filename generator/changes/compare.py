@@ -189,7 +189,9 @@ def _named_in_code(both: FamilyPair, pair: Pair[Any], place: Thing) -> Thing:
         return thing
     device = both.new if pair.old is None else both.old
     words = {"manufacturer": device.manufacturer.name, "family": device.name, "name": pair.first.name}
-    words["interface"] = interface or getattr(pair.first, "interface", "") or device.interfaces[0].name
+    # Of a faulty spec, there may be no interface.
+    names = (interface, getattr(pair.first, "interface", ""), *(item.name for item in device.interfaces))
+    words["interface"] = next(filter(None, names), "")
     words |= {key.upper(): text.upper() for key, text in words.items()}
     words["Name"] = "".join(part[:1].upper() + part[1:] for part in pair.first.name.split("_"))
     c, python = (text.format(**words) for text in _NAMES[kind])

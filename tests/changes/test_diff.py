@@ -263,6 +263,16 @@ def test_an_earlier_form_of_the_language(git: Git, tmp_path: Path, capsys: pytes
     )
 
 
+def test_a_spec_without_interfaces_is_compared(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "specs" / "demo.yaml"
+    edit(file, "\ninterfaces:", "\ninterface:")
+    git("commit", "-q", "-a", "-m", "old form")
+    edit(file, "\ninterface:", "\ninterfaces:")
+    code, out, _ = diff(capsys, "--lenient", "HEAD:specs", "specs")
+    assert code == 1
+    assert "order codes DEMO…: 12 new" in out
+
+
 def test_a_spec_without_evidence_is_compared(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "specs" / "demo.yaml"
     text = file.read_text(encoding="utf-8")
