@@ -57,6 +57,7 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
     layouts = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
     wanted = (item for item in layouts if item.name == layout or layout is None)
     placed = next((item.place(variant.parameters) for item in wanted), None)
+    exact = have_lengths(layouts, sender)
 
     def decoded(text: str) -> codec.Decoded:
         text = checked(text)
@@ -73,8 +74,8 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
             )
         if placed.layout.in_bytes and layout is None:
             return codec.decode_bytes(device, variant, sender, frame_bytes(text))
-        at = placed if layout is not None else _of_length(text, placed, layouts, variant)
-        return decoded_as(device, at, text, exact=have_lengths(layouts, sender))
+        at = _of_length(text, placed, layouts, variant) if exact and layout is None else placed
+        return decoded_as(device, at, text, exact=exact)
 
     return decoded
 
@@ -91,7 +92,7 @@ def decode_register_text(device: Device, variant: Variant, name: str, text: str)
 
 def _of_length(text: str, first: PlacedLayout, layouts: Sequence[Layout], variant: Variant) -> PlacedLayout:
     """Return the only layout that has the length of the text, or ``first`` if that fits or several do."""
-    if not have_lengths(layouts, first.layout.sender) or _has_length(first, text):
+    if _has_length(first, text):
         return first
     found = [at for at in (item.place(variant.parameters) for item in layouts) if _has_length(at, text)]
     return found[0] if len(found) == 1 else first
