@@ -424,16 +424,23 @@ class Device:
 
         Without a measurement, they are those named ``position``.
         """
-        measurement = self.measurement_of(interface)
-        of = measurement.of if measurement is not None else "position"
-        joins = (join for layout in self.interface(interface).layouts for join in layout.joins)
-        return frozenset({of}.union(*(join.fields for join in joins if join.name == of)))
+        return self._position_names[interface]
+
+    @cached_property
+    def _position_names(self) -> dict[str, frozenset[str]]:
+        found = {}
+        for interface in self.interfaces:
+            measurement = self.measurement_of(interface.name)
+            of = measurement.of if measurement is not None else "position"
+            joins = (join for layout in interface.layouts for join in layout.joins)
+            found[interface.name] = frozenset({of}.union(*(join.fields for join in joins if join.name == of)))
+        return found
 
     def tells_position(self, interface: str, layout: Layout) -> bool:
         """Return whether frames of this layout send the position, or a part of it, to the master."""
         names = self.position_names(interface)
-        here = {item.name for item in layout.fields} | {item.name for item in layout.joins}
-        return layout.sender == "encoder" and not names.isdisjoint(here)
+        tells = any(join.name in names for join in layout.joins) or any(field.name in names for field in layout.fields)
+        return layout.sender == "encoder" and tells
 
     def highest_in(self, layout: Layout) -> tuple[Field, Expression] | None:
         """Return the field of a frame that has a highest valid value lower than its width allows, and that value.

@@ -329,7 +329,10 @@ class PlacedLayout:
         return self.layout.name
 
     def field(self, name: str) -> PlacedField | None:
-        return next((item for item in self.fields if item.name == name), None)
+        for item in self.fields:  # a generator takes twice as long, and decode - calls this for every line
+            if item.field.name == name:
+                return item
+        return None
 
     @property
     def crc_covers(self) -> tuple[int, int]:

@@ -210,9 +210,9 @@ def _decode_crc(device: Device, placed: PlacedLayout, number: int, problems: lis
 def _decode_join(placed: PlacedLayout, join: Join, number: int, plain: int) -> DecodedField:
     parts = " and ".join(name for name in join.fields if placed.field(name) is not None)
     meaning = as_one_number(parts) if len(join.fields) > 1 else ""
-    return DecodedField(
-        join.name, join_value(placed, join, number), join_value(placed, join, plain), "", meaning, -1, -1
-    )
+    value = join_value(placed, join, plain)
+    raw = join_value(placed, join, number) if placed.gray else value
+    return DecodedField(join.name, raw, value, "", meaning, -1, -1)
 
 
 def unused_bits(placed: PlacedLayout, number: int) -> int:
