@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 
 from ..language.problems import DocumentReport, Path
 from ..model import Device, Interface, Layout, Measurement, Variant
@@ -105,7 +106,11 @@ def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, 
                     f" {value + 1}"
                 ),
             )
-    return _does_not_fit(device, measurement, case, key, values) or _uneven(case, key, values)
+    return (
+        _does_not_fit(device, measurement, case, key, values)
+        or _upside_down(measurement, case, key, values)
+        or _uneven(case, key, values)
+    )
 
 
 def _does_not_fit(
@@ -129,6 +134,26 @@ def _does_not_fit(
                 " field"
             ),
         )
+    return None
+
+
+def _upside_down(measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:
+    """Return an error if a number of revolutions is below the position within one.
+
+    In a frame of bytes, the order in which fields are sent does not tell which one is more significant.
+    """
+    if key != "counts_per_turn":
+        return None
+    names = [name for name, _ in case.fields]
+    count_turns = [case.layout.field(name).unit in _REVOLUTIONS for name in names]
+    if not any(count_turns) and len(names) == 2:
+        # Without units, the widths tell which one is which.
+        (_, above), (_, below) = case.fields
+        count_turns[1] = above != below and values[key] == 1 << above and values.get("turns") == 1 << below
+    for (above_it, is_above), (name, is_turns) in pairwise(zip(names, count_turns, strict=True)):
+        if is_turns and not is_above:
+            wrong = f"'{measurement.of}' has '{name}', which counts revolutions, below '{above_it}'"
+            return key, f"{wrong}; list '{name}' first in its 'join'"
     return None
 
 
