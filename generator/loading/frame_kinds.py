@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..language.problems import DocumentReport, Path
-from ..model import Constant, Device, Field, Interface, Layout, Number, Rs485
+from ..model import Constant, Device, Field, Interface, Layout, Number, Rs485, Spi
 from .valid_parts import sound_so_far
 
 
@@ -27,6 +27,27 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
                 owner = ("field_groups", field.group) if field.group else here
                 wrong = f"'{field.name}' can be any number, but it is always {value:#x} in '{other.name}'"
                 way = f"a frame '{other.name}' would decode as '{layout.name}'; give this field its 'constant'"
+                report.add("frame-kind", (*owner, "fields", field.name), f"{wrong}, so {way}")
+    for each in device.interfaces if sound_so_far(report).has_frames else ():
+        _check_replies(each, report)
+
+
+def _check_replies(interface: Interface, report: DocumentReport) -> None:
+    """Report a number in a reply that is a constant in each of its requests, so that any other reply would decode."""
+    sent = interface.exchanges if isinstance(interface, (Rs485, Spi)) else ()
+    layouts = {item.name: item for item in interface.layouts}
+    for reply in interface.layouts:
+        requests = [layouts[item.request] for item in sent if item.reply == reply.name]
+        for field in reply.fields if requests else ():
+            same = (item for request in requests for item in request.fields if item.name == field.name)
+            constants = {item.kind.value if isinstance(item.kind, Constant) else None for item in same}
+            value = constants.pop() if len(constants) == 1 else None
+            if isinstance(field.kind, Number) and value is not None:
+                here: Path = ("interfaces", interface.name, "layouts", reply.name)
+                owner = ("field_groups", field.group) if field.group else here
+                wrong = f"'{field.name}' can be any number, but it is always {value:#x} in '{requests[0].name}'"
+                where = " in each layout, instead of in the group" if field.group else ""
+                way = f"the reply to another request would decode; give this field the same 'constant'{where}"
                 report.add("frame-kind", (*owner, "fields", field.name), f"{wrong}, so {way}")
 
 

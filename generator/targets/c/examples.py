@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from ...model import (
     ModifyStep,
+    Number,
     Register,
     RegisterStep,
     Rs485,
@@ -220,7 +221,10 @@ class ExampleCode:
     @property
     def asking(self) -> Asking | None:
         """The request frame over RS-485 that the frame answers, or None if the request has only a control field."""
-        return self.view.interface.asking(self.frame.layout)
+        placed = self.frame.layout.place(self._chosen.variant.parameters)
+        numbers = (item for item in placed.fields if isinstance(item.field.kind, Number))
+        given = {item.name: self.frame.wire >> item.low & item.mask for item in numbers}
+        return self.view.interface.asking(self.frame.layout, given)
 
     @property
     def request(self) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
 
 from ...model import Biss, CableLength, Clock, Interface, Layout, Port, Rs485, Spi, Timeout, WordFormat, cite
 from ...model.record import dataclass
@@ -22,6 +23,7 @@ from .context import Context
 from .expr import Expr
 from .macros import Macro, timing_macros
 from .names import Declared
+from .reserved import c_name
 from .structs import Struct
 from .style import S
 from .types import number
@@ -56,13 +58,15 @@ class FrameTeller:
 class Asking:
     """Request for a reply: its initial value, the function that receives the reply, and a time-out.
 
-    The time-out is the time that both take on the line, plus ``ANSWER_US`` until the encoder answers.
+    ``repeated`` are the members that the reply repeats, such as an address. The time-out is the time that both take on
+    the line, plus ``ANSWER_US`` until the encoder answers.
     """
 
     codec: StructCodec
     initial: str
     take: str
     late_us: int
+    repeated: tuple[str, ...]
 
 
 class InterfaceCode:
@@ -116,8 +120,8 @@ class InterfaceCode:
         names = (f"{self.upper}_CONTROL_{item.name}" for item in of.data_ids if answer(of, item.id) is reply)
         return next(names, "").upper()
 
-    def asking(self, reply: Layout) -> Asking | None:
-        """Return the request whose reply is a frame in bytes, or None."""
+    def asking(self, reply: Layout, given: Mapping[str, int] = MappingProxyType({})) -> Asking | None:
+        """Return the request whose reply is a frame in bytes, with the given numbers in its fields, or None."""
         found = (item for item in exchanges(self.interface) if item.reply is reply and reply.in_bytes)
         item = next(found, None)
         port = next((fact for fact in self.interface.facts() if isinstance(fact, Port)), None)
@@ -127,8 +131,10 @@ class InterfaceCode:
         bits = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
         size = (item.request.widest + reply.widest) // 8
         parameters = next(one.parameters for one in self.device.variants if one.interface == self.interface.name)
-        initial = codec.struct.initial(parameters)
-        return Asking(codec, initial, _take(item), ANSWER_US - -1_000_000 * size * bits // port.baud)
+        initial = codec.struct.initial(parameters, given)
+        answered = {field.name for field in reply.data_fields}
+        repeated = tuple(c_name(field.name) for field in item.request.data_fields if field.name in answered)
+        return Asking(codec, initial, _take(item), ANSWER_US - -1_000_000 * size * bits // port.baud, repeated)
 
     def frame_name(self, layout: Layout) -> str:
         return f"{self.upper}_FRAME_{layout.name}".upper()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
 
 from ...model import Field, Layout, Register, assert_never
 from ...plan.codec import Codec, characters, codec_of
@@ -114,12 +115,12 @@ class Struct:
         whole = next((item for item in self.plan.wholes if item.join.name == name), None)
         return unsigned(whole.widest) if whole is not None else self.type_of(self.layout.field(name))
 
-    def initial(self, parameters: Mapping[str, int]) -> str:
-        """Return the initial value with the defaults of the spec, and 0 for fields that have none.
+    def initial(self, parameters: Mapping[str, int], asked: Mapping[str, int] = MappingProxyType({})) -> str:
+        """Return the initial value with the numbers asked for and the defaults of the spec, and 0 for other fields.
 
         ``parameters`` are those of an order code. The bits of a member ``unused`` that is 0 are as documented.
         """
-        numbers = {part.field.name: _default(part.field) for part in self.plan.parts}
+        numbers = {part.field.name: asked.get(part.field.name, _default(part.field)) for part in self.plan.parts}
         if not any(numbers.values()):
             return "0U"
         given = [text for part in self.plan.parts for text in self._initial_of(part.field, numbers[part.field.name])]
