@@ -18,6 +18,9 @@ def requests(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     interface = mapping(spec, *_HERE)
     if not interface:
         return
+    if mapping(interface, "port").get("data_bits", 8) != 8:
+        wrong = "frames over RS-485 consist of bytes, so a character has 8 data bits, and its parity bit is 'parity'"
+        report.add(_RULE, (*_HERE, "port", "data_bits"), wrong)
     if "exchanges" not in interface:
         if "data_ids" not in mapping(raw, *_HERE):
             wrong = "no request is described; add 'data_ids' (for frames like those of the T-format) or 'exchanges'"
