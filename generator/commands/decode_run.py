@@ -18,7 +18,7 @@ from ..reference.findings import Difference, Findings, findings
 from .choose import UndecidedError, refuse_undecided
 from .decode import decode_register_text, decoded_data, explain, label_lines, text_decoder, why_text
 from .frame_text import FrameTextError, Line, frame_lines
-from .other_frames import OtherFrames, other_frames_line
+from .other_frames import OtherFrames, is_another, other_frames_line
 
 if TYPE_CHECKING:
     from ..why.mistakes import Why
@@ -103,6 +103,7 @@ class Decoding:
                 said = replace(said, differences=(*self._request.others, *said.differences, *strange))
             self._codes.add(_code(decoded, said))
             others = self._others.of(line.text, decoded) if self._others is not None else ()
+            why = why if not is_another(decoded, others) else None
             # Someone who reads many frames should not have to wait for the end.
             print(self._text(line, decoded, said, why, others), flush=line.number is not None)
 

@@ -45,11 +45,13 @@ def other_frames_line(decoded: Decoded, others: Sequence[PlacedLayout]) -> str:
     names = ", ".join(item.name for item in others)
     if not decoded.problems:
         return f"this can also be another frame: {names} (choose with --layout)"
-    if len(others) == 1 and _is_checked(others[0]):
+    if is_another(decoded, others):
         return f"this is a valid {names}: add --layout {names}"
     return f"this can be another frame: {names} (choose with --layout)"
 
 
-def _is_checked(placed: PlacedLayout) -> bool:
-    """Return whether a frame has bits that tell a valid one from random bits."""
-    return any(isinstance(item.field.kind, (Constant, CrcValue, Parity)) for item in placed.fields)
+def is_another(decoded: Decoded, others: Sequence[PlacedLayout]) -> bool:
+    """Return whether a wrong frame is a valid one of another kind, whose check bits match, so it has no mistake."""
+    if not decoded.problems or len(others) != 1:
+        return False
+    return any(isinstance(item.field.kind, (Constant, CrcValue, Parity)) for item in others[0].fields)
