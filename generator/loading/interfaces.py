@@ -74,7 +74,7 @@ def _check_words(raw: Raw, layouts: Sequence[Layout], site: Site) -> None:
 
 def _checked(raw: Raw, site: Site, *below: str | int) -> Expression | None:
     """Return ``word_bits`` of an interface or exchange, and check its range for every order code."""
-    bits = site.context.expression(raw["word_bits"])
+    bits = site.context.expression(raw.get("word_bits", _WORD[0]))
     low, high = _WORD
     lengths = sorted({bits.value(parameters) for parameters in site.sets} if bits is not None else ())
     for length in [length for length in lengths if not low <= length <= high][:1]:
@@ -121,7 +121,7 @@ def _rs485(raw: Raw, context: Context) -> Mapping[str, Any]:
 
 
 def _spi(raw: Raw, context: Context) -> Mapping[str, Any]:
-    clock, bits = {"min_hz": 0, **raw.get("clock", {})}, context.expression(raw["word_bits"])
+    clock, bits = {"min_hz": 0, **raw.get("clock", {})}, context.expression(raw.get("word_bits", _WORD[0]))
     return {"clock": record(Clock, clock), "word_bits": bits, "exchanges": _exchanges(raw, context)}
 
 

@@ -41,14 +41,16 @@ def is_sound(layout: Layout, site: Site, low_byte_first: bool) -> bool:
     ``low_byte_first`` is true if the spec says so, also for a layout that is carried as bits.
     """
     before = len(site.context.report)
+    on_line = INTERFACES[site.interface].carried_as == "bits" and site.path[0] == "interfaces"
     if layout.in_bytes and (not layout.bits.is_constant or layout.bits.constant % 8):
         wrong = f"'{layout.name}' has {layout.bits.render()} bits, not a whole number of bytes"
+        if on_line and not layout.bits.is_constant:
+            wrong = f"'{layout.name}' has {layout.bits.render()} bits; a frame that is carried as bytes has one length"
         site.report("width-mismatch", wrong)
     if not layout.in_bytes and layout.widest > LARGEST_NUMBER:
         wrong = f"'{layout.name}' has {layout.widest} bits; the maximum is {LARGEST_NUMBER}"
         can_be_bytes = layout.bits.is_constant and layout.widest <= LARGEST_BYTES and site.interface != Spi.name
         site.report("too-long", f"{wrong}, or {LARGEST_BYTES} with 'carried_as: bytes'" if can_be_bytes else wrong)
-    on_line = INTERFACES[site.interface].carried_as == "bits" and site.path[0] == "interfaces"
     if layout.in_bytes and on_line and layout.widest > LARGEST_BYTES:
         sent = layout.sent_bits.constant
         site.report("too-long", f"'{layout.name}' has {sent} bits; the maximum is {LARGEST_BYTES}")

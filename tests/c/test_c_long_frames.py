@@ -6,6 +6,7 @@ The lines are drawn here bit by bit, as in the protocol description of BiSS C (p
 from __future__ import annotations
 
 import random
+import shutil
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
@@ -235,3 +236,22 @@ def test_an_array_of_another_size_does_not_compile(code: str, include: Path, tmp
         (tmp_path / "text.c").write_text(text)
         command = ["gcc", "-std=c99", "-Werror", "-fsyntax-only", f"-I{include}", str(tmp_path / "text.c")]
         assert (subprocess.run(command, capture_output=True).returncode == 0) is sound, arrays
+
+
+def test_the_example_of_an_interface_with_words_and_bytes(tmp_path: Path) -> None:
+    """The program shows the first frame, which is a word. The bytes of the second one have the macro of a length."""
+    shutil.copy(SPECS / "manufacturer.yaml", tmp_path)
+    text = (SPECS / "long.yaml").read_text(encoding="utf-8")
+    at = text.index("      - name: ssi_word\n")
+    short = (
+        text[at : text.index("measurement:")]
+        .replace("ssi_word", "ssi_short")
+        .replace("          - {name: status, bits: 6}\n", "")
+    )
+    short = short.replace("        carried_as: bytes\n        byte_order: high_byte_first\n", "")
+    (tmp_path / "long.yaml").write_text(text[:at] + short + text[at:], encoding="utf-8")
+    include = write(tmp_path, devices_of(tmp_path))
+    for program in sorted((tmp_path / "c" / "examples").glob("*.c")):
+        command = ["gcc", "-std=c99", *WARNINGS, "-Werror", f"-I{include}", str(program), "-o", str(tmp_path / "made")]
+        subprocess.run(command, check=True)
+        assert subprocess.run([tmp_path / "made"], capture_output=True).returncode == 0

@@ -27,6 +27,7 @@ REQUESTS = {
     "magntek/mt6835_spi": "A0 03 00 00 00 00",
     "melexis/mlx90363_spi": GET1,
 }
+MAKER = "codewheel: 1\nmanufacturer: test\ntitle: Test\nsource: '1'\n"
 #: The same request with a joined number, a flag and a named value.
 MLX = """
 codewheel: 1
@@ -100,8 +101,15 @@ def test_a_program_sends_the_request_for_its_frame(name: str, packages: Path) ->
 
 def test_a_request_has_the_defaults_of_its_fields(tmp_path: Path) -> None:
     """The parts of a joined number agree with it, and a named value without a default is one that exists."""
-    maker = "codewheel: 1\nmanufacturer: test\ntitle: Test\nsource: '1'\n"
-    (tmp_path / "manufacturer.yaml").write_text(maker, encoding="utf-8")
+    (tmp_path / "manufacturer.yaml").write_text(MAKER, encoding="utf-8")
     (tmp_path / "mlx.yaml").write_text(MLX, encoding="utf-8")
     assert main(["generate", str(tmp_path), "--target", "c", "-o", str(tmp_path)]) == 0
     assert sent(tmp_path, "mlx_spi") == [GET1, GET1]
+
+
+def test_a_field_that_must_be_a_power_of_two_is_one(tmp_path: Path) -> None:
+    (tmp_path / "manufacturer.yaml").write_text(MAKER, encoding="utf-8")
+    spec = MLX.replace("{name: zero_4, bits: 16, unused: 0}", "{name: rate, bits: 16, power_of_two: true}")
+    (tmp_path / "mlx.yaml").write_text(spec, encoding="utf-8")
+    assert main(["generate", str(tmp_path), "--target", "c", "-o", str(tmp_path)]) == 0
+    assert {request[:17] for request in sent(tmp_path, "mlx_spi")} == {"00 00 FF FF 00 01"}

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from copy import copy
 
-from ...model import Biss, Device, Interface
+from ...model import Biss, Device, Interface, Layout
 from ...plan.receive_lengths import BISS_ACKNOWLEDGE, Received, received
 from ...say.parameter import initial
 from ...say.words import hertz, nanoseconds, timeout_words
@@ -27,6 +28,7 @@ class LengthCode:
         self.answers = tuple(dict.fromkeys(answer.name for item in found for answer in item.answers))
         #: Macro of the bytes in a frame that is carried as bytes, empty for words.
         self.length = next((context.length_macro(item.layout) for item in found if item.layout.in_bytes), "")
+        self._context = context
         self.held = any(item.held for item in found)
         #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
@@ -46,6 +48,12 @@ class LengthCode:
         """Explain how the macro names an order code."""
         code = self.code_of(self._shown) if self._shown is not None else ""
         return f"For example, code can be {code}, as in {self._prefix}{code}_BITS."
+
+    def of(self, layout: Layout) -> LengthCode:
+        """Return the same for one frame. Of an interface, some frames may be words, and others bytes."""
+        found = copy(self)
+        found.length = self._context.length_macro(layout) if layout.in_bytes else ""
+        return found
 
     def holder(self, index: str = "") -> str:
         """Declare the variable that receives a frame, or an array of them."""

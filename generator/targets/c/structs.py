@@ -170,6 +170,8 @@ def _default(field: Field) -> int:
     """Return the default of a field, or a value that an encoder accepts."""
     if field.default is not None:
         return field.default
+    if field.number.power_of_two:
+        return 1
     match meaning_of(field):
         case Named(values):
             return min(item.value for item in values)
