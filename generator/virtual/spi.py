@@ -27,8 +27,10 @@ class SpiLine:
             raise ValueError(f"{encoder.variant.code} has no SPI")
         self.encoder, self.interface = encoder, interface
         parameters = encoder.variant.parameters
-        self.word_bits = interface.word_bits.value(parameters)
         self._lengths = sorted({item.value(parameters) for item in interface.lengths}, reverse=True)
+        own = interface.word_bits.value(parameters)
+        #: Bits of a word whose request is not known. Each exchange may have a length of its own.
+        self.word_bits = own if own in self._lengths else self._lengths[-1]
         self._writes = [item for item in interface.exchanges if item.purpose == "write"]
         self._written: dict[str, int] = {}
         self._next = 0, self.word_bits
@@ -39,7 +41,8 @@ class SpiLine:
 
         Args:
             word: The word, whose first bit is the most significant.
-            bits: Number of bits of the word. Default: ``word_bits`` of the interface.
+            bits: Number of bits of the word. Default: ``word_bits`` of the interface, or the shortest length if no
+                word has that one.
 
         Raises:
             ValueError: The encoder has no words of this length, or the word does not fit.
@@ -61,7 +64,8 @@ class SpiLine:
         while (bits := self._arrived()) is not None:
             size = (bits + 7) // 8
             word, self._received = self._received[:size], self._received[size:]
-            self._answers += self.exchange(int.from_bytes(word, "big"), bits).to_bytes(size, "big")
+            number = int.from_bytes(word, "big") & (1 << bits) - 1
+            self._answers += self.exchange(number, bits).to_bytes(size, "big")
 
     def send(self) -> bytes:
         """Return each answer once."""
