@@ -37,7 +37,7 @@ def _check_replies(interface: Interface, report: DocumentReport) -> None:
     sent = interface.exchanges if isinstance(interface, (Rs485, Spi)) else ()
     layouts = {item.name: item for item in interface.layouts}
     for reply in interface.layouts:
-        requests = [layouts[item.request] for item in sent if item.reply == reply.name]
+        requests = [layouts[item.request] for item in sent if item.reply == reply.name and item.request in layouts]
         for field in reply.fields if requests else ():
             same = (item for request in requests for item in request.fields if item.name == field.name)
             constants = {item.kind.value if isinstance(item.kind, Constant) else None for item in same}
