@@ -23,7 +23,7 @@ _ENVIRONMENT = "pyvenv.cfg"
 #: Number of bytes inspected at the start of a file.
 _LOOKED_AT = 2**20
 _CONTENT = re.compile(rb"^([ \t]*)[^\s#%-]", re.MULTILINE)
-_KEY = rb"""["']?([a-z_]+)["']?[ \t]*:(?=\s|$)"""
+_KEY = rb"""["']?(?<![a-z_])([a-z_]+)["']?[ \t]*:(?=\s|$)"""
 
 
 @dataclass(frozen=True, slots=True)

@@ -101,13 +101,16 @@ class Expression:
         """Return the value for these parameters.
 
         Raises:
-            ExpressionError: A parameter is missing, or an exponent is out of range.
+            ExpressionError: A parameter is missing, an exponent is out of range, or a product is too large.
         """
         total = self.constant
         for term in self.terms:
             number = term.multiple
             for factor in term.factors:
                 number *= _value(factor, parameters)
+                # Products of products, each a parameter of its own, would grow until the memory is full.
+                if abs(number) >> 2 * LARGEST_EXPONENT:
+                    raise ExpressionError(f"the product is larger than 2^{2 * LARGEST_EXPONENT}")
             total += number
         return total
 

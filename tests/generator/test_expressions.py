@@ -51,6 +51,13 @@ def test_huge_exponents_by_parameter_are_refused() -> None:
         Expression.parse("2^a").value({"a": 10**9})
 
 
+def test_a_huge_product_is_refused() -> None:
+    product = Expression.parse("a * b")
+    assert product.value({"a": 2**128, "b": 2**127}) == 2**255
+    with pytest.raises(ExpressionError, match="larger than 2\\^256"):
+        product.value({"a": 2**128, "b": -(2**128)})
+
+
 def test_unknown_parameters_are_named() -> None:
     with pytest.raises(ExpressionError, match="there is no parameter 'b'"):
         Expression.parse("a + b").value({"a": 1})

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import pytest
 from codewheel.commands.cli import main
 from codewheel.model import Device
+from codewheel.model.only import fits
 from codewheel.order_codes.labels import UnknownOrderCode, find
 
 
@@ -168,3 +169,9 @@ def test_a_label_without_end_is_refused_at_once(amm5: Device, label: str, capsys
     shown = capsys.readouterr().err
     assert shown.startswith(f"codewheel: '{label[:20]}...' is not an order code: it has {len(label)} characters")
     assert len(shown) < 200
+
+
+def test_many_gaps_in_a_pattern_share_the_text_in_one_way() -> None:
+    """With every way to share it, this takes hours."""
+    assert fits("...A" * 12, "A" * 36)
+    assert not fits("...A" * 12 + "...Z", "A" * 36)

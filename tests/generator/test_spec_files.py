@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.language.files import own_specs
+from codewheel.language.files import own_specs, top_keys
 from codewheel.language.problems import Report
 from codewheel.language.read import read_specs
 
@@ -55,6 +55,13 @@ def test_specs_are_told_from_the_yaml_of_others(tmp_path: Path) -> None:
     (tmp_path / "utf16.yaml").write_bytes("device: x\n".encode("utf-16"))
     (tmp_path / "gone.yaml").symlink_to("nowhere")
     assert read(tmp_path) == ({*SPECS, "utf16.yaml", "gone.yaml"}, set(FOREIGN))
+
+
+def test_a_long_name_is_read_once(tmp_path: Path) -> None:
+    """Half a megabyte takes hours if each letter is a possible beginning of a key."""
+    path = tmp_path / "long.yaml"
+    path.write_text(f'{{"device": 1, "{"x" * 500_000}": 2, "title": "{"y" * 500_000}"}}', encoding="ascii")
+    assert top_keys(path) == {"device", "x" * 500_000, "title"}
 
 
 @pytest.mark.parametrize("name", FOREIGN)

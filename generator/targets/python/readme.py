@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -59,6 +60,12 @@ class Shown:
     looked_up: bool = False
     answers: str = ""
     module: str = ""
+
+    @property
+    def fence(self) -> str:
+        """Fence of the block with ``tried``, longer than any in these texts, which come from the spec."""
+        runs = re.findall("`+", "".join(self.tried))
+        return "`" * max([3, *(len(run) + 1 for run in runs)])
 
     @property
     def lines(self) -> tuple[str, ...]:
