@@ -7,7 +7,7 @@ import json
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO
 
 from ..model import Device, PlacedLayout, Verdict
 from ..order_codes.labels import Match
@@ -28,6 +28,8 @@ DONE, FAULT, NO_FRAME, NOT_USABLE = 0, 1, 2, 3
 _WORST_FIRST = (NO_FRAME, FAULT, NOT_USABLE)
 #: Number of frames after which a message names the command for many frames.
 MANY = 10_000
+#: Characters of a line that are kept in memory.
+_LONGEST_LINE = 1 << 16
 _ONE_LINE = json.JSONEncoder(ensure_ascii=False)
 
 
@@ -52,7 +54,7 @@ def frames(arguments: Sequence[str]) -> Iterator[Line]:
     if list(arguments) == ["-"]:
         if isinstance(sys.stdin, io.TextIOWrapper):
             sys.stdin.reconfigure(errors="replace")
-        yield from frame_lines(sys.stdin)
+        yield from frame_lines(_bounded(sys.stdin))
         return
     text = " ".join(arguments)
     found = list(frame_lines(text.splitlines()))
@@ -61,6 +63,14 @@ def frames(arguments: Sequence[str]) -> Iterator[Line]:
     yield from found if len(found) != 1 else ()
     if not found:
         yield Line(None, "", text)
+
+
+def _bounded(file: TextIO) -> Iterator[str]:
+    """Yield the lines of a file. The rest of a line that is longer than any frame is skipped."""
+    while line := file.readline(_LONGEST_LINE):
+        yield line
+        while len(line) == _LONGEST_LINE and not line.endswith("\n"):
+            line = file.readline(_LONGEST_LINE)
 
 
 class Decoding:

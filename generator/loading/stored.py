@@ -157,7 +157,7 @@ def from_data(rows: Any) -> model.Device:
             members = dict(zip(_NAMES[index], values, strict=True))
             built.append(kind(**members) if _BY_KEYWORD[index] else kind(*values))
         found = built[-1]
-    except (LookupError, TypeError, ValueError, AttributeError) as error:
+    except (LookupError, TypeError, ValueError, AttributeError, RecursionError) as error:
         raise NotStorable(str(error)) from None
     if not isinstance(found, model.Device):
         raise NotStorable(type(found).__name__)

@@ -19,7 +19,7 @@ _MARKUP = re.compile(r"</?\w+>|[#*_`•▪●■]+")
 #: A link of Markdown, which can continue on the next line.
 _LINK = re.compile(r"\[(?P<shown>[^]\f]{0,200})\]\([^)\f]{0,300}\)")
 _HEADING = re.compile(r"(?P<number>\d{1,2}(?:\.\d{1,2}){0,3})\.?\s*(?:-\s*)?(?P<title>[^\W\d].*|\"\S.*|\d\w+.*)")
-_IN_CONTENTS = re.compile(r"\.{3,}\s*\d+$|\.{5,}$|\t\s*\d+$")
+_IN_CONTENTS = re.compile(r"(?<!\.)\.{3,}\s*\d+$|(?<!\.)\.{5,}$|\t\s*\d+$")
 _PAGE = re.compile(r"[\s\-]*\d{1,4}[\s\-]*|(?:page|pag\.?|seite)\s+\d{1,4}(?:\s*(?:of|di|/)\s*\d{1,4})?", re.IGNORECASE)
 #: A word of a manual or a spec, or a sign that changes the meaning of one.
 WORD = re.compile(r"(?<![\w.])-\d+(?:[.,:]\d+)*|\w+(?:[.,:]\d+)*|[±+<>≤≥%°]")
@@ -168,7 +168,7 @@ def plain(line: str) -> str:
     """Return a line without markup, with ASCII letters, dashes and quotes, and a tab between the cells of a table."""
     line = line.strip().strip("|").replace("|", "\t")
     line = _MARKUP.sub(" ", unicodedata.normalize("NFKC", line).translate(_DASHES))
-    line = re.sub(r"[^\S\t]{2,}(\d{1,4})$", r"\t\1", line)
+    line = re.sub(r"(?<![^\S\t])[^\S\t]{2,}(\d{1,4})$", r"\t\1", line)
     return re.sub(r" ?\t[ \t]*", "\t", re.sub(r"[^\S\t]+", " ", line)).strip()
 
 

@@ -694,6 +694,18 @@ def test_other_frames_that_it_can_be(capsys: Capture, arguments: str, others: li
     assert said.count("--layout") == bool(others)
 
 
+def test_a_line_without_an_end_is_one_line(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+    """Its rest is skipped in pieces, so it does not fill the memory, and the next line has its number."""
+    monkeypatch.setattr("sys.stdin", io.StringIO("0" * 1_000_000 + "\n0x5\n" + "1" * (1 << 16)))
+    main(["decode", "--specs", ENCODERS, "MA732", "-"])
+    said = capsys.readouterr()
+    assert said.err.splitlines() == [
+        "codewheel: line 1: the text is longer than any frame or register",
+        "codewheel: line 3: the text is longer than any frame or register",
+    ]
+    assert said.out.startswith("line 2: MA732")
+
+
 def test_another_frame_that_has_nothing_to_check(tmp_path: Path, capsys: Capture) -> None:
     """Any bytes are a valid frame then, so it is only a possibility."""
     shutil.copytree(Path(ENCODERS) / "cui", tmp_path, dirs_exist_ok=True)
