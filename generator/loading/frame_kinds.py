@@ -29,11 +29,14 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
                 way = f"a frame '{other.name}' would decode as '{layout.name}'; give this field its 'constant'"
                 report.add("frame-kind", (*owner, "fields", field.name), f"{wrong}, so {way}")
     for each in device.interfaces if sound_so_far(report).has_frames else ():
-        _check_replies(each, report)
+        _check_replies(each, device.position_names(each.name), report)
 
 
-def _check_replies(interface: Interface, report: DocumentReport) -> None:
-    """Report a number in a reply that is a constant in each of its requests, so that any other reply would decode."""
+def _check_replies(interface: Interface, positions: frozenset[str], report: DocumentReport) -> None:
+    """Report a number in a reply that is a constant in each of its requests, so that any other reply would decode.
+
+    A request for a position may name its command like the position.
+    """
     sent = interface.exchanges if isinstance(interface, (Rs485, Spi)) else ()
     layouts = {item.name: item for item in interface.layouts}
     for reply in interface.layouts:
@@ -42,7 +45,7 @@ def _check_replies(interface: Interface, report: DocumentReport) -> None:
             same = (item for request in requests for item in request.fields if item.name == field.name)
             constants = {item.kind.value if isinstance(item.kind, Constant) else None for item in same}
             value = constants.pop() if len(constants) == 1 else None
-            if isinstance(field.kind, Number) and value is not None:
+            if isinstance(field.kind, Number) and value is not None and field.name not in positions:
                 here: Path = ("interfaces", interface.name, "layouts", reply.name)
                 owner = ("field_groups", field.group) if field.group else here
                 wrong = f"'{field.name}' can be any number, but it is always {value:#x} in '{requests[0].name}'"

@@ -50,6 +50,7 @@ ASKING = {
         ("decode", "taken"),
         ("device", "usage"),
         ("enumerations", "__init__"),
+        ("examples", "asking"),
         ("examples", "repeats"),
         ("registers", "_with_masks"),
         ("structs", "__init__"),

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 from ...model import (
     ModifyStep,
-    Number,
     Register,
     RegisterStep,
     Rs485,
@@ -26,7 +25,7 @@ from ...model.record import dataclass
 from ...plan.codec import Part
 from ...plan.receive_lengths import SSI_AROUND, Received, received
 from ...plan.steps import Sends
-from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
+from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.name import title, words
 from ...say.words import WORTH
 from .access import Access
@@ -222,7 +221,7 @@ class ExampleCode:
     def asking(self) -> Asking | None:
         """The request frame over RS-485 that the frame answers, or None if the request has only a control field."""
         placed = self.frame.layout.place(self._chosen.variant.parameters)
-        numbers = (item for item in placed.fields if isinstance(item.field.kind, Number))
+        numbers = (item for item in placed.fields if isinstance(meaning_of(item.field), Raw))
         given = {item.name: self.frame.wire >> item.low & item.mask for item in numbers}
         return self.view.interface.asking(self.frame.layout, given)
 

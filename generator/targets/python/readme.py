@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -64,8 +63,10 @@ class Shown:
     @property
     def fence(self) -> str:
         """Fence of the block with ``tried``, longer than any in these texts, which come from the spec."""
-        runs = re.findall("`+", "".join(self.tried))
-        return "`" * max([3, *(len(run) + 1 for run in runs)])
+        fence = "```"
+        while any(fence in line for line in self.tried):
+            fence += "`"
+        return fence
 
     @property
     def lines(self) -> tuple[str, ...]:
