@@ -113,3 +113,16 @@ def test_a_field_that_must_be_a_power_of_two_is_one(tmp_path: Path) -> None:
     (tmp_path / "mlx.yaml").write_text(spec, encoding="utf-8")
     assert main(["generate", str(tmp_path), "--target", "c", "-o", str(tmp_path)]) == 0
     assert {request[:17] for request in sent(tmp_path, "mlx_spi")} == {"00 00 FF FF 00 01"}
+
+
+def test_a_reply_with_another_address_is_refused(packages: Path, tmp_path: Path) -> None:
+    """The program shows the reply of the encoder with the address 40h."""
+    include = packages / "sick" / "c" / "include"
+    program = (packages / "sick" / "c" / "examples" / "skm36_rs485.c").read_text(encoding="ascii")
+    assert program.count("asked = { 0x40U }") == 1
+    (tmp_path / "program.c").write_text(program.replace("asked = { 0x40U }", "asked = { 0x41U }"), encoding="ascii")
+    subprocess.run(
+        ["gcc", "-std=c99", f"-I{include}", str(tmp_path / "program.c"), "-o", str(tmp_path / "made")], check=True
+    )
+    done = subprocess.run([tmp_path / "made"], capture_output=True, text=True)
+    assert (done.returncode, done.stdout.splitlines()[1:]) == (1, ["error 4"])
