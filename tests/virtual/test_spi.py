@@ -21,36 +21,6 @@ ROOT = Path(__file__).parents[2]
 SPECS = ROOT / "examples" / "encoders"
 #: ``CODEWHEEL_POSITIONS=100000`` reads as many as the longer evidence asks for.
 POSITIONS = int(os.environ.get("CODEWHEEL_POSITIONS", "5000"))
-ODD = """
-codewheel: 1
-device: odd
-manufacturer: test
-title: Words of 12 and 17 bits
-movement: rotary
-evidence: {grade: manual, documents: {manual: all pages}}
-manual: {title: Manual, revision: "1.0", language: en}
-parameters: {}
-order_code: {pattern: "L{bits}", source: "1", parts: [{name: bits, meaning: Bits, values: {14: {interface: spi}}}]}
-measurement: {of: position, counts_per_turn: 4096, turns: 1}
-interfaces:
-  spi:
-    source: "6"
-    mode: 1
-    word_bits: 16
-    reply: next_word
-    clock: {max_hz: 2000000, source: "6.2"}
-    exchanges:
-      - {request: ask, reply: position, purpose: position, word_bits: 17}
-      - {request: ask_other, reply: other, purpose: other, word_bits: 12}
-    layouts:
-      - {name: ask, from: master, source: "6.1", fields: [{name: op, bits: 17, constant: 1}]}
-      - {name: ask_other, from: master, source: "6.1", fields: [{name: op2, bits: 12, constant: 2}]}
-      - {name: other, from: encoder, source: "6.1", fields: [{name: value, bits: 12}]}
-      - name: position
-        from: encoder
-        source: "6.1"
-        fields: [{name: position, bits: 12}, {name: rest, bits: 5, unused: 0}]
-"""
 DIAAGC = {"diaagc": bytes.fromhex("0180")}
 
 
@@ -117,18 +87,6 @@ def test_bytes_are_answered_by_as_many() -> None:
     assert line.send() == bytes(2)
     line.receive(bytes.fromhex("FF"))
     assert line.send() == bytes.fromhex("00 05")
-
-
-def test_words_that_are_no_request_have_the_shortest_length(tmp_path: Path) -> None:
-    """The lengths of the interface and of its two requests differ, and neither request fills its bytes."""
-    (tmp_path / "odd.yaml").write_text(ODD, encoding="utf-8")
-    (tmp_path / "manufacturer.yaml").write_text("codewheel: 1\nmanufacturer: test\ntitle: Test\nsource: '1'\n")
-    line = SpiLine(VirtualEncoder("L14", specs=[tmp_path]))
-    line.receive(bytes.fromhex("FF FF FF FF"))
-    assert line.send() == bytes(4)
-    line.encoder.position = 1
-    line.receive(bytes.fromhex("00 00 01 00 00 01"))
-    assert line.send()[3:] == bytes.fromhex("00 00 20"), "12 bits of position, then 5 zeros"
 
 
 def test_the_programs_of_the_pages(package: Any, capsys: pytest.CaptureFixture[str]) -> None:

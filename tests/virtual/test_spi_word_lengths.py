@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -197,6 +198,7 @@ def test_the_page_says_which_word_has_which_length(outputs: Path) -> None:
     assert "Requests the position, in words of 32 bits" in card
 
 
+MAKER = "codewheel: 1\nmanufacturer: acme\ntitle: ACME\nsource: test\npython_package: late_encoders\n"
 #: An encoder that answers with the next word: the position in 16 bits, or with a counter in 24.
 LATE = """\
 codewheel: 1
@@ -230,10 +232,24 @@ evidence: {grade: manual, documents: {manual: all pages}}
 """
 
 
+def test_bytes_without_a_request_are_words_of_the_shortest_length(tmp_path: Path) -> None:
+    """Here, no word has the length of the interface, and none fills its bytes."""
+    odd = re.sub(r"bits: (16|24), constant", lambda found: f"bits: {int(found[1]) + 1}, constant", LATE)
+    odd = odd.replace("purpose: position}", "purpose: position, word_bits: 17}").replace(": 24}", ": 25}")
+    odd = odd.replace("bits: 16}]", "bits: 16}, {name: rest, bits: 1, unused: 0}]").replace("bits: 8}", "bits: 9}")
+    (tmp_path / "late.yaml").write_text(odd, encoding="ascii")
+    (tmp_path / "manufacturer.yaml").write_text(MAKER, encoding="ascii")
+    line = SpiLine(VirtualEncoder("LATE", 0, specs=[tmp_path]))
+    line.receive(bytes.fromhex("FF FF FF FF FF FF"))
+    assert line.send() == bytes(6)
+    line.encoder.position = 1
+    line.receive(bytes.fromhex("00 00 01 00 00 01"))
+    assert line.send()[3:] == bytes.fromhex("00 00 02"), "16 bits of position, then a 0"
+
+
 def test_a_late_reply_needs_a_word_of_its_length(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "late.yaml").write_text(LATE, encoding="ascii")
-    maker = "codewheel: 1\nmanufacturer: acme\ntitle: ACME\nsource: test\npython_package: late_encoders\n"
-    (tmp_path / "manufacturer.yaml").write_text(maker, encoding="ascii")
+    (tmp_path / "manufacturer.yaml").write_text(MAKER, encoding="ascii")
     assert main(["generate", str(tmp_path), "--target", "python", "-o", str(tmp_path / "out")]) == 0
     monkeypatch.syspath_prepend(str(tmp_path / "out" / "python"))
     package = importlib.import_module("late_encoders")
