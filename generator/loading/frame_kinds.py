@@ -1,4 +1,4 @@
-"""Check that a frame with the position requires the field that distinguishes it from other frames of the encoder."""
+"""Check that a frame requires the fields that distinguish it: from other frames, and from replies to other requests."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ from .valid_parts import sound_so_far
 
 
 def check_frame_kinds(device: Device, report: DocumentReport) -> None:
-    """Report a number in a position frame that is a constant, and so the kind of frame, in another frame.
+    """Report a number that is a constant in another frame, and so the kind of frame, or a constant in the request.
 
-    Over RS-485, the request tells the frames apart.
+    Over RS-485, only the request tells the frames apart.
     """
-    interfaces = [item for item in device.interfaces if not isinstance(item, Rs485)]
-    for interface in interfaces if sound_so_far(report).has_frames else ():
+    for interface in device.interfaces if sound_so_far(report).has_frames else ():
+        _check_replies(interface, device.position_names(interface.name), report)
+        if isinstance(interface, Rs485):
+            continue
         frames = [item for item in interface.layouts if item.sender == "encoder"]
         for layout in (item for item in frames if device.tells_position(interface.name, item)):
             numbers = {item.name for item in layout.fields if isinstance(item.kind, Number)}
@@ -28,8 +30,6 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
                 wrong = f"'{field.name}' can be any number, but it is always {value:#x} in '{other.name}'"
                 way = f"a frame '{other.name}' would decode as '{layout.name}'; give this field its 'constant'"
                 report.add("frame-kind", (*owner, "fields", field.name), f"{wrong}, so {way}")
-    for each in device.interfaces if sound_so_far(report).has_frames else ():
-        _check_replies(each, device.position_names(each.name), report)
 
 
 def _check_replies(interface: Interface, positions: frozenset[str], report: DocumentReport) -> None:

@@ -58,7 +58,7 @@ class FrameTeller:
 class Asking:
     """Request for a reply: its initial value, the function that receives the reply, and a time-out.
 
-    ``repeated`` are the members that the reply repeats, such as an address. The time-out is the time that both take on
+    ``repeated`` are the numbers that the reply repeats, such as an address. The time-out is the time that both take on
     the line, plus ``ANSWER_US`` until the encoder answers.
     """
 
@@ -133,7 +133,9 @@ class InterfaceCode:
         parameters = next(one.parameters for one in self.device.variants if one.interface == self.interface.name)
         initial = codec.struct.initial(parameters, given)
         answered = {field.name for field in reply.data_fields}
-        repeated = tuple(c_name(field.name) for field in item.request.data_fields if field.name in answered)
+        fields = [field for field in item.request.data_fields if field.name in answered]
+        # C does not compare texts by !=.
+        repeated = tuple(c_name(field.name) for field in fields if codec.struct.type_of(field) != "char")
         return Asking(codec, initial, _take(item), ANSWER_US - -1_000_000 * size * bits // port.baud, repeated)
 
     def frame_name(self, layout: Layout) -> str:
