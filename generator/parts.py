@@ -46,6 +46,8 @@ class Kept:
     tell: Callable[[int, int], None] = lambda begun, all_of_them: None
 
 
+#: Parts by name of the target and of the family.
+Made = Mapping[str, Mapping[str, Any]]
 #: Names of targets, and a family.
 _Task = tuple[tuple[str, ...], Device]
 
@@ -94,8 +96,10 @@ class Rendering:
     def __exit__(self, *_: object) -> None:
         self._first.close()
 
-    def finished(self) -> dict[str, dict[str, Any]]:
+    def finished(self, meanwhile: Callable[[Made], None] = lambda complete: None) -> Made:
         """Return the parts by name of the target and of the family. This process works too.
+
+        Before it waits for other processes, it calls ``meanwhile`` with the parts of the targets that are complete.
 
         Raises:
             TargetError: A process died.
@@ -107,10 +111,18 @@ class Rendering:
                 self._kept.tell(start + begun, len(self._missing))
 
             with self._first if start == 0 else _Pool(some, self._make) as pool:
-                for number, made in pool.finished(tell).items():
-                    for name, part in made.items():
-                        self._found[name][some[number][1].name] = part
+                ours = pool.worked(tell)
+                self._take(some, ours)
+                if start + _MOST >= len(self._missing):
+                    late = {name for number, (names, _) in enumerate(some) if number not in ours for name in names}
+                    meanwhile({name: parts for name, parts in self._found.items() if name not in late})
+                self._take(some, pool.waited_for())
         return self._found
+
+    def _take(self, tasks: Sequence[_Task], made: Mapping[int, Mapping[str, Any]]) -> None:
+        for number, parts in made.items():
+            for name, part in parts.items():
+                self._found[name][tasks[number][1].name] = part
 
     def _content(self, device: Device) -> list[bytes | str]:
         digest = self._kept.digests.get(device.name)
@@ -163,13 +175,20 @@ class _Pool:
                 os.waitpid(number, 0)
         self._children.clear()
 
-    def finished(self, tell: Callable[[int], None]) -> dict[int, Any]:
-        """Return the parts by the position of their tasks. Those with errors are missing, so that targets report them.
+    def worked(self, tell: Callable[[int], None]) -> dict[int, Any]:
+        """Work until no task is left, and return the parts that this process made, by the position of their tasks.
+
+        Those with errors are missing, so that targets report them.
+        """
+        return dict(self._work(tell))
+
+    def waited_for(self) -> dict[int, Any]:
+        """Wait for the other processes, and return their parts by the position of their tasks.
 
         Raises:
             TargetError: A process died.
         """
-        made = dict(self._work(tell))
+        made: dict[int, Any] = {}
         while self._children:
             number, stream = self._children[-1]
             with stream:

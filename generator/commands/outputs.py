@@ -5,13 +5,13 @@ from __future__ import annotations
 import sys
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 from ..language.problems import Report, listed, suggestion
 from ..loading.library import Family, load_families, sound_families
 from ..model import Device
-from ..parts import Rendering, is_plain
+from ..parts import Made, Rendering, is_plain
 from ..render import unused_templates
 from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import BUILT_IN, PackageMissing, files_of, load_target, problems_of, target_names
@@ -142,13 +142,17 @@ def rendered(
     Raises:
         Stop: A target or a user's template fails (exit code 1), or the name of a template is misspelt (exit code 2).
     """
+    early: dict[str, Mapping[str, str]] = {}
+
+    def meanwhile(complete: Made) -> None:
+        for item in targets:
+            if item.name in complete and is_plain(item, options[item.name]):
+                with suppress(TargetError):  # It is raised below, in the order of the targets.
+                    early[item.name] = files_of(item, library, options[item.name], complete[item.name])
+
     try:
-        made = begun.finished() if begun is not None else {}
-        parts = {item.name: made.get(item.name, {}) for item in targets if is_plain(item, options[item.name])}
-        try:
-            files = _files(library, targets, options, parts)
-        except TargetError:  # A part can be damaged. Without parts, a target reports its own errors.
-            files = _files(library, targets, options, {})
+        made = begun.finished(meanwhile) if begun is not None else {}
+        files = {item.name: early.get(item.name) or _files(item, library, options[item.name], made) for item in targets}
     except (TargetError, TemplateFault) as error:
         raise Stop(str(error), 2 if isinstance(error, OptionError) else 1) from None
     if library.own_templates is not None:
@@ -159,10 +163,11 @@ def rendered(
     return files
 
 
-def _files(
-    library: Library, targets: Sequence[Target], options: Mapping[str, Options], parts: Mapping[str, Mapping[str, Any]]
-) -> dict[str, Mapping[str, str]]:
-    return {item.name: files_of(item, library, options[item.name], parts.get(item.name, {})) for item in targets}
+def _files(target: Target, library: Library, options: Options, made: Made) -> Mapping[str, str]:
+    if target.name in made and is_plain(target, options):
+        with suppress(TargetError):  # A part can be damaged. Without parts, the target reports its own errors.
+            return files_of(target, library, options, made[target.name])
+    return files_of(target, library, options, {})
 
 
 def listing() -> str:
