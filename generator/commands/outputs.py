@@ -144,15 +144,20 @@ def rendered(
     """
     early: dict[str, Mapping[str, str]] = {}
 
+    def files_with(target: Target, parts: Made) -> Mapping[str, str]:
+        its_own = parts.get(target.name, {}) if is_plain(target, options[target.name]) else {}
+        return files_of(target, library, options[target.name], its_own)
+
     def meanwhile(complete: Made) -> None:
-        for item in targets:
-            if item.name in complete and is_plain(item, options[item.name]):
-                with suppress(TargetError):  # It is raised below, in the order of the targets.
-                    early[item.name] = files_of(item, library, options[item.name], complete[item.name])
+        with suppress(TargetError):  # It is raised below, in the order of the targets.
+            early.update((item.name, files_with(item, complete)) for item in targets if item.name in complete)
 
     try:
         made = begun.finished(meanwhile) if begun is not None else {}
-        files = {item.name: early.get(item.name) or _files(item, library, options[item.name], made) for item in targets}
+        try:
+            files = {item.name: early.get(item.name) or files_with(item, made) for item in targets}
+        except TargetError:  # A part can be damaged. Without parts, a target reports its own errors.
+            files = {item.name: files_with(item, {}) for item in targets}
     except (TargetError, TemplateFault) as error:
         raise Stop(str(error), 2 if isinstance(error, OptionError) else 1) from None
     if library.own_templates is not None:
@@ -161,13 +166,6 @@ def rendered(
         if unused:
             raise Stop("\n  ".join(["nothing written: these templates have no effect:", *unused]), 2)
     return files
-
-
-def _files(target: Target, library: Library, options: Options, made: Made) -> Mapping[str, str]:
-    if target.name in made and is_plain(target, options):
-        with suppress(TargetError):  # A part can be damaged. Without parts, the target reports its own errors.
-            return files_of(target, library, options, made[target.name])
-    return files_of(target, library, options, {})
 
 
 def listing() -> str:
