@@ -122,7 +122,7 @@ def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: 
     """Return explanations of a frame whose CRC, length or constant is wrong. ``decoded`` is its ``decode_text``."""
     placed = decoded.layout
     wrong = {item.fault for item in decoded.problems}
-    has_no_crc = placed is not None and not wrong and placed.layout.crc_field is None
+    has_no_crc = placed is not None and not wrong and decoded.crc is None
     is_flat = placed is not None and not placed.layout.in_bytes and decoded.number in (0, (1 << placed.bits) - 1)
     if placed is not None and not (has_no_crc or is_flat) and not wrong & {Fault.CRC, Fault.LENGTH, Fault.CONSTANT}:
         return None

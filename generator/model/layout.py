@@ -291,8 +291,7 @@ class Layout:
     @property
     def crc_covers_bytes(self) -> bool:
         """True if the CRC at the end covers whole bytes, and not the bits of a frame of bits in bytes."""
-        end = self.crc_field
-        return self.in_bytes and (end is None or end.widest % 8 == 0)
+        return self.in_bytes and ((end := self.crc_field) is None or end.widest % 8 == 0)
 
     @property
     def has_parity(self) -> bool:
