@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
+from functools import cached_property
 from types import MappingProxyType
 
 from .expressions import Expression
@@ -189,7 +190,7 @@ class PlacedField:
         return (1 << self.width) - 1
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Layout:
     """A sequence of named fields.
 
@@ -270,6 +271,10 @@ class Layout:
             places = [sum(item.widest for item in fields[:index]) for index in range(len(fields))]
         return tuple(zip(fields, places, strict=True))
 
+    @cached_property
+    def has_unused(self) -> bool:
+        return any(isinstance(item.kind, Unused) for item in self.fields)
+
     @property
     def unused_width(self) -> int:
         """Number of bits in ``unused``."""
@@ -284,7 +289,13 @@ class Layout:
             if isinstance(item.kind, Flag) or (isinstance(item.kind, Unused) and item.kind.value and item.widest == 1)
         )
 
-    @property
+    @cached_property
+    def tells_validity(self) -> bool:
+        """True if a flag of its own says in every frame whether the position is usable."""
+        flags = (item.kind for item in self.fields if isinstance(item.kind, Flag))
+        return any(flag.makes_position is not Verdict.USABLE and not flag.only_while for flag in flags)
+
+    @cached_property
     def crc_field(self) -> Field | None:
         return next((item for item in self.fields if isinstance(item.kind, CrcValue)), None)
 
@@ -309,7 +320,7 @@ class Layout:
         return PlacedLayout(self, self.bits.value(parameters), tuple(placed.values()), gray, unused, parameters)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PlacedLayout:
     """A layout whose positions are numbers. If ``gray`` is set, the number ``layout.gray_of`` is sent in Gray code.
 
@@ -333,7 +344,11 @@ class PlacedLayout:
                 return item
         return None
 
-    @property
+    @cached_property
+    def crc_field(self) -> PlacedField | None:
+        return next((item for item in self.fields if isinstance(item.field.kind, CrcValue)), None)
+
+    @cached_property
     def crc_covers(self) -> tuple[int, int]:
         """Lowest bit and number of bits that the CRC of a frame of bits covers. (0, 0) without a CRC."""
         end = self.layout.crc_field

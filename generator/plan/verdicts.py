@@ -73,8 +73,7 @@ def judgement_of(codec: Codec) -> Judgement:
                         speaking[flag.makes_position].append(Speaks(by, unless, only))
             case Unused(makes_position=verdict):
                 speaking[verdict].append(Speaks(by, ()))
-    flags = (part.field.kind for part in codec.parts if isinstance(part.field.kind, Flag))
-    tells = any(flag.makes_position is not Verdict.USABLE and not flag.only_while for flag in flags)
+    tells = codec.layout.tells_validity
     warning = speaking[Verdict.USABLE_WITH_WARNING] if tells else ()
     otherwise = Verdict.USABLE if tells else Verdict.UNKNOWN
     return Judgement(tuple(speaking[Verdict.NOT_USABLE]), tuple(warning), otherwise)

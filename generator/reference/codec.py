@@ -187,7 +187,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
             problems.append(Problem(Fault.RANGE, limited.name, fault.too_high(limited.name, f"{found}", f"{most}")))
     crc = _decode_crc(device, placed, number, problems)
     fields += [_decode_join(placed, join, number, plain) for join in placed.layout.joins]
-    if any(isinstance(item.kind, Unused) for item in placed.layout.fields):
+    if placed.layout.has_unused:
         bits = unused_bits(placed, number)
         fields.append(DecodedField(UNUSED, bits, bits, "", "unused bits that differ from the manual", -1, -1))
     if problems:
@@ -196,15 +196,15 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
 
 
 def _decode_crc(device: Device, placed: PlacedLayout, number: int, problems: list[Problem]) -> CrcResult | None:
-    for item in placed.fields:
-        if isinstance(item.field.kind, CrcValue):
-            crc = device.crc(item.field.kind.crc)
-            result = CrcResult(crc.name, number >> item.low & item.mask, compute(crc, placed, number))
-            if not result.ok:
-                wrong = fault.crc(f"{result.received:#04x}", f"{result.computed:#04x}")
-                problems.append(Problem(Fault.CRC, item.name, wrong))
-            return result
-    return None
+    item = placed.crc_field
+    if item is None or not isinstance(item.field.kind, CrcValue):
+        return None
+    crc = device.crc(item.field.kind.crc)
+    result = CrcResult(crc.name, number >> item.low & item.mask, compute(crc, placed, number))
+    if not result.ok:
+        wrong = fault.crc(f"{result.received:#04x}", f"{result.computed:#04x}")
+        problems.append(Problem(Fault.CRC, item.name, wrong))
+    return result
 
 
 def _decode_join(placed: PlacedLayout, join: Join, number: int, plain: int) -> DecodedField:

@@ -116,9 +116,7 @@ def _verdict(layout: Layout, active: Sequence[Field]) -> Verdict:
     # A flag that combines others adds no information if one of them is active.
     silent = {item.name for item in active if isinstance(item.kind, Flag) and not names.isdisjoint(item.kind.sums_up)}
     speaking = [_worth(item.kind) for item in active if item.name not in silent]
-    flags = (item.kind for item in layout.fields if isinstance(item.kind, Flag))
-    tells = any(flag.makes_position is not Verdict.USABLE and not flag.only_while for flag in flags)
-    speaking.append(Verdict.USABLE if tells else Verdict.UNKNOWN)
+    speaking.append(Verdict.USABLE if layout.tells_validity else Verdict.UNKNOWN)
     return next(verdict for verdict in Verdict if verdict in speaking)
 
 
