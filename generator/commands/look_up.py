@@ -68,10 +68,8 @@ def own_or_shipped(paths: Sequence[Path], say: bool = False) -> list[Path]:
 
     own = list(paths) or own_specs(Path())
     if say and own and not paths:
-        print(
-            f"codewheel: using the specs in this folder: {first_of([str(path) for path in own], _MOST_FILES)}",
-            file=sys.stderr,
-        )
+        named = first_of([str(path) for path in own], _MOST_FILES)
+        print(f"codewheel: using the specs in this folder, not those of codewheel: {named}", file=sys.stderr)
     return own
 
 

@@ -68,10 +68,11 @@ def write_spec(name: str, output: Path | None, like: str = "") -> list[Path]:
 def _written(files: dict[Path, str]) -> Iterator[Path]:
     for path, text in files.items():
         try:
+            path.parent.mkdir(parents=True, exist_ok=True)
             with path.open("x", encoding="utf-8", newline="\n") as file:
                 file.write(text)
-        except FileExistsError:
-            raise NotWritten(f"{path} already exists and is not overwritten") from None
+        except FileExistsError as error:
+            raise NotWritten(f"{error.filename} already exists and is not overwritten") from None
         except OSError as error:
             raise NotWritten(f"cannot write {path}: {error.strerror or error}") from None
         yield path

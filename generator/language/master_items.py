@@ -108,7 +108,7 @@ FILE_FORMATS: Mapping[str, FileFormat] = {
     "conf_set": FileFormat("the configuration tool, as conf set commands", ".cfg", "#", "symbol", "aux_common.h"),
     "hal": FileFormat("the HAL, as loadrt and setp commands", ".hal", "#", "symbol", "abs_encoder.c"),
     "xcf": FileFormat("the configuration tool, as an XCF file", ".xcf", _XML, "symbol", "ingenialink"),
-    "c_struct": FileFormat("C, as structure initializers", ".h", "//", "symbol", ""),
+    "c_struct": FileFormat("C, as structure initialisers", ".h", "//", "symbol", ""),
     "c_registers": FileFormat("C, as register values and masks", ".h", "//", "bits", ""),
     "soe_structure": FileFormat("a servo drive parameter, as fields of its structure", ".csv", "#", "bits", ""),
     "dmc": FileFormat("DMC, as a command line", ".dmc", "REM", "name", ""),

@@ -1,7 +1,7 @@
 """Data classes in a form that is created quickly, for the model and for modules that most commands import.
 
 Importing the model mostly means compiling the methods of a hundred data classes. Here all of them share every method
-except ``__init__``, which is compiled for the first object, because a command needs few of the classes.
+except ``__init__``. That is compiled when the first object is created, because a command needs few of the classes.
 """
 
 from __future__ import annotations

@@ -132,8 +132,12 @@ def test_names_that_cannot_be(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 def test_a_file_is_named_like_its_family(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["new", "demo", "-o", str(tmp_path / "other.yaml")]) == 2
     assert "the file of a spec has its family's name" in capsys.readouterr().err
-    assert main(["new", "demo", "-o", str(tmp_path / "nowhere" / "demo.yaml")]) == 1
-    assert "No such file or directory" in capsys.readouterr().err
+    file = tmp_path / "file"
+    file.touch()
+    assert main(["new", "demo", "-o", str(file / "demo.yaml")]) == 1
+    assert f"{file} already exists and is not overwritten" in capsys.readouterr().err
+    assert main(["new", "demo", "-o", str(tmp_path / "new" / "folder" / "demo.yaml")]) == 0
+    assert (tmp_path / "new" / "folder" / "manufacturer.yaml").is_file()
 
 
 @pytest.mark.parametrize(("gain", "problems"), [(5, 0), (4, 1)])

@@ -12,7 +12,7 @@ from codewheel.commands.arguments import EXAMPLES
 from codewheel.commands.cli import main
 
 COMMANDS = list(EXAMPLES)
-READING = "codewheel: using the specs in this folder: manufacturer.yaml, my_encoder.yaml"
+READING = "codewheel: using the specs in this folder, not those of codewheel: manufacturer.yaml, my_encoder.yaml"
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:

@@ -56,8 +56,8 @@ def biss_places(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def biss_taken(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that no other register is at a place fixed by BiSS, unless an erratum explains it.
 
-    A read-only register inside that place is a part of it under another name, and ``profile_id_low`` is a part of it
-    by its name. Manuals use 40h and 41h for other purposes if there are no banks.
+    A read-only register inside that place is accepted as a part of it under another name. So is any register with the
+    name ``profile_id_low``. Manuals use 40h and 41h for other purposes if there are no banks.
     """
     for path, register in items(spec, "registers"):
         name, first = register["name"], register["address"]

@@ -41,7 +41,7 @@ class FlagsIn:
 
 @dataclass(frozen=True, slots=True)
 class UnusedIn:
-    """A byte with unused bits, at its position in the member. The first byte initializes the local variable."""
+    """A byte with unused bits, at its position in the member. The first byte initialises the local variable."""
 
     bits: Expr
     is_first: bool

@@ -168,7 +168,7 @@ class Pipeline:
         return Answer(request, reply, self._value(register, reply) if has_value else None)
 
     def restart(self) -> None:
-        """Forget all requests, after the encoder was switched off or a word was lost."""
+        """Forget all requests. Call this after the encoder was switched off or a word was lost."""
         self._sent = self._before = None
 
     def _reading(self, address: int) -> Request:

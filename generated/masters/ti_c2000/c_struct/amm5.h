@@ -1,4 +1,4 @@
-// TI C2000 PM_bissc with the order codes of AMM5A and AMM5B absolute kit encoders. For C, as structure initializers.
+// TI C2000 PM_bissc with the order codes of AMM5A and AMM5B absolute kit encoders. For C, as structure initialisers.
 // From the spec of AMM5A and AMM5B absolute kit encoders, manual AMM5A AMM5B, revision 1.9.
 // From the documents of the master: header: C2000 position manager library, pm_bissc_include.h.
 // Not yet tested on hardware. Not yet read by its tool. Form of the file: header: PM_bissc_scdStruct.

@@ -1,5 +1,5 @@
 // TI C2000 PM_bissc with the order codes of ASC85 absolute encoders with a large thru-bore shaft. For C, as structure
-//   initializers.
+//   initialisers.
 // From the spec of ASC85 absolute encoders with a large thru-bore shaft, manual ASC85, revision 1.0.
 // From the documents of the master: header: C2000 position manager library, pm_bissc_include.h.
 // Not yet tested on hardware. Not yet read by its tool. Form of the file: header: PM_bissc_scdStruct.

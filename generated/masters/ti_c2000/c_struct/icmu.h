@@ -1,5 +1,5 @@
 // TI C2000 PM_bissc with the order codes of iC-MU and iC-MU150 magnetic off-axis encoder chips. For C, as structure
-//   initializers.
+//   initialisers.
 // From the spec of iC-MU and iC-MU150 magnetic off-axis encoder chips, manual iC-MU magnetic off-axis position encoder
 //   - pole width 1.28 mm, revision D1.
 // From the documents of the master: header: C2000 position manager library, pm_bissc_include.h.

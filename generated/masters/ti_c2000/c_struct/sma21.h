@@ -1,4 +1,4 @@
-// TI C2000 PM_bissc with the order codes of SMA21 absolute linear encoder. For C, as structure initializers.
+// TI C2000 PM_bissc with the order codes of SMA21 absolute linear encoder. For C, as structure initialisers.
 // From the spec of SMA21 absolute linear encoder, manual SMA21 + MTA-A154, revision 1.2.
 // From the documents of the master: header: C2000 position manager library, pm_bissc_include.h.
 // Not yet tested on hardware. Not yet read by its tool. Form of the file: header: PM_bissc_scdStruct.

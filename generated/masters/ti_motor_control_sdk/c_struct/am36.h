@@ -1,5 +1,5 @@
 // TI motor-control SDK (Sitara, ICSS) with the order codes of AM36 and AMC36 absolute multiturn encoders. For C, as
-//   structure initializers.
+//   structure initialisers.
 // From the spec of AM36 and AMC36 absolute multiturn encoders, manual AM36 AMC36, revision 1.0.
 // From the documents of the master: priv: TexasInstruments/motor-control-sdk at commit 1f61c0e, bissc_drv.h.
 // Not yet tested on hardware. Not yet read by its tool. Form of the file: priv: bissc_priv.

@@ -1,5 +1,5 @@
 // TI motor-control SDK (Sitara, ICSS) with the order codes of AMM5A and AMM5B absolute kit encoders. For C, as
-//   structure initializers.
+//   structure initialisers.
 // From the spec of AMM5A and AMM5B absolute kit encoders, manual AMM5A AMM5B, revision 1.9.
 // From the documents of the master: priv: TexasInstruments/motor-control-sdk at commit 1f61c0e, bissc_drv.h.
 // Not yet tested on hardware. Not yet read by its tool. Form of the file: priv: bissc_priv.

@@ -1,5 +1,5 @@
 // TI motor-control SDK (Sitara, ICSS) with the order codes of ASC85 absolute encoders with a large thru-bore shaft. For
-//   C, as structure initializers.
+//   C, as structure initialisers.
 // From the spec of ASC85 absolute encoders with a large thru-bore shaft, manual ASC85, revision 1.0.
 // From the documents of the master: priv: TexasInstruments/motor-control-sdk at commit 1f61c0e, bissc_drv.h.
 // Not yet tested on hardware. Not yet read by its tool. Form of the file: priv: bissc_priv.

@@ -1,5 +1,5 @@
 // TI motor-control SDK (Sitara, ICSS) with the order codes of iC-MU and iC-MU150 magnetic off-axis encoder chips. For
-//   C, as structure initializers.
+//   C, as structure initialisers.
 // From the spec of iC-MU and iC-MU150 magnetic off-axis encoder chips, manual iC-MU magnetic off-axis position encoder
 //   - pole width 1.28 mm, revision D1.
 // From the documents of the master: priv: TexasInstruments/motor-control-sdk at commit 1f61c0e, bissc_drv.h.

@@ -1,5 +1,5 @@
 // TI motor-control SDK (Sitara, ICSS) with the order codes of SMA21 absolute linear encoder. For C, as structure
-//   initializers.
+//   initialisers.
 // From the spec of SMA21 absolute linear encoder, manual SMA21 + MTA-A154, revision 1.2.
 // From the documents of the master: priv: TexasInstruments/motor-control-sdk at commit 1f61c0e, bissc_drv.h.
 // Not yet tested on hardware. Not yet read by its tool. Form of the file: priv: bissc_priv.

@@ -2356,8 +2356,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="MEM BUSY 1 means that the memory is busy and the request is not executed. Send the request again.",
         why=(
-            "If a read request were invalid because reading is being executed, it would never be answered. Probably a "
-            "write is in progress, as the sentence says. The row for writing has the same wording, with writing "
+            "If a read request were invalid because reading is being executed, it would never be answered. A write is "
+            "probably in progress, as the sentence says. The row for writing has the same wording, with writing "
             "instead of reading."
         ),
         status=Status.OPEN,

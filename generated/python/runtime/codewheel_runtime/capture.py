@@ -252,7 +252,7 @@ class Captures(NamedTuple):
         """Decode a capture of a logic analyser. Needs NumPy.
 
         Formats are sigrok sessions, CSV from sigrok and Saleae, Saleae binary files, VCD, NumPy files and tables of 0
-        and 1. They are recognized by their contents.
+        and 1. They are recognised by their contents.
 
         Args:
             encoder: The encoder, its label, or a layout of BiSS frames (``biss_layout``).

@@ -5,7 +5,7 @@ A cycle begins at the first falling edge of the clock after a pause. Over SSI, e
 Over BiSS, the data line is high at rest, goes low as an acknowledgement, and rises with the start bit. CDS, the frame
 and its CRC follow. The levels of the data line after the last bit of the frame are ignored.
 
-Each bit is read in its middle, which depends on the delay of the line. Over BiSS, the start bit shows the delay, and
+Each bit is read in its middle, which the delay of the line shifts. Over BiSS, the start bit shows the delay, and
 over SSI the first change of the data line.
 """
 

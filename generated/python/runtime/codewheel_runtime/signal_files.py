@@ -1,7 +1,7 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
 """Reads the captures of logic analysers: sigrok sessions, CSV, Saleae's binary files, VCD and NumPy files.
 
-Files are recognized by their contents and read in chunks, so memory use does not depend on their size.
+Files are recognised by their contents and read in chunks, so memory use does not depend on their size.
 """
 
 from __future__ import annotations
