@@ -18,6 +18,8 @@ from .schema_files import load_schema
 from .second_reading import NO_FACTS, ONLY_SECOND, PROSE
 
 Shape = Mapping[str, Any]
+#: Largest number of entries of a list or mapping, unless its description gives another limit.
+_MOST_ENTRIES = 2000
 #: The JSON types, in the singular and in the plural.
 _NOUNS = {
     "integer": ("whole number", "whole numbers"),
@@ -36,6 +38,8 @@ YAML 1.2: `7:0` and `no` are strings, `0x1F` is a number. Duplicate keys are err
 A bit range has the high bit first (`7:6`), and bit 0 is the least significant. Fields without a position are listed in
 sending order: the first is the most significant, or the least significant with `byte_order: low_byte_first`. Units are
 part of a key (`min_hz`, `at_least_us`). Convert numbers that have other units.
+
+A list or mapping has at most {most} entries, unless another limit is given. This bounds the time to check a file.
 
 If a file begins with the following line, editors can complete and explain keys while you type:
 
@@ -66,7 +70,7 @@ def spec_page() -> str:
         "",
         "# The spec language, version 1",
         "",
-        _INTRODUCTION,
+        _INTRODUCTION.format(most=_MOST_ENTRIES),
         "",
     ]
     lines += [
@@ -208,6 +212,9 @@ def _limits(shape: Shape) -> str:
         parts.append(f"at most {shape['maxLength']} characters")
     if shape.get("minItems", 0) > 0:
         parts.append("not empty")
+    most = shape.get("maxItems", shape.get("maxProperties", _MOST_ENTRIES))
+    if most != _MOST_ENTRIES:
+        parts.append(f"at most {most} entr{'y' if most == 1 else 'ies'}")
     return ", ".join(parts)
 
 

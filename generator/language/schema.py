@@ -226,8 +226,8 @@ def _findings(validator: Any, data: dict[str, Any], broken: set[Path], kind: str
         for finding in explain(error, kind):
             if not any(finding.path[:end] in broken for end in range(len(finding.path) + 1)):
                 found.setdefault((finding.path, finding.at_key), finding)
-        if len(found) > MAX_PROBLEMS:
-            break
+            if len(found) > MAX_PROBLEMS:  # One error can have a finding for each of thousands of keys.
+                return list(found.values())
     return list(found.values())
 
 
