@@ -10,7 +10,7 @@ from decimal import Decimal
 from typing import Any
 
 from ...say.words import counted, nanoseconds
-from ..places import found_at
+from ..places import Affected
 from ..problems import DocumentReport, Path, listed, quoted
 from .meanings import supply_named
 from .walk import Spec, items, leaves, leaves_of, mapping
@@ -177,15 +177,12 @@ def time_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, item in interfaces:
         for place, text, own in _texts(item, path):
             _compare_times(text, own, _Elsewhere(named, items_with, set()), place, report)
+    places, below = Affected(spec), _TimesBelow()
     for path, item in items(spec, "errata"):
-        affected = set(_times([found for text in item.get("affects", ()) for found in found_at(spec, text)]))
+        facts = [found for text in dict.fromkeys(item.get("affects", ())) for found in places.at(text)]
+        affected = set().union(*map(below.of, facts))
         used = [(found, _nanoseconds(found)) for found in _ANY_TIME.finditer(item.get("used", ""))]
-        of_timing = [
-            set(_times(found))
-            for text in item.get("affects", ())
-            for found in found_at(spec, text)
-            if _is_timing(found)
-        ]
+        of_timing = [below.of(found) for found in facts if _is_timing(found)]
         for known, possible in (
             (affected, affected | named),
             *((times, times) for times in of_timing[:1] if not of_timing[1:]),
@@ -197,6 +194,18 @@ def time_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         printed = list(re.finditer(rf"\b{re.escape(item['symbol'])} ?[<>=≤≥] ?{_TIME}", item.get("meaning", "")))
         if printed and set(_times(item)).isdisjoint(map(_nanoseconds, printed)):
             _report_time(printed[0], set(_times(item)), (*path, "meaning"), report)
+
+
+class _TimesBelow:
+    """The times below places of a spec, each found once although many errata may affect the same place."""
+
+    def __init__(self) -> None:
+        self._times: dict[int, set[int]] = {}
+
+    def of(self, node: Any) -> set[int]:
+        if id(node) not in self._times:
+            self._times[id(node)] = set(_times(node))
+        return self._times[id(node)]
 
 
 def _is_timing(item: Any) -> bool:
