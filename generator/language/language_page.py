@@ -39,7 +39,11 @@ A bit range has the high bit first (`7:6`), and bit 0 is the least significant. 
 sending order: the first is the most significant, or the least significant with `byte_order: low_byte_first`. Units are
 part of a key (`min_hz`, `at_least_us`). Convert numbers that have other units.
 
-A list or mapping has at most {most} entries, unless another limit is given. This bounds the time to check a file.
+Some limits bound the time to check a file, and are far above those of any known encoder. A list or mapping has at
+most {most} entries, unless another limit is given. A list of fields has at most 512, also with those of its groups.
+The parts of an order code combine to at most 10,000 codes. Order codes, registers and alternatives combine to at
+most 20,000 different sets of parameters, and the number of these sets times the number of all fields is at most
+500,000.
 
 If a file begins with the following line, editors can complete and explain keys while you type:
 
