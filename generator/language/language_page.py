@@ -43,7 +43,7 @@ Some limits bound the time to check a file, and are far above those of any known
 most {most} entries, unless another limit is given. A list of fields has at most 512, also with those of its groups.
 The parts of an order code combine to at most 10,000 codes. Order codes, registers and alternatives combine to at
 most 20,000 different sets of parameters, and the number of these sets times the number of all fields is at most
-500,000.
+500,000. So is the number of editions times the number of values in the file.
 
 If a file begins with the following line, editors can complete and explain keys while you type:
 
