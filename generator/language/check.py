@@ -60,7 +60,7 @@ def check_second(document: Document, report: Report) -> dict[str, Any] | None:
 
 
 class _Enough(Exception):
-    """A document has so many problems that looking for more of them would only take time."""
+    """A document has the largest number of problems, so no further rule is checked."""
 
 
 class _Noting(DocumentReport):
