@@ -72,7 +72,7 @@ ALLOWED: Sequence[tuple[str, str, str]] = (
     ("_holds|span_text|plain_expression", ".*", "an expression of the spec in words"),
     ("shared_names", ".*", "a name of the shared headers, in capitals or not"),
     ("about_register", r"register\.byte_order\..*", "a word of the spec"),
-    ("written_out|_repeated|_rows|_covers", ".*", "patterns of order codes, as the spec has them"),
+    ("written_out|_repeated|_rows|_is_covered", ".*", "patterns of order codes, as the spec has them"),
     ("_short", ".*", "text of an erratum, of which a docstring has the first sentence"),
     ("_order", r"version\.split\('\.'\)", "the number of a version"),
     ("ascii_text|in_comment|in_comment_lead|_apart|comment_lines", ".*", "text of a spec on its way into a comment"),

@@ -14,7 +14,7 @@ from .look_up import read_line
 
 def as_data(report: Report) -> dict[str, Any]:
     """Return the problems in the form that ``--json`` prints."""
-    problems = [problem.to_json() for problem in report.problems]
+    problems = [problem.to_json() for problem in report.shown]
     return {"files": report.files, "passed_over": report.passed_over, "problems": problems}
 
 
@@ -24,11 +24,10 @@ def as_text(families: Sequence[str], report: Report, paths: Sequence[Path], form
     ``families`` are the names of all families.
     """
     if form in ("github", "sarif"):
-        problems = report.problems
         return as_review(
-            [Finding(item.file, item.line, item.column, item.rule, item.message) for item in problems], form
+            [Finding(item.file, item.line, item.column, item.rule, item.message) for item in report.shown], form
         )
-    lines = [problem.format() for problem in report.problems]
+    lines = [problem.format() for problem in report.shown]
     lines.append(read_line(paths, families, report))
     if report:
         lines.append(counted(len(report), "problem"))

@@ -85,13 +85,13 @@ def _print(as_json: bool, data: Callable[[], Mapping[str, Any]], text: Callable[
 
 
 def _generate(chosen: argparse.Namespace) -> int:
-    from .earlier import earlier
+    from .earlier import Generated, Hashes, earlier
     from .generate import is_unchanged, run
 
     paths = look_up.own_or_shipped([*chosen.specs, *chosen.more_specs])
     options = [*(chosen.target or ()), "", *chosen.option, "", *chosen.edition]
     before = earlier(_cache(chosen), "generate", paths, options)
-    known = None if chosen.templates is not None or chosen.biss_dtd is not None else before.get()
+    known = None if chosen.templates is not None or chosen.biss_dtd is not None else before.get(Generated)
     if known is not None:
         with _OTHER_FORM:
             read = look_up.read_line(paths, known["families"], before.report(known["files"]))
@@ -103,7 +103,7 @@ def _generate(chosen: argparse.Namespace) -> int:
         families, report = load_families(paths, _cache(chosen))
     alike = before.of_models([family.digest for family in families])
     names = [family.device.name for family in families]
-    known = None if report or chosen.edition or chosen.templates or chosen.biss_dtd else alike.get()
+    known = None if report or chosen.edition or chosen.templates or chosen.biss_dtd else alike.get(Hashes)
     if known is not None:
         with _OTHER_FORM:
             read = look_up.read_line(paths, names, report)
@@ -155,7 +155,7 @@ def _generate(chosen: argparse.Namespace) -> int:
 
 def _check(chosen: argparse.Namespace) -> int:
     from .check_text import as_data, as_text
-    from .earlier import earlier
+    from .earlier import SpecsRead, earlier
 
     if chosen.write and not chosen.coverage:
         raise Stop("--write needs --coverage", 2)
@@ -164,7 +164,7 @@ def _check(chosen: argparse.Namespace) -> int:
         raise Stop(f"--format {chosen.format} lists problems only; leave --coverage out", 2)
     chosen.json = chosen.json or chosen.format == "json"
     before = earlier(_cache(chosen), "check", paths)
-    known = None if chosen.coverage or chosen.target else before.get()
+    known = None if chosen.coverage or chosen.target else before.get(SpecsRead)
     if known is not None:
         with _OTHER_FORM:
             report = before.report(known["files"])
@@ -192,10 +192,10 @@ def _check(chosen: argparse.Namespace) -> int:
 
 def _list(chosen: argparse.Namespace) -> int:
     from .earlier import earlier
-    from .listing import as_data, as_text, rows
+    from .listing import Row, as_data, as_text, rows
 
     before = earlier(_cache(chosen), "list", chosen.specs)
-    families = before.get()
+    families = before.get(list[Row])
     if families:
         with _OTHER_FORM:
             _print(chosen.json, lambda: as_data(families), lambda: as_text(families))

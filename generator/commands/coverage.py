@@ -64,7 +64,7 @@ def refuse_unproved(families: Sequence[Family], what: str, cache: Cache | None =
         if is_same and len(report) == before:
             cache.put(_PROVED, item.content, True)
     if report:
-        for problem in report.problems:
+        for problem in report.shown:
             print(problem.format(), file=sys.stderr)
         problems = f"'codewheel check --coverage' reports {counted(len(report), 'problem')}"
         raise Stop(f"nothing {what}: {problems}; correct them, or add --unchecked", 1)

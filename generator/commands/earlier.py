@@ -12,7 +12,7 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 from ..cache import Cache, content_of
 from ..known_files import KnownFiles
@@ -20,9 +20,27 @@ from ..language.files import Found, below, is_folder, is_spec, top_keys
 from ..language.problems import Report
 from ..loading.family_files import family_files
 from ..loading.shipped import packaged_families, packaged_masters
+from ..typed import fits
 
 #: Keys of overlays, which may refer to specs in other folders.
 _OVERLAY_KEYS = frozenset(("overlay", "changes"))
+
+
+class SpecsRead(TypedDict):
+    """Families without problems, and the files that describe them."""
+
+    families: list[str]
+    files: list[str]
+
+
+class Hashes(TypedDict):
+    """Hashes of generated files, by target and path."""
+
+    hashes: dict[str, dict[str, str]]
+
+
+class Generated(SpecsRead, Hashes):
+    """Result of ``generate``."""
 
 
 @dataclass(frozen=True)
@@ -37,9 +55,9 @@ class Earlier:
     #: Files that the run skips.
     passed_over: Sequence[str] = ()
 
-    def get(self) -> Any:
-        """Return the result of the earlier run, or None."""
-        return self.cache.get(self.kind, self.content) if self.content else None
+    def get(self, form: Any) -> Any:
+        """Return the result of the earlier run, or None if there is none of this type."""
+        return _of_form(self.cache.get(self.kind, self.content), form) if self.content else None
 
     def put(self, result: Any) -> None:
         """Keep the result of a run without problems, unless a file has changed since its content was read."""
@@ -67,14 +85,18 @@ class Models:
     kind: str
     content: Sequence[bytes | str]
 
-    def get(self) -> Any:
-        """Return the result for the same models, or None."""
-        return self.cache.get(self.kind, self.content) if self.content else None
+    def get(self, form: Any) -> Any:
+        """Return the result for the same models, or None if there is none of this type."""
+        return _of_form(self.cache.get(self.kind, self.content), form) if self.content else None
 
     def put(self, result: Any) -> None:
         """Store the result for these models."""
         if self.content:
             self.cache.put(self.kind, self.content, result)
+
+
+def _of_form(result: Any, form: Any) -> Any:
+    return result if fits(result, form) else None
 
 
 def earlier(cache: Cache, kind: str, paths: Sequence[Path], options: Sequence[str] = ()) -> Earlier:

@@ -2,16 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, TypedDict
 
 from ..say.lines import WIDTH, pairs, wrapped
 
 if TYPE_CHECKING:
     from ..model import Device
 
-#: Facts about a family.
-Row = Mapping[str, Any]
+
+class Manual(TypedDict):
+    """The manual of a family."""
+
+    title: str
+    revision: str
+    date: str | None
+
+
+class Row(TypedDict):
+    """Facts about a family. Each interface has a name and a title."""
+
+    family: str
+    title: str
+    manufacturer: str
+    interfaces: list[list[str]]
+    pattern: str
+    order_codes: list[str]
+    manual: Manual
 
 
 def rows(devices: Sequence[Device]) -> list[Row]:

@@ -210,6 +210,6 @@ def _sound(specs: Sequence[Path]) -> Iterator[tuple[Device, ...]]:
 def problems(report: Report) -> Stop:
     """Print all problems to standard error, and return the ``Stop`` to raise."""
 
-    for problem in report.problems:
+    for problem in report.shown:
         print(problem.format(), file=sys.stderr)
     return Stop(counted(len(report), "problem"), 1)

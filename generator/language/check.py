@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from .document import Document
-from .problems import DocumentReport, Path, Report
+from .problems import MAX_FOUND, TOO_MANY, DocumentReport, Path, Report
 from .rules import FOUNDATIONS, RULES, SHAPES
 from .rules.bases import number_base
 from .rules.master import check_master
@@ -35,7 +35,7 @@ def check_document(document: Document, report: Report) -> dict[str, Any] | None:
     if checked is None:
         return None
     if checked.kind is FileKind.DEVICE:
-        return _check_device(checked, document, report)
+        return _device(checked, document, report)
     before = len(report)
     if checked.kind is FileKind.MASTER:
         check_master(checked.data, report.for_document(document))
@@ -56,7 +56,11 @@ def check_second(document: Document, report: Report) -> dict[str, Any] | None:
         The same as ``check_document``.
     """
     checked = check_schema(document, report, FileKind.SECOND)
-    return _check_device(checked, document, report) if checked is not None else None
+    return _device(checked, document, report) if checked is not None else None
+
+
+class _Enough(Exception):
+    """A document has the largest number of problems, so no further rule is checked."""
 
 
 class _Noting(DocumentReport):
@@ -65,8 +69,17 @@ class _Noting(DocumentReport):
     def __init__(self, report: Report, document: Document) -> None:
         super().__init__(report, document)
         self.noted: list[Path] = []
+        self._before = len(report)
 
     def add(self, rule: str, path: Path, message: str, *, at_key: bool = False) -> None:
+        """Add a problem at ``path``.
+
+        Raises:
+            _Enough: The document already has the largest number of problems.
+        """
+        if len(self) - self._before >= MAX_FOUND:
+            super().add(TOO_MANY, path, "there are more problems; they are reported once these are fixed")
+            raise _Enough
         self.noted.append(self.document.original(path))
         super().add(rule, path, message, at_key=at_key)
 
@@ -75,7 +88,20 @@ class _Noting(DocumentReport):
         super().mark(path)
 
 
+def _device(checked: Checked, document: Document, report: Report) -> dict[str, Any] | None:
+    """Return the data of a device without the broken parts, or None if it has too many problems."""
+    try:
+        return _check_device(checked, document, report)
+    except _Enough:
+        return None
+
+
 def _check_device(checked: Checked, document: Document, report: Report) -> dict[str, Any]:
+    """Return the data of a device without the broken parts.
+
+    Raises:
+        _Enough: It has too many problems.
+    """
     codes = is_whole(checked.data, document.data)
     report.mark(document, checked.cut)
     cut = set(checked.cut)

@@ -18,6 +18,8 @@ from .schema_files import load_schema
 from .second_reading import NO_FACTS, ONLY_SECOND, PROSE
 
 Shape = Mapping[str, Any]
+#: Largest number of entries of a list or mapping, unless its description gives another limit.
+_MOST_ENTRIES = 2000
 #: The JSON types, in the singular and in the plural.
 _NOUNS = {
     "integer": ("whole number", "whole numbers"),
@@ -36,6 +38,12 @@ YAML 1.2: `7:0` and `no` are strings, `0x1F` is a number. Duplicate keys are err
 A bit range has the high bit first (`7:6`), and bit 0 is the least significant. Fields without a position are listed in
 sending order: the first is the most significant, or the least significant with `byte_order: low_byte_first`. Units are
 part of a key (`min_hz`, `at_least_us`). Convert numbers that have other units.
+
+Some limits bound the time to check a file, and are far above those of any known encoder. A list or mapping has at
+most {most} entries, unless another limit is given. A list of fields has at most 512, also with those of its groups.
+The parts of an order code combine to at most 10,000 codes. Order codes, registers and alternatives combine to at
+most 20,000 different sets of parameters, and the number of these sets times the number of all fields is at most
+500,000. So is the number of editions times the number of values in the file.
 
 If a file begins with the following line, editors can complete and explain keys while you type:
 
@@ -66,7 +74,7 @@ def spec_page() -> str:
         "",
         "# The spec language, version 1",
         "",
-        _INTRODUCTION,
+        _INTRODUCTION.format(most=_MOST_ENTRIES),
         "",
     ]
     lines += [
@@ -208,6 +216,9 @@ def _limits(shape: Shape) -> str:
         parts.append(f"at most {shape['maxLength']} characters")
     if shape.get("minItems", 0) > 0:
         parts.append("not empty")
+    most = shape.get("maxItems", shape.get("maxProperties", _MOST_ENTRIES))
+    if most != _MOST_ENTRIES:
+        parts.append(f"at most {most} entr{'y' if most == 1 else 'ies'}")
     return ", ".join(parts)
 
 

@@ -152,27 +152,43 @@ def as_affected(data: Any, path: Path) -> str:
 
 def leads_somewhere(data: Any, affected: str) -> bool:
     """Return True if a path of an erratum refers to something in the data."""
-    return bool(found_at(data, affected))
+    return bool(Affected(data).at(affected))
 
 
-def found_at(data: Any, affected: str) -> list[Any]:
-    """Return everything in the data to which a path of an erratum refers."""
-    nodes = [data]
-    for step in affected.split("."):
-        nodes = [found for node in nodes for found in _named(node, step)]
-    return nodes
+class Affected:
+    """Finds what the paths of errata refer to, in data that does not change."""
 
+    def __init__(self, data: Any) -> None:
+        self._data = data
+        #: Items by name, for each list that was searched.
+        self._items: dict[int, dict[object, list[Any]]] = {}
 
-def _named(node: Any, step: str) -> list[Any]:
-    """Return the matches of a step of an erratum's path below ``node``: by key, by name, or by name in a list."""
-    if isinstance(node, list):
-        return [item for item in node if isinstance(item, dict) and item.get("name") == step]
-    if not isinstance(node, dict):
-        return []
-    found = [node[step]] if step in node else []
-    for key, item in node.items():
-        if isinstance(item, list):
-            found += _named(item, step)
-        elif key == "values" and isinstance(item, dict) and step in item:
-            found.append(item[step])
-    return found
+    def at(self, affected: str) -> list[Any]:
+        """Return everything in the data to which a path refers."""
+        nodes = [self._data]
+        for step in affected.split("."):
+            nodes = [found for node in nodes for found in self._named(node, step)]
+        return nodes
+
+    def _named(self, node: Any, step: str) -> list[Any]:
+        """Return the matches of a step of a path below ``node``: by key, by name, or by name in a list."""
+        if isinstance(node, list):
+            return self._items_of(node).get(step, [])
+        if not isinstance(node, dict):
+            return []
+        found = [node[step]] if step in node else []
+        for key, item in node.items():
+            if isinstance(item, list):
+                found += self._items_of(item).get(step, [])
+            elif key == "values" and isinstance(item, dict) and step in item:
+                found.append(item[step])
+        return found
+
+    def _items_of(self, items: list[Any]) -> dict[object, list[Any]]:
+        if id(items) not in self._items:
+            found: dict[object, list[Any]] = {}
+            for item in items:
+                if isinstance(item, dict) and isinstance(item.get("name"), str):
+                    found.setdefault(item["name"], []).append(item)
+            self._items[id(items)] = found
+        return self._items[id(items)]

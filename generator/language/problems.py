@@ -6,11 +6,12 @@ so that one run reports everything.
 
 from __future__ import annotations
 
+import functools
 import re
 import unicodedata
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from itertools import takewhile
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby, takewhile
 from typing import Any
 
 from .document import Document
@@ -18,6 +19,12 @@ from .document import Path as Path
 
 #: Keys for prose, on which no other part of a spec depends.
 WORDS_ONLY = frozenset(("source", "note", "meaning", "title", "printed_name", "names", "why"))
+#: Rule of the problem that ends the list of a document with too many problems.
+TOO_MANY = "too-many-problems"
+#: Largest number of problems listed for one document.
+MAX_PROBLEMS = 200
+#: Number of problems of one document after which no further rule is checked.
+MAX_FOUND = 1000
 LONGEST_QUOTE = 60
 _LONGEST_PATH = 200
 #: Largest number of known words listed in a message.
@@ -116,11 +123,36 @@ class Report:
         """All problems, each once, sorted by file, line, column and rule."""
         return tuple(sorted(self._problems))
 
+    @property
+    def faulty_files(self) -> frozenset[str]:
+        """The files with problems."""
+        return frozenset(problem.file for problem in self._problems)
+
+    @property
+    def shown(self) -> tuple[Problem, ...]:
+        """The problems to list: the first ones of each file, and then one that counts the others."""
+        by_file = groupby(self.problems, key=lambda problem: problem.file)
+        return tuple(problem for _, found in by_file for problem in _first(list(found)))
+
     def __len__(self) -> int:
         return len(self._problems)
 
     def __bool__(self) -> bool:
         return bool(self._problems)
+
+
+def _first(found: Sequence[Problem]) -> Iterator[Problem]:
+    """Yield the first problems of one file, and one that counts the others if there are more."""
+    counted = [problem for problem in found if problem.rule != TOO_MANY]
+    more = len(counted) - MAX_PROBLEMS
+    if more <= 0:
+        yield from found
+        return
+    yield from counted[:MAX_PROBLEMS]
+    number = f"at least {more}" if len(counted) < len(found) else str(more)
+    are, they = ("is", "problem from here on; it is") if more == 1 else ("are", "problems from here on; they are")
+    message = f"there {are} {number} more {they} reported once these are fixed"
+    yield replace(counted[MAX_PROBLEMS], rule=TOO_MANY, path="", message=message)
 
 
 class DocumentReport:
@@ -205,7 +237,13 @@ def meant(word: str, choices: Sequence[str]) -> str:
 
 def _is_spelling(word: str, known: str) -> bool:
     """Return True if two words differ only in capitals, underscores, hyphens and spaces."""
-    return _BETWEEN.sub("", word).lower() == _BETWEEN.sub("", known).lower()
+    return _letters(word) == _letters(known)
+
+
+# A name is compared with each unknown word of a spec.
+@functools.lru_cache(maxsize=10_000)
+def _letters(word: str) -> str:
+    return _BETWEEN.sub("", word).lower()
 
 
 def _alike(one: str, other: str) -> int:

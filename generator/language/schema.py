@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from .document import Document
 from .messages import RENAMED, Finding, explain
-from .problems import WORDS_ONLY, Path, Report
+from .problems import MAX_PROBLEMS, TOO_MANY, WORDS_ONLY, Path, Report
 from .schema_files import load_schema
 from .second_reading import is_second
 from .sound import follows, matches
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
 #: A source that passes every rule.
 _SOME_SOURCE = "Cover"
-#: Largest number of problems reported for one document.
-MAX_PROBLEMS = 200
 
 
 class FileKind(Enum):
@@ -87,7 +85,7 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
         )
     if len(findings) > MAX_PROBLEMS:
         report.add(
-            "too-many-problems",
+            TOO_MANY,
             document,
             findings[MAX_PROBLEMS].path,
             "there are more problems from here on; they are reported once these are fixed",
@@ -226,8 +224,8 @@ def _findings(validator: Any, data: dict[str, Any], broken: set[Path], kind: str
         for finding in explain(error, kind):
             if not any(finding.path[:end] in broken for end in range(len(finding.path) + 1)):
                 found.setdefault((finding.path, finding.at_key), finding)
-        if len(found) > MAX_PROBLEMS:
-            break
+            if len(found) > MAX_PROBLEMS:  # One error can have a finding for each of thousands of keys.
+                return list(found.values())
     return list(found.values())
 
 

@@ -39,7 +39,7 @@ from ..model import (
 from ..model.expressions import Expression, ExpressionError
 from ..model.limits import bounded, bounded_width, bounds, representable
 from ..order_codes.labels import combinations
-from ..order_codes.run_time import State, corners, resolve_parameters
+from ..order_codes.run_time import resolve_parameters
 from ..reference import codec
 from .editions import editions
 from .examples import build_examples, check_examples
@@ -52,16 +52,17 @@ from .interfaces import build_interfaces, build_measurement
 from .layouts import build_layout
 from .measurement_rules import check_measurements
 from .only import check_alarms, check_only, only_while, set_parameters
+from .parameter_sets import parameter_sets, too_much_work
 from .procedures import build_procedures
 from .repeated_facts import check_agreement
-from .run_time_parameters import coded_values, extreme_states, held_in_registers
+from .run_time_parameters import coded_values, held_in_registers
 from .samples import samples
 from .spi_registers import check_spi_registers
 from .valid_parts import sound_so_far
 
 
 def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -> Device | None:
-    """Return the family described by a checked device file, or None if an expression has no value.
+    """Return the family described by a checked device file, or None if an expression has no value or too many.
 
     Parts that could not be built are missing from the result. It can be used only if nothing was reported.
     """
@@ -71,7 +72,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     first = {name: value for item in alternatives for name, value in item.answers[0].sets.items()}
     variants = _variants(order_code, definitions, {**held_in_registers(raw, report), **first})
     context = _context(raw, report, definitions, variants, alternatives)
-    if variants and not check_reach(raw, context, variants):
+    if too_much_work(raw, context) or (variants and not check_reach(raw, context, variants)):
         return None
     check_only(raw, variants, report)
     check_alarms(raw, report)
@@ -96,11 +97,12 @@ def _context(
     alternatives: Sequence[Alternative],
 ) -> Context:
     groups = enumerate(raw.get("field_groups", ()))
+    sets = parameter_sets(raw, definitions, variants, alternatives)
     return Context(
         report=report,
         groups=MappingProxyType({item["name"]: (item, ("field_groups", index)) for index, item in groups}),
         definitions=definitions,
-        parameter_sets=_parameter_sets(raw, definitions, variants, alternatives),
+        parameter_sets=sets,
         crcs=MappingProxyType({item["name"]: _crc(item) for item in raw.get("crcs", ())}),
         data_ids=MappingProxyType(
             {kind: records(DataId, item, "data_ids") for kind, item in raw["interfaces"].items()}
@@ -197,39 +199,6 @@ def _variants(
         Variant(code, MappingProxyType(dict(parts)), interface, resolve_parameters({**held, **sets}, definitions))
         for code, parts, interface, sets in found
     )
-
-
-def _parameter_sets(
-    raw: Raw, definitions: Mapping[str, Expression], variants: Sequence[Variant], alternatives: Sequence[Alternative]
-) -> Mapping[str, Sequence[Mapping[str, int]]]:
-    """Return, by interface, every set of parameters that a layout must support.
-
-    These are the sets of the order codes, the bounds of parameters held in registers, one by one and together, and each
-    of these with each answer of an alternative.
-    """
-    kinds = (*raw["interfaces"], *map(interface_of, raw.get("registers", ())))
-    if not variants:  # Parameters are unknown. Parts that do not use them can still be checked.
-        return MappingProxyType({kind: ({},) for kind in kinds})
-    found: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in kinds}
-    answers: list[Mapping[str, int]] = [{}, *(answer.sets for item in alternatives for answer in item.answers[1:])]
-    fields = extreme_states(raw)
-    # One by one first, so that messages name as few parameters as possible.
-    singles = (state for states in fields for state in states)
-    held: list[State] = [{}, *singles, *(corners(fields) if len(fields) > 1 else ())]
-    seen: set[tuple[str, tuple[int, ...]]] = set()
-    for variant in variants:
-        known = found.setdefault(variant.interface, [])
-        base = {name: value for name, value in variant.parameters.items() if name not in definitions}
-        for changed in ({**one, **answer} for one in held for answer in answers):
-            given = {**base, **changed}
-            key = (variant.interface, tuple(given.values()))
-            if key not in seen:
-                seen.add(key)
-                known.append(resolve_parameters(given, definitions))
-    # An interface that no order code selects has been reported. Its layouts are checked with the parameters of the
-    # others.
-    every = [parameters for known in found.values() for parameters in known]
-    return MappingProxyType({kind: known or every for kind, known in found.items()})
 
 
 def _parameter(name: str, raw: Raw, context: Context) -> Parameter:

@@ -15,11 +15,14 @@ from ..language.document import Path
 from ..language.overlay import KINDS, Layer, LayerKind, Laying
 from ..language.places import NothingThere, as_affected, resolve
 from ..language.problems import DocumentReport, Report, listed, quoted
+from ..language.rules.walk import leaves
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition
 from ..order_codes.narrowing import for_codes
 from .from_mapping import record
 from .overlays import Build, Family, errata_of, few, without_examples
 
+#: Largest number of editions times values. Each edition is checked like a spec. The largest manual needs 26,000.
+MOST_VALUES = 500_000
 _DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
 Raw = Mapping[str, Any]
 
@@ -166,7 +169,11 @@ def _affected(raw: Raw, text: str) -> str:
 
 
 def check_editions(raw: Raw, device: Device, report: DocumentReport) -> None:
-    """Report editions in the wrong place, and labels and registers that do not exist."""
+    """Report too many editions, editions in the wrong place, and labels and registers that do not exist."""
+    count, values = len(device.editions), len(leaves(raw))
+    if count * values > MOST_VALUES:
+        wrong = f"each of {count} editions is checked with {values} values; the product must be at most {MOST_VALUES}"
+        report.add("too-large", ("editions",), f"{wrong}; leave out early editions", at_key=True)
     history = [item["revision"] for item in raw["manual"].get("history", ())]
     own = raw["manual"]["revision"]
     past = history[: history.index(own) + 1] if own in history else [own]

@@ -15,16 +15,11 @@ def check_reach(raw: Raw, context: Context, variants: Sequence[Variant]) -> bool
     """Report expressions without a value for an order code of their interface, and parameters that never have one."""
     before = len(context.report)
     for path, interface, text in uses(dict(raw)):
-        behind = [
-            raw["parameters"][name]["equals"]
-            for name in all_parameters(text, raw["parameters"])
-            if "equals" in raw["parameters"][name]
-        ]
-        faults = (
-            _fault(item, parameters)
-            for parameters in context.parameter_sets.get(interface, ())
-            for item in (text, *behind)
-        )
+        names = list(all_parameters(text, raw["parameters"]))
+        behind = [raw["parameters"][name]["equals"] for name in names if "equals" in raw["parameters"][name]]
+        sets = context.parameter_sets.get(interface, ())
+        # A number has the same value in each set.
+        faults = (_fault(item, parameters) for parameters in sets[: None if names else 1] for item in (text, *behind))
         wrong = next(filter(None, faults), "")
         if wrong:
             context.report.add("bad-expression", path, wrong)

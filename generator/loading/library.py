@@ -59,7 +59,7 @@ def load_sound(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
 
 def sound_families(families: Iterable[Family], report: Report) -> list[Family]:
     """Return the families without problems in their files so far."""
-    faulty = {problem.file for problem in report.problems}
+    faulty = report.faulty_files
     return [family for family in families if faulty.isdisjoint(family.files)]
 
 
@@ -100,8 +100,7 @@ def load_families(
     sound = {file for file, text in masters.items() if cache and cache.get(_SOUND, text)}
     families = families_of(documents, report, known, sound)
     if cache:
-        faulty = {problem.file for problem in report.problems}
-        for file in masters.keys() - sound - faulty:
+        for file in masters.keys() - sound - report.faulty_files:
             cache.put(_SOUND, masters[file], True)
         families = [
             _with_digest(family, before[family.document.file], stored, cache)
@@ -126,7 +125,7 @@ def _is_storable(family: Family) -> bool:
 def is_clean(family: Family, report: Report) -> bool:
     """Return True if no problem was reported in any file on which a family depends."""
     files = {*family.files, *map(str, family_files(Path(family.document.file)))}
-    return all(problem.file not in files for problem in report.problems)
+    return report.faulty_files.isdisjoint(files)
 
 
 def _with_digest(

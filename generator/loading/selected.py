@@ -18,6 +18,7 @@ from ..cache import Cache, content_of
 from ..known_files import KnownFiles
 from ..language.files import is_spec
 from ..language.second_reading import is_second
+from ..typed import fits
 from .family_files import MANUFACTURER, family_files, spec_files
 
 if TYPE_CHECKING:
@@ -98,6 +99,8 @@ def _device_files(paths: Sequence[Path], cache: Cache) -> Iterator[_Found]:
     has_maker = functools.cache(lambda folder: (folder / MANUFACTURER).is_file())
     for path in dict.fromkeys(spec_files(paths, lambda path: glance(path)["is_spec"] is not False)):
         kind, name, beginnings = glance(path)["shows"]
+        if not fits([kind, name, *(beginnings or ())], list[str]):
+            raise _NotSelectable
         if kind == _DEVICE and not is_second(path) and has_maker(path.parent):
             yield _Found(path, str(name), None if beginnings is None else tuple(map(str, beginnings)))
         elif kind != _MAKER or path.name != MANUFACTURER:
@@ -163,10 +166,11 @@ def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
     if any(".overlay." in path.name for path in files):
         raise _NotSelectable
     content = content_of(files)
-    starts = cache.get("beginnings", content) if label else None
-    if isinstance(starts, list) and not label.startswith(tuple(map(str, starts))):
-        return ()
-    if label and starts is None:
+    starts: Any = cache.get("beginnings", content) if label else None
+    if fits(starts, list[str]):
+        if not label.startswith(tuple(starts)):
+            return ()
+    elif label:
         found_alone = _beginnings_of_parts(spec)
         if content_of(family_files(spec)) == content:
             cache.put("beginnings", content, found_alone)

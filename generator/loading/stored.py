@@ -1,7 +1,8 @@
 """Models as plain data for the cache, and back.
 
 An object is a list that begins with the position of its class in ``_CLASSES``. Objects that occur more than once are
-kept once. Only objects of the model can be built, so no data can run other code.
+kept once. Only objects of the model can be built, so no data can run other code. Each member must have the type of its
+annotation, so no command meets a value that ``loading`` cannot produce.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from ..model import (
     steps,
 )
 from ..model.interfaces import biss, common, rs485, spi, ssi
+from ..typed import members_fit
 
 _MODULES: tuple[ModuleType, ...] = (
     *(by_hand, device, examples, expressions, facts, kinds, layout, limits, measurement, only, scale, steps),
@@ -155,6 +157,8 @@ def from_data(rows: Any) -> model.Device:
             index, *parts = row
             kind, values = _CLASSES[index], [get(part) for part in parts]
             members = dict(zip(_NAMES[index], values, strict=True))
+            if not members_fit(kind, values):
+                raise NotStorable(f"members of {kind.__name__}")
             built.append(kind(**members) if _BY_KEYWORD[index] else kind(*values))
         found = built[-1]
     except (LookupError, TypeError, ValueError, AttributeError, RecursionError) as error:

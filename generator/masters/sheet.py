@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -17,12 +17,15 @@ from ..language.check import check_document
 from ..language.master_items import NUMBERS, STEPS
 from ..language.problems import Report, listed
 from ..language.read import read_specs
+from ..language.schema import FileKind, shape_of
+from ..language.sound import follows
 from ..loading.shipped import packaged_masters
 from ..model import INTERFACES, Document
 from ..model.expressions import Expression, ExpressionError
 from ..model.record import dataclass
 from ..say.numbers import decimal
 from ..say.words import hertz
+from ..typed import members_fit
 from .places import Device, Place, devices_of, misfit, places_of
 from .record import Part, Record
 from .writing import Writing, writing_of
@@ -179,12 +182,24 @@ def _shipped(cache: Cache) -> tuple[Master, ...]:
 
 
 def _from_data(data: Raw) -> Master:
-    """Return the master that ``asdict`` converted."""
-    documents = (Document(**item) for item in data["documents"])
-    devices = (Device(item["name"], tuple(item["channels"])) for item in data["devices"])
+    """Return the master that ``asdict`` converted.
+
+    Raises:
+        KeyError, TypeError: The data has another form.
+    """
+    shape = shape_of(FileKind.MASTER.value)["properties"]
+    documents = tuple(Document(**item) for item in data["documents"])
+    devices = tuple(Device(item["name"], tuple(item["channels"])) for item in data["devices"])
     rules = (tuple(data[name]) for name in _RULES)
-    takes, standing = tuple(data["takes"]), data["standing"]
-    return Master(data["name"], data["title"], takes, tuple(documents), tuple(devices), standing, *rules)
+    master = Master(data["name"], data["title"], tuple(data["takes"]), documents, devices, data["standing"], *rules)
+    are_typed = all(map(_is_typed, (master, *documents, *devices)))
+    if not are_typed or not all(follows(data[name], shape[name]) for name in _RULES):
+        raise TypeError("not a master")
+    return master
+
+
+def _is_typed(item: Any) -> bool:
+    return members_fit(type(item), [getattr(item, member.name) for member in fields(item)])
 
 
 def _master(data: Raw) -> Master:

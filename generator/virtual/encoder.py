@@ -308,7 +308,7 @@ def _families(specs: tuple[Path, ...]) -> tuple[Family, ...]:
     families, report = load_families(specs)
     sound = tuple(sound_families(families, report))
     if not sound:
-        raise ValueError("\n".join(problem.format() for problem in report.problems) or "there are no specs")
+        raise ValueError("\n".join(problem.format() for problem in report.shown) or "there are no specs")
     return sound
 
 
@@ -326,6 +326,6 @@ def _found(text: str, specs: tuple[Path, ...], edition: str) -> tuple[Device, Ma
         report = Report()
         made = in_edition(family, chosen(family.device, edition), report)
         if made is None or report:
-            raise ValueError("\n".join(problem.format() for problem in report.problems))
+            raise ValueError("\n".join(problem.format() for problem in report.shown))
         return made.device, find(made.device, text)
     raise ValueError(reason)

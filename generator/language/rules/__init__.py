@@ -46,6 +46,7 @@ FOUNDATIONS: tuple[Rule, ...] = (
 SHAPES: tuple[Rule, ...] = (
     shapes.layout_keys,
     values.crc_impossible,
+    values.field_count,
 )
 
 #: Every rule, in the order of execution. The order is not visible, because problems are sorted by place.

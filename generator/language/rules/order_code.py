@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -117,6 +117,7 @@ def order_code_ambiguous(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     pieces = [piece if index % 2 else _without_blanks(piece) for index, piece in enumerate(_BRACES.split(pattern))]
     # With parts of fixed length each code splits at fixed places, so it can only be read as it was composed.
     fixed = all("open" not in part and len({len(text) for text in part["values"]}) == 1 for part in parts)
+    fits = {name: _fits(part) for name, part in by_part.items()}
     seen: dict[str, _Code] = {}
     for code in _codes(spec) or ():
         other = seen.setdefault(_without_blanks(code.text), code)
@@ -127,7 +128,7 @@ def order_code_ambiguous(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 f"the code {quoted(code.text)} occurs twice: as {_words(other)}, and as {_words(code)}",
             )
             return
-        readings = [] if fixed else list(itertools.islice(_readings(_without_blanks(code.text), pieces, by_part), 2))
+        readings = [] if fixed else list(itertools.islice(_readings(_without_blanks(code.text), pieces, fits), 2))
         if len(readings) > 1:
             names = pieces[1::2]
             ways = [
@@ -326,8 +327,15 @@ def _filled(pattern: str, texts: dict[str, str]) -> str:
     return _BRACES.sub(lambda brace: texts.get(brace[1], ""), pattern)
 
 
+def _fits(part: Spec) -> Callable[[str], bool]:
+    """Return the test whether a text in capitals is a value of a part."""
+    listed = frozenset(value.upper() for value in part["values"])
+    expression = re.compile(part["open"], re.IGNORECASE) if "open" in part else None
+    return lambda text: text in listed or (expression is not None and expression.fullmatch(text) is not None)
+
+
 def _readings(
-    text: str, pieces: Sequence[str], parts: dict[str, Spec], start: int = 0, index: int = 0
+    text: str, pieces: Sequence[str], fits: Mapping[str, Callable[[str], bool]], start: int = 0, index: int = 0
 ) -> Iterator[tuple[str, ...]]:
     """Yield every way to split ``text`` from ``start`` into the pattern's ``pieces`` from ``index``.
 
@@ -341,12 +349,11 @@ def _readings(
         if start == len(text):
             yield ()
         return
-    part = parts[pieces[index + 1]]
-    listed = {value.upper() for value in part["values"]}
+    is_value = fits[pieces[index + 1]]
     for end in range(start, len(text) + 1):
         value = text[start:end]
-        if value in listed or ("open" in part and re.fullmatch(part["open"], value, re.IGNORECASE)):
-            yield from ((value, *rest) for rest in _readings(text, pieces, parts, end, index + 2))
+        if is_value(value):
+            yield from ((value, *rest) for rest in _readings(text, pieces, fits, end, index + 2))
 
 
 def _words(code: _Code) -> str:

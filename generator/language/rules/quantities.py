@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Set
+from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
 from ...say.words import counted, nanoseconds
-from ..places import found_at
+from ..places import Affected
 from ..problems import DocumentReport, Path, listed, quoted
 from .meanings import supply_named
 from .walk import Spec, items, leaves, leaves_of, mapping
@@ -167,22 +169,20 @@ def time_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     interfaces = [(("interfaces", name), item) for name, item in mapping(spec, "interfaces").items()]
     named = set(_times([mapping(item).get("timings") for item in (spec, *(item for _, item in interfaces))]))
     timed = [(path, item, set(_times(item))) for key in _TIMED for path, item in items(spec, key)]
+    items_with = Counter(time for _, _, times in timed for time in times)
     for path, item, here in timed:
-        others = named.union(*(times for other, _, times in timed if other != path))
+        others = _Elsewhere(named, items_with, here)
         for place, text, own in _texts(item, path):
             _compare_times(text, own or here, others, place, report)
     for path, item in interfaces:
         for place, text, own in _texts(item, path):
-            _compare_times(text, own, named.union(*(times for _, _, times in timed)), place, report)
+            _compare_times(text, own, _Elsewhere(named, items_with, set()), place, report)
+    places, below = Affected(spec), _TimesBelow()
     for path, item in items(spec, "errata"):
-        affected = set(_times([found for text in item.get("affects", ()) for found in found_at(spec, text)]))
+        facts = [found for text in dict.fromkeys(item.get("affects", ())) for found in places.at(text)]
+        affected = set().union(*map(below.of, facts))
         used = [(found, _nanoseconds(found)) for found in _ANY_TIME.finditer(item.get("used", ""))]
-        of_timing = [
-            set(_times(found))
-            for text in item.get("affects", ())
-            for found in found_at(spec, text)
-            if _is_timing(found)
-        ]
+        of_timing = [below.of(found) for found in facts if _is_timing(found)]
         for known, possible in (
             (affected, affected | named),
             *((times, times) for times in of_timing[:1] if not of_timing[1:]),
@@ -196,6 +196,18 @@ def time_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             _report_time(printed[0], set(_times(item)), (*path, "meaning"), report)
 
 
+class _TimesBelow:
+    """The times below places of a spec, each found once although many errata may affect the same place."""
+
+    def __init__(self) -> None:
+        self._times: dict[int, set[int]] = {}
+
+    def of(self, node: Any) -> set[int]:
+        if id(node) not in self._times:
+            self._times[id(node)] = set(_times(node))
+        return self._times[id(node)]
+
+
 def _is_timing(item: Any) -> bool:
     return isinstance(item, dict) and not {"at_least_us", "typical_us", "at_most_us"}.isdisjoint(item)
 
@@ -207,10 +219,25 @@ def _with_symbol(spec: Spec) -> Iterator[tuple[Path, Spec]]:
         yield from ((path, item) for path, item in items(spec, *place, "timings") if "symbol" in item)
 
 
-def _compare_times(text: str, own: set[int], others: set[int], place: Path, report: DocumentReport) -> None:
+@dataclass(frozen=True, slots=True)
+class _Elsewhere:
+    """The times of a spec outside one item: the named ones, and those of other items.
+
+    ``items_with`` counts the items that have a time, and ``here`` contains the times of the one item.
+    """
+
+    named: Set[int]
+    items_with: Mapping[Any, int]
+    here: Set[int]
+
+    def __contains__(self, time: object) -> bool:
+        return time in self.named or self.items_with.get(time, 0) > (time in self.here)
+
+
+def _compare_times(text: str, own: set[int], others: _Elsewhere, place: Path, report: DocumentReport) -> None:
     """Report the first time of a text that differs from all of these, if the item has times."""
     for found in _KEPT_TIME.finditer(text) if own else ():
-        if _nanoseconds(found) not in own | others:
+        if (time := _nanoseconds(found)) not in own and time not in others:
             _report_time(found, own, place, report)
             return
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from ...model import INTERFACES, Biss
@@ -46,7 +46,7 @@ class _Names:
         self._broken = interfaces | {name for name in named if isinstance(name, str) and not _NAME.fullmatch(name)}
         self.groups, self.registers = by_name(raw, "field_groups"), by_name(raw, "registers")
         self.procedures, self.parameters = by_name(raw, "procedures"), mapping(raw, "parameters")
-        self._known: Mapping[str, Iterable[str]] = {
+        self._known: Mapping[str, Collection[str]] = {
             "CRC": by_name(raw, "crcs"),
             "erratum": by_name(raw, "errata"),
             "field group": self.groups,
@@ -56,12 +56,12 @@ class _Names:
             "register": self.registers,
         }
 
-    def refer(self, path: Path, kind: str, name: str, known: Iterable[str] | None = None) -> None:
+    def refer(self, path: Path, kind: str, name: str, known: Collection[str] | None = None) -> None:
         """Report ``name`` at ``path`` unless it is in ``known``, by default all names of its kind.
 
         If one of these names is itself wrong, it is reported already and may be the one that is meant.
         """
-        choices = list(self._known[kind] if known is None else known)
+        choices = self._known[kind] if known is None else known
         if name in choices:
             return
         if self._broken.isdisjoint(choices) or meant(name, [item for item in choices if item not in self._broken]):
@@ -74,7 +74,7 @@ class _Names:
         """Report a name that exists but is not sufficient."""
         self._report.add("undefined-reference", path, wrong)
 
-    def refer_by(self, key: str, path: Path, item: Spec, kind: str, known: Iterable[str] | None = None) -> None:
+    def refer_by(self, key: str, path: Path, item: Spec, kind: str, known: Collection[str] | None = None) -> None:
         """Call ``refer`` for the value of a key: one name, several names, or none."""
         found = item.get(key, ())
         for name, place in [(found, ())] if isinstance(found, str) else [(one, (at,)) for at, one in enumerate(found)]:
@@ -105,9 +105,10 @@ def field_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         for path, field in fields:
             known.refer_by("use", path, field, "field group")
             known.refer_by("crc", path, field, "CRC")
-            siblings = [name for name in names if name != field.get("name")]
-            known.refer_by("parity_of", path, field, "other field", [*siblings, *joins])
-            known.refer_by("crc_of", path, field, "other field", siblings)
+            if "parity_of" in field or "crc_of" in field:
+                siblings = [name for name in names if name != field.get("name")]
+                known.refer_by("parity_of", path, field, "other field", [*siblings, *joins])
+                known.refer_by("crc_of", path, field, "other field", siblings)
             if (
                 "values_of" in field
                 and fields.kind is not Has.GROUP

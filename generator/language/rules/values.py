@@ -10,7 +10,19 @@ from itertools import pairwise
 from ...model import INTERFACES, Biss
 from ...say.words import counted
 from ..problems import DocumentReport, Path, quoted, suggestion
-from .walk import Spec, explained, field_lists, interface_of, items, last_address, leaves_of, mapping, sources
+from .walk import (
+    MAX_FIELDS,
+    Spec,
+    by_name,
+    explained,
+    field_lists,
+    interface_of,
+    items,
+    last_address,
+    leaves_of,
+    mapping,
+    sources,
+)
 
 _PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
 _NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"
@@ -21,6 +33,16 @@ _SECTION = rf"{_NUMBER}(?: (?:Table|Figure) {_NUMBER})?|{_HEADING}"
 _PAGE = r"p\.[0-9]+(?:-[0-9]+)?"
 _PLACE = re.compile(rf"(?:{_SECTION})(?: {_PAGE})?|{_PAGE}")
 _RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
+
+
+def field_count(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that no list of fields is longer than the schema allows if the groups in it are written out."""
+    sizes = {name: sum(1 for _ in items(group, "fields")) for name, group in by_name(raw, "field_groups").items()}
+    for fields in field_lists(spec):
+        count = sum(sizes.get(field.get("use", ""), 1) for _, field in fields)
+        if count > MAX_FIELDS:
+            wrong = f"'fields' has {count} entries with those of its groups; the limit is {MAX_FIELDS}"
+            report.add("too-long", (*fields.path, "fields"), wrong)
 
 
 def crc_impossible(spec: Spec, raw: Spec, report: DocumentReport) -> None:

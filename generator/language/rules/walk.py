@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from itertools import islice
 from typing import Any
 
 from ...model import INTERFACES, Biss
@@ -23,6 +24,8 @@ Spec = dict[str, Any]
 Rule = Callable[[Spec, Spec, DocumentReport], None]
 
 INTERFACE_OF_REGISTERS = Biss.name
+#: Largest number of fields of a layout or register, with those of its groups. Without these, the schema limits it.
+MAX_FIELDS = 512
 
 
 def mapping(data: Any, *keys: str) -> Spec:
@@ -108,7 +111,14 @@ def last_address(register: Mapping[str, Any]) -> int:
 
 
 def expanded(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path, Spec]]:
-    """Yield the fields with groups included. The path of a field from a group is the path of its ``use``."""
+    """Yield the fields with groups included. The path of a field from a group is the path of its ``use``.
+
+    Another rule reports a list that is longer than its limit. Its other fields are omitted.
+    """
+    return islice(_expanded(fields, groups), MAX_FIELDS)
+
+
+def _expanded(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path, Spec]]:
     for path, field in fields:
         group = groups.get(field["use"]) if isinstance(field.get("use"), str) else None
         if group is None:

@@ -7,13 +7,17 @@ which it knows only the listed values.
 
 from __future__ import annotations
 
+import functools
 import itertools
+import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence, Set
 
 from ...model import CodePart, Device, Spelling, Variant
 from ...model.record import dataclass
 from ...order_codes.labels import filled, spelled, without_blanks
+from .. import TargetError
 
 _ATOM = re.compile(r"(?P<unit>\[[^\]]+\]|\\d|\\.|[A-Za-z0-9-])(?:\{(?P<least>\d+)(?:,(?P<most>\d+))?\}|(?P<maybe>\?))?")
 _CLASSES = {
@@ -28,6 +32,8 @@ _CLASSES = {
 _FITS = {"#": "[0-9]", "@": "[A-Z]", "%": "[A-Z0-9]", "~": "[0-9]?"}
 #: An open part with more patterns than this is omitted.
 _MOST = 16
+#: Largest number of combinations of listed values and patterns, over all spellings of the labels.
+_MOST_COMBINATIONS = 100_000
 
 
 @dataclass(frozen=True)
@@ -96,27 +102,56 @@ def open_codes(device: Device) -> tuple[OpenCode, ...]:
     A pattern with an open part also matches listed values. If their combination is not an order code, a refused
     pattern comes before it.
     """
-    code = device.order_code
-    rows = _rows(device, code.pattern, [_choices(part) for part in code.parts], is_listed=True)
+    code, codes = device.order_code, _Codes(device)
+    spellings = [(code.pattern, [_choices(part) for part in code.parts], True)]
     for spelling in code.also_written:
         own = {item.part for item in spelling.values}
         choices = [_spelled_choices(part, spelling) if part.name in own else _choices(part) for part in code.parts]
-        for then in written_out(spelling.then) if spelling.then else ("",):
-            rows += _rows(device, spelling.pattern + then, choices, is_listed=False)
-    return tuple(rows)
+        thens = written_out(spelling.then) if spelling.then else ("",)
+        spellings += [(spelling.pattern + then, choices, False) for then in thens]
+    if sum(math.prod(map(len, choices)) for _, choices, _ in spellings) > _MOST_COMBINATIONS:
+        wrong = f"open parts and other spellings combine to more than {_MOST_COMBINATIONS} patterns of labels"
+        raise TargetError(f"{wrong}, the maximum of the C target", ("order_code",))
+    return tuple(row for spelling in spellings for row in _rows(codes, *spelling))
 
 
-def _rows(device: Device, pattern: str, choices: Sequence[Sequence[_Choice]], is_listed: bool) -> list[OpenCode]:
+class _Codes:
+    """The order codes of a device, found by their listed parts."""
+
+    def __init__(self, device: Device) -> None:
+        self._device = device
+        self.names = tuple(part.name for part in device.order_code.parts)
+        #: Indices of the order codes by the names of some parts and by the texts of these.
+        self._indices: dict[tuple[str, ...], dict[tuple[str, ...], list[int]]] = {}
+
+    def first(self, chosen: Mapping[str, _Choice]) -> int | None:
+        """Return the first order code with the listed parts, if the other parts may be open there."""
+        names = tuple(name for name, item in chosen.items() if not item.is_open)
+        if names not in self._indices:
+            found: dict[tuple[str, ...], list[int]] = defaultdict(list)
+            for index, variant in enumerate(self._device.variants):
+                found[tuple(variant.parts[name] for name in names)].append(index)
+            self._indices[names] = found
+        indices = self._indices[names].get(tuple(chosen[name].text for name in names), ())
+        parts, variants = self._device.order_code.parts, self._device.variants
+        return next((index for index in indices if all(_open_here(parts, chosen, variants[index]))), None)
+
+
+def _rows(codes: _Codes, pattern: str, choices: Sequence[Sequence[_Choice]], is_listed: bool) -> list[OpenCode]:
     """Return the rows of one spelling. For the listed spelling, codes without open parts need no row."""
-    names = [part.name for part in device.order_code.parts]
-    combinations = [dict(zip(names, values, strict=True)) for values in itertools.product(*choices)]
-    found = [(chosen, _stands_for(device, chosen)) for chosen in combinations]
-    allowed = [chosen for chosen, code in found if code is not None and any(item.is_open for item in chosen.values())]
+    combinations = [dict(zip(codes.names, values, strict=True)) for values in itertools.product(*choices)]
+    found = [(chosen, codes.first(chosen)) for chosen in combinations]
+    allowed = {
+        tuple(chosen.values())
+        for chosen, code in found
+        if code is not None and any(item.is_open for item in chosen.values())
+    }
+    patterns = [[item for item in of_part if item.is_open] for of_part in choices]
     rows = []
     for chosen, code in found:
         unlisted = tuple(name for name, item in chosen.items() if item.is_open)
         wanted = bool(unlisted) or not is_listed
-        if (code is not None and wanted) or (code is None and any(_covers(other, chosen) for other in allowed)):
+        if (code is not None and wanted) or (code is None and _is_covered(tuple(chosen.values()), patterns, allowed)):
             shown = {name: item.shown for name, item in chosen.items()}
             text = filled(without_blanks(pattern), shown)
             rows.append(OpenCode(text, code, unlisted))
@@ -134,16 +169,6 @@ def _choices(part: CodePart) -> list[_Choice]:
     ]
 
 
-def _stands_for(device: Device, chosen: Mapping[str, _Choice]) -> int | None:
-    """Return the first order code with the listed parts, if the other parts may be open there."""
-    for index, variant in enumerate(device.variants):
-        if all(item.is_open or variant.parts[name] == item.text for name, item in chosen.items()) and all(
-            _open_here(device.order_code.parts, chosen, variant)
-        ):
-            return index
-    return None
-
-
 def _open_here(parts: Sequence[CodePart], chosen: Mapping[str, _Choice], variant: Variant) -> Iterator[bool]:
     for part in parts:
         if chosen[part.name].is_open:
@@ -153,13 +178,20 @@ def _open_here(parts: Sequence[CodePart], chosen: Mapping[str, _Choice], variant
             )
 
 
-def _covers(pattern: Mapping[str, _Choice], chosen: Mapping[str, _Choice]) -> bool:
-    """Return True if a label of the codes ``chosen`` would match ``pattern``, which has more open parts."""
-    for name, item in pattern.items():
-        other = chosen[name]
-        if item == other:
-            continue
-        expression = "".join(_FITS.get(letter, re.escape(letter)) for letter in item.text)
-        if not item.is_open or other.is_open or re.fullmatch(expression, other.text, re.IGNORECASE) is None:
-            return False
-    return True
+def _is_covered(
+    chosen: tuple[_Choice, ...], patterns: Sequence[Sequence[_Choice]], allowed: Set[tuple[_Choice, ...]]
+) -> bool:
+    """Return True if a label of the codes ``chosen`` would match one of these patterns, which has more open parts.
+
+    ``patterns`` contains the patterns of each part.
+    """
+    wider = (
+        [item, *(pattern for pattern in of_part if not item.is_open and _expression(pattern.text).fullmatch(item.text))]
+        for item, of_part in zip(chosen, patterns, strict=True)
+    )
+    return bool(allowed) and any(values in allowed for values in itertools.product(*wider))
+
+
+@functools.cache
+def _expression(pattern: str) -> re.Pattern[str]:
+    return re.compile("".join(_FITS.get(letter, re.escape(letter)) for letter in pattern), re.IGNORECASE)
