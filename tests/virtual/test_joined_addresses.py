@@ -115,6 +115,8 @@ def test_a_program_in_c_compares_addresses(name: str, outputs: Path, tmp_path: P
     (asked,) = (line for line in program.splitlines() if " asked = { " in line)
     other = "0x1U, 0x1U, 0x101U" if FIELDS[name][0] is PARTS else "0x101U"
     changed = program.replace(asked, f"{asked[: asked.index('{')]}{{ {other} }};")
+    given = {PARTS: "low, high", ONE: "address"}[FIELDS[name][0]]
+    assert f"    /* Set {given} yourself, because there is no default. */\n{asked}" in program
     for text, code in ((program, 0), (changed, 1)):
         (tmp_path / "main.c").write_text(text, encoding="ascii")
         flags = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", f"-I{outputs / 'c' / 'include'}"]

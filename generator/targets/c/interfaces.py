@@ -152,6 +152,8 @@ class InterfaceCode:
         """Yield the comment on the interface, without the layouts, which have their own."""
         interface = self.interface
         yield from (S.sentence(item) for item in said_of(self.device, interface) if item not in self._said)
+        if any(item.sender == "master" and item.data_fields for item in interface.layouts):
+            yield "Set all members of a request, because those that an initial value leaves out are 0."
         yield from self._receiving()
         path = f"interfaces.{interface.name}"
         layouts = [f"{path}.{item.name}" for item in interface.layouts]

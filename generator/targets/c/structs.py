@@ -130,6 +130,11 @@ class Struct:
         given += [number(whole.joined(numbers, parameters), hexadecimal=True) for whole in self.plan.wholes]
         return ", ".join(given + (["0U"] if self.unused else []))
 
+    @property
+    def without_default(self) -> tuple[str, ...]:
+        """The members of a request whose values the spec does not give."""
+        return tuple(c_name(part.field.name) for part in self.plan.parts if part.field.default is None)
+
     def _initial_of(self, field: Field, default: int) -> Iterator[str]:
         """Yield the initial values of the members of a field."""
         match meaning_of(field):
