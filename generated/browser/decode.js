@@ -664,15 +664,15 @@
     if (!layouts.length) {
       throw new FrameText(`the manual does not describe a frame from the ${sender} over ${found.interface.title}`);
     }
-    const trimmed = checked(text);
+    const [over, trimmed] = [found.interface, checked(text)];
     if (!layouts[0].order) {
       const at = placedFor(found, layouts[0], held, answers);
-      return decodeBits(at, numberIn(trimmed, at.bits, found.interface.exact?.includes(sender)));
+      return { ...decodeBits(at, numberIn(trimmed, at.bits, found.interface.exact?.includes(sender))), over };
     }
     const bytes = bytesIn(trimmed);
     const told = toldApart(found.interface, sender, bytes);
     const made = told.layout ? decodeBytes(placedFor(found, told.layout, held, answers), bytes) : told;
-    return { ...made, data: bytes };
+    return { ...made, data: bytes, over };
   }
 
   /** A frame of bits; ``given`` is its text as a number. */
@@ -744,7 +744,7 @@
   const LEAST_STUCK = 12;
 
   /** Return the text about a dead line, or "" if the line changes. */
-  function deadLine({ at, given, number, data, problems }) {
+  function deadLine({ at, given, number, data, problems, over }) {
     if (at?.layout.length !== undefined) return "";
     const exact = given?.exact ? given.bits : Math.max(at?.bits ?? 0, given?.bits ?? 0);
     const size = data ? 8 * data.length : exact;
@@ -754,7 +754,7 @@
     const doubt = at?.layout.crc ? "and the CRC is correct too" : "and there is no CRC to distinguish it";
     return at && !(at.layout.crc && problems.length) ? `Every bit is ${level}. A dead line looks the same, ${doubt}.`
       : `Every bit is ${level}: the line never changes. Check for ${level ? "a broken wire" : "a short circuit"}, `
-        + "the supply and the clock.";
+        + `the supply and ${over?.name === "rs485" ? "wires A and B" : "the clock"}.`;
   }
 
   /** Return the bits that make the frame valid if one of them is inverted: the usual cause if only some frames fail. */

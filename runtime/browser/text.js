@@ -93,15 +93,15 @@ function decodeFrame(found, what, text, held, answers) {
   if (!layouts.length) {
     throw new FrameText(`the manual does not describe a frame from the ${sender} over ${found.interface.title}`);
   }
-  const trimmed = checked(text);
+  const [over, trimmed] = [found.interface, checked(text)];
   if (!layouts[0].order) {
     const at = placedFor(found, layouts[0], held, answers);
-    return decodeBits(at, numberIn(trimmed, at.bits, found.interface.exact?.includes(sender)));
+    return { ...decodeBits(at, numberIn(trimmed, at.bits, found.interface.exact?.includes(sender))), over };
   }
   const bytes = bytesIn(trimmed);
   const told = toldApart(found.interface, sender, bytes);
   const made = told.layout ? decodeBytes(placedFor(found, told.layout, held, answers), bytes) : told;
-  return { ...made, data: bytes };
+  return { ...made, data: bytes, over };
 }
 
 /** A frame of bits; ``given`` is its text as a number. */

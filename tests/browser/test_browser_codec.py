@@ -91,6 +91,15 @@ def test_a_dead_line_over_spi(ask: Ask) -> None:
     ]
 
 
+def test_a_dead_line_over_rs_485(ask: Ask) -> None:
+    """There is no clock."""
+    node = ask(made_up("../examples/encoders/sick/skm36"), "node")
+    items = [{"code": "SKM36", "sender": "encoder:position_reply", "text": "FF " * 7, "answers": {}}]
+    assert [found["dead"] for found in node("values", items)] == [
+        "Every bit is 1: the line never changes. Check for a broken wire, the supply and wires A and B."
+    ]
+
+
 def test_in_a_browser(ask: Ask, library: Library, vectors: list[dict[str, Any]]) -> None:
     """Return frames, the examples of the manuals and public vectors for one start of the script."""
     devices = (*library.devices, *made_up("specs/bits22").devices)
