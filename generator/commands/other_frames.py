@@ -8,7 +8,7 @@ from ..model import Constant, CrcValue, Device, Fault, Parity, PlacedLayout, Var
 from ..model.layout import have_lengths
 from ..reference.codec import Decoded
 from .decode import decoded_as
-from .frame_text import checked
+from .frame_text import FrameTextError, checked
 
 
 class OtherFrames:
@@ -16,7 +16,7 @@ class OtherFrames:
 
     def __init__(self, device: Device, variant: Variant, sender: str) -> None:
         layouts = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
-        self._device = device
+        self._device, self._variant = device, variant
         self._exact = have_lengths(layouts, sender)
         # A selector identifies the frame.
         is_open = len(layouts) > 1 and not any(item.selector for item in layouts)
@@ -35,7 +35,10 @@ class OtherFrames:
         has_other_length = any(item.fault is Fault.LENGTH for item in decoded.problems)
         if at.bits != decoded.layout.bits and not has_other_length:
             return False
-        return not decoded_as(self._device, at, checked(text), exact=self._exact).problems
+        try:
+            return not decoded_as(self._device, self._variant, at, checked(text), exact=self._exact).problems
+        except FrameTextError:  # another number of bits
+            return False
 
 
 def other_frames_line(decoded: Decoded, others: Sequence[PlacedLayout]) -> str:

@@ -34,6 +34,11 @@ def write_number(bits: str) -> str:
     return f"Write 0b and all {bits} bits in the order sent, or 0x and hex digits"
 
 
+def write_bits(bits: str, length: str) -> str:
+    """Return the remedy for bits of another number, for a frame in ``length`` bytes."""
+    return f"Write 0b and all {bits} bits in the order sent, or {length} hex bytes with zeros in front"
+
+
 def write_hex(digits: str) -> str:
     return f"Write 0x{digits} if it is hex"
 

@@ -72,6 +72,16 @@ function numberIn(text, size, exact) {
   throw new FrameText(said("no_bits", quoted(text), size, remedy));
 }
 
+/** The bytes of a frame that is sent as bits, from 0b and every bit. */
+function bytesOfBits(at, text) {
+  const digits = text.slice(2).replaceAll("_", "");
+  const size = at.bits - (at.layout.fill ?? 0);
+  if (digits.length !== size) {
+    throw new FrameText(said("no_bits", quoted(text), size, said("write_bits", size, at.bits / 8)));
+  }
+  return digits.padStart(at.bits, "0").match(/.{8}/g).map((byte) => parseInt(byte, 2));
+}
+
 /** The parameters of a code with the register contents ``held`` and the answers of the user. */
 function parametersOf(found, held = {}, answers = {}) {
   const given = named(found.given, held);
@@ -98,7 +108,8 @@ function decodeFrame(found, what, text, held, answers) {
     const at = placedFor(found, layouts[0], held, answers);
     return { ...decodeBits(at, numberIn(trimmed, at.bits, found.interface.exact?.includes(sender))), over };
   }
-  const bytes = bytesIn(trimmed);
+  const isOfBits = over.name !== "rs485" && /^0b[01_]+$/i.test(trimmed);
+  const bytes = isOfBits ? bytesOfBits(placedFor(found, layouts[0], held, answers), trimmed) : bytesIn(trimmed);
   const told = toldApart(found.interface, sender, bytes);
   const made = told.layout ? decodeBytes(placedFor(found, told.layout, held, answers), bytes) : told;
   return { ...made, data: bytes, over };

@@ -79,6 +79,15 @@ def test_bytes_of_a_word_of_another_length_are_refused(ask: Ask) -> None:
     assert faults == [[], ["length"], ["length"], [], ["length"]]
 
 
+def test_the_bits_of_a_long_frame(ask: Ask) -> None:
+    """It has 70 bits, and two zeros that are not sent fill its first byte."""
+    node = ask(made_up("specs/long"), "node")
+    item = {"code": "LS", "sender": "encoder", "text": f"0b{5:032b}_{1000:032b}_{3:06b}", "answers": {}}
+    (found,) = node("values", [item])
+    assert found["faults"] == []
+    assert [found["fields"][name] for name in ("multiturn", "singleturn", "status")] == ["5", "1000", "3"]
+
+
 def test_a_dead_line_over_spi(ask: Ask) -> None:
     """As the command says it: a CRC-8 that starts at 0 is correct if all bits are 0."""
     node = ask(made_up("../examples/encoders/magntek/mt6835"), "node")

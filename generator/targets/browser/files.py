@@ -55,6 +55,7 @@ _SAID = {
     "bits_or_bytes": frame_text.bits_or_bytes("{0}"),
     "no_bits": frame_text.no_bits("{0}", "{1}", "{2}"),
     "write_number": frame_text.write_number("{0}"),
+    "write_bits": frame_text.write_bits("{0}", "{1}"),
     "write_hex": frame_text.write_hex("{0}"),
     "or_bits": frame_text.or_bits("{0}"),
     "register_length": frame_text.register_length("{0}", "{1}", "{2}"),
