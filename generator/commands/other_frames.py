@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from ..model import Constant, CrcValue, Device, Fault, Parity, PlacedLayout, Variant
 from ..model.layout import have_lengths
 from ..reference.codec import Decoded
+from ..say import frame_text as say
 from .decode import decoded_as
 from .frame_text import FrameTextError, checked
 
@@ -47,10 +48,10 @@ def other_frames_line(decoded: Decoded, others: Sequence[PlacedLayout]) -> str:
         return ""
     names = ", ".join(item.name for item in others)
     if not decoded.problems:
-        return f"this can also be another frame: {names} (choose with --layout)"
+        return f"{say.also(names)} (choose with --layout)"
     if is_another(decoded, others):
-        return f"this is a valid {names}: add --layout {names}"
-    return f"this can be another frame: {names} (choose with --layout)"
+        return f"{say.valid_other(names)}: add --layout {names}"
+    return f"{say.instead(names)} (choose with --layout)"
 
 
 def is_another(decoded: Decoded, others: Sequence[PlacedLayout]) -> bool:

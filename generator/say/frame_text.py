@@ -48,6 +48,21 @@ def or_bits(digits: str) -> str:
     return f", 0b{digits} if it is bits"
 
 
+def also(names: str) -> str:
+    """Return the words about a valid frame that can be other frames, too."""
+    return f"this can also be another frame: {names}"
+
+
+def instead(names: str) -> str:
+    """Return the words about a wrong frame that can be other frames."""
+    return f"this can be another frame: {names}"
+
+
+def valid_other(name: str) -> str:
+    """Return the words about a wrong frame that is a valid one of another kind."""
+    return f"this is a valid {name}"
+
+
 def register_length(register: str, needed: str, given: str) -> str:
     """Return the message for a register value of another length. ``needed`` and ``given`` include the unit."""
     return f"the register '{register}' has {needed}, but the text has {given}"

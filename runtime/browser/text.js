@@ -110,9 +110,28 @@ function decodeFrame(found, what, text, held, answers) {
   }
   const isOfBits = over.name !== "rs485" && /^0b[01_]+$/i.test(trimmed);
   const bytes = isOfBits ? bytesOfBits(placedFor(found, layouts[0], held, answers), trimmed) : bytesIn(trimmed);
-  const told = toldApart(found.interface, sender, bytes);
+  const told = name ? { layout: layouts[0] } : toldApart(found.interface, sender, bytes);
   const made = told.layout ? decodeBytes(placedFor(found, told.layout, held, answers), bytes) : told;
   return { ...made, data: bytes, over };
+}
+
+/** The placed layouts of the other frames that a text can be, if nothing in a frame identifies it. */
+function otherFrames(found, sender, text, decoded, held, answers) {
+  const { frames, told = [] } = found.interface;
+  const isTold = told.some((item) => item.sender === sender);
+  if (!decoded.at || isTold) return [];
+  const hasOtherLength = decoded.problems.some((item) => item.fault === "length");
+  return frames.filter((item) => item.sender === sender && item !== decoded.at.layout
+    && !item.order === !decoded.at.layout.order && !item.asks?.some((name) => !(name in answers))).flatMap((item) => {
+    try {
+      const { at, problems } = decodeFrame(found, `${sender}:${item.name}`, text, held, answers);
+      // Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
+      return !problems.length && (hasOtherLength || at.bits === decoded.at.bits) ? [at] : [];
+    } catch (error) {
+      if (error instanceof FrameText) return [];
+      throw error;
+    }
+  });
 }
 
 /** A frame of bits; ``given`` is its text as a number. */

@@ -88,6 +88,28 @@ def test_the_bits_of_a_long_frame(ask: Ask) -> None:
     assert [found["fields"][name] for name in ("multiturn", "singleturn", "status")] == ["5", "1000", "3"]
 
 
+@pytest.mark.parametrize(
+    ("path", "code", "sender", "text", "others"),
+    [
+        ("cui/amt21", "AMT212B", "encoder", "AB61", ["turns_reply"]),
+        ("cui/amt21", "AMT212B", "encoder:turns_reply", "AB61", ["position_reply"]),
+        ("cui/amt21", "AMT212B", "encoder", "AB62", []),
+        ("sick/skm36", "SKM36", "encoder", "40520000000012", ["type_label_reply"]),
+        ("sick/skm36", "SKM36", "encoder:type_label_reply", "40520000000012", []),
+        ("ams/as5047p", "AS5047P", "encoder:position", "0x0123", ["register_reply"]),
+        ("ams/as5047p", "AS5047P", "master:position_request", "0x1001", ["write_request", "write_data"]),
+        ("rls/orbis_serial", "OrbisSerial-14", "encoder", "74 00 00 01 0D", ["temperature_reply"]),
+        ("rls/orbis_serial", "OrbisSerial-14", "encoder", "74 00 00 01", []),
+        ("tamagawa/ts5700", "TS5700N8401", "encoder", "02 00 12 34 00 24", []),
+    ],
+)
+def test_other_frames_that_it_can_be(path: str, code: str, sender: str, text: str, others: list[str], ask: Ask) -> None:
+    """They are those that the command names."""
+    node = ask(made_up(f"../examples/encoders/{path}"), "node")
+    (found,) = node("values", [{"code": code, "sender": sender, "text": text, "answers": {}}])
+    assert found["others"] == others
+
+
 def test_a_dead_line_over_spi(ask: Ask) -> None:
     """As the command says it: a CRC-8 that starts at 0 is correct if all bits are 0."""
     node = ask(made_up("../examples/encoders/magntek/mt6835"), "node")
