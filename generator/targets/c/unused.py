@@ -124,7 +124,7 @@ class Unused:
             assert item.byte is not None
             mask, value = item.mask >> -item.shift, item.value >> -item.shift
             bits = _in_byte(right(_GIVEN, -item.shift), mask)
-            is_wider = bits is _GIVEN and self.type != "uint8_t"
+            is_wider = bits is _GIVEN and self.width > 8
             yield item.byte, _turned(Cast("uint8_t", bits) if is_wider else bits, _documented(value))
         for op in self.single:
             for piece in op.bits.pieces:
