@@ -22,7 +22,7 @@ from ..say.numbers import decimal, quantity
 from ..say.origin import origin
 from ..say.text import BY_NAME
 from ..say.words import WORTH, counted, sentence, with_unit
-from .frame_text import FrameTextError, Line, checked, frame_bytes, frame_number
+from .frame_text import FrameTextError, Line, checked, frame_bytes, frame_number, placed_bytes
 
 if TYPE_CHECKING:
     from ..why.mistakes import Explanation, Why
@@ -73,9 +73,9 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
                 f"{variant.code} has no layout '{layout}' from the {sender}{from_other}; it has: {known}"
             )
         if placed.layout.in_bytes and layout is None:
-            return codec.decode_bytes(device, variant, sender, frame_bytes(text))
+            return codec.decode_bytes(device, variant, sender, placed_bytes(placed, variant, text))
         at = _of_length(text, placed, layouts, variant) if exact and layout is None else placed
-        return decoded_as(device, at, text, exact=exact)
+        return decoded_as(device, variant, at, text, exact=exact)
 
     return decoded
 
@@ -100,18 +100,18 @@ def _of_length(text: str, first: PlacedLayout, layouts: Sequence[Layout], varian
 
 def _has_length(placed: PlacedLayout, text: str) -> bool:
     """Return whether bits or bytes are as many as the layout has. A number in hex can have leading zeros."""
-    given = frame_number(placed, text, exact=True)
-    return given.bits == placed.bits if given.exact else given.bits <= placed.bits
+    given, bits = frame_number(placed, text, exact=True), placed.layout.sent_bits.value(placed.parameters)
+    return given.bits == bits if given.exact else given.bits <= bits
 
 
-def decoded_as(device: Device, placed: PlacedLayout, text: str, *, exact: bool) -> codec.Decoded:
+def decoded_as(device: Device, variant: Variant, placed: PlacedLayout, text: str, *, exact: bool) -> codec.Decoded:
     """Decode ``checked`` text with a known layout. ``exact`` is that of ``frame_number``.
 
     Raises:
         FrameTextError: The text cannot be read as a frame.
     """
     if placed.layout.in_bytes:
-        return codec.decode_placed(device, placed, frame_bytes(text))
+        return codec.decode_placed(device, placed, placed_bytes(placed, variant, text))
     given = frame_number(placed, text, exact=exact)
     if given.exact:
         return codec.decode_bits(device, placed, given.number, given.bits)
@@ -136,7 +136,9 @@ def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: 
         return explain_constant(device, variant, placed, given)
     if placed is not None and not wrong & {Fault.CRC, Fault.LENGTH}:
         return None
-    return explain_bytes(device, variant, sender, placed, frame_bytes(checked(text)))
+    text = checked(text)
+    data = placed_bytes(placed, variant, text) if placed is not None else frame_bytes(text)
+    return explain_bytes(device, variant, sender, placed, data)
 
 
 def decoded_data(

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from ..language.problems import quoted, visible
-from ..model import PlacedLayout
+from ..model import INTERFACES, PlacedLayout, Variant
 from ..say import frame_text as say
 from ..why.bit_text import BitText
 
@@ -94,6 +94,22 @@ def frame_bytes(text: str) -> bytes:
             raise FrameTextError(say.odd(shown))
         data += bytes.fromhex(digits)
     return data
+
+
+def placed_bytes(placed: PlacedLayout, variant: Variant, text: str) -> bytes:
+    """Return the bytes of a frame in bytes: hex text or, if the line carries bits, also ``0b`` with every bit sent.
+
+    Raises:
+        FrameTextError: The text has another form, or another number of bits.
+    """
+    compact = text.replace("_", "")
+    if INTERFACES[variant.interface].carried_as == "bytes" or not _BITS.fullmatch(compact):
+        return frame_bytes(text)
+    bits = placed.layout.sent_bits.value(placed.parameters)
+    if len(compact) - 2 != bits:
+        remedy = say.write_bits(str(bits), str(placed.bits // 8))
+        raise FrameTextError(say.no_bits(quoted(visible(text)), str(bits), remedy))
+    return int(compact, 2).to_bytes(placed.bits // 8, "big")
 
 
 def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> BitText:

@@ -17,7 +17,7 @@ from . import new_texts as texts
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 _LONGEST_NAME = 40
 #: Encoders to start from. The rotary ones count revolutions, except over SPI.
-LIKE = ("biss", "ssi", "rs485", "spi", "linear")
+LIKE = ("biss", "ssi", "rs485", "rs485-exchanges", "spi", "linear")
 
 
 class NameRefused(ValueError):
@@ -135,6 +135,9 @@ def _start(like: str) -> str:
         code = texts.TURNS.replace("@OUTPUT@", "JP: {meaning: RS-485, interface: rs485}")
         crc_and_frames = texts.RS485_CRC + texts.RS485
         return head + code + crc_and_frames + texts.EXAMPLES_HEAD + texts.RS485_EXAMPLE + texts.ERRATA
+    if like == "rs485-exchanges":
+        code = texts.TURNS.replace("@OUTPUT@", "RS: {meaning: RS-485, interface: rs485}")
+        return head + code + texts.EXCHANGES + texts.EXAMPLES_HEAD + texts.EXCHANGES_EXAMPLES + texts.ERRATA
     if like == "spi":
         return head + texts.SPI + texts.EXAMPLES_HEAD + texts.SPI_EXAMPLES + texts.ERRATA
     biss = texts.BISS + texts.REGISTERS + texts.EXAMPLES_HEAD + texts.EXAMPLE + texts.ERRATA

@@ -373,6 +373,84 @@ crcs:
 
 """
 
+EXCHANGES = """\
+# ----------------------------------------------------------------------------------------------------------------- CRCs
+
+crcs:
+  - name: xor_8
+    width: 8
+    poly: 0x01                            # without the top bit: x^8 + 1 is 101h with it
+    init: 0
+    refin: false                          # most significant bit first
+    refout: false
+    xorout: 0
+    note: This is the XOR of the bytes.
+    source: "7.4"
+
+# ----------------------------------------------------------------------------------------------------------- interfaces
+
+interfaces:
+  rs485:
+    source: "7"
+    port: {baud: 115200, data_bits: 8, parity: none, stop_bits: 1, flow_control: none, source: "7.1"}
+    # Which reply answers which request. The constants in a request distinguish it from the others.
+    exchanges:
+      - {request: position_request, reply: position_reply, purpose: position, source: "7.2"}
+      - {request: temperature_request, reply: temperature_reply, purpose: other, source: "7.2"}
+      - {request: reset_request, purpose: other, source: "7.2"}  # without a reply
+    layouts:
+      - name: position_request
+        from: master
+        byte_order: high_byte_first       # or low_byte_first
+        source: "7.2"
+        # In the order sent. A value that the reply repeats is a field with the same name in both.
+        fields:
+          - {name: address, bits: 8, default: 0x01, meaning: Address of the encoder}
+          - {name: command, bits: 8, constant: 0x42}
+          - {name: crc, crc: xor_8}
+      - name: temperature_request
+        from: master
+        byte_order: high_byte_first
+        source: "7.2"
+        fields:
+          - {name: address, bits: 8, default: 0x01, meaning: Address of the encoder}
+          - {name: command, bits: 8, constant: 0x54}
+          - {name: crc, crc: xor_8}
+      - name: reset_request
+        from: master
+        byte_order: high_byte_first
+        source: "7.2"
+        note: Restarts the encoder.
+        fields:
+          - {name: address, bits: 8, default: 0x01, meaning: Address of the encoder}
+          - {name: command, bits: 8, constant: 0x53}
+          - {name: crc, crc: xor_8}
+      - name: position_reply
+        from: encoder
+        byte_order: high_byte_first
+        source: "7.3"
+        fields:
+          - {name: address, bits: 8, meaning: Address of the encoder}
+          - {name: command, bits: 8, constant: 0x42}
+          - {name: status, bits: 7, unused: 0}
+          - {name: error, active: high, makes_position: not_usable, when_active: the encoder has an error}
+          - {name: multiturn, bits: multiturn_bits, padded_to: 16, unit: revolutions, meaning: Number of revolutions}
+          - {name: singleturn, bits: singleturn_bits, padded_to: 24, unit: counts, meaning: Position in a revolution}
+          - {name: crc, crc: xor_8}
+        # The position of the measurement above, most significant first.
+        join: {position: [multiturn, singleturn]}
+      - name: temperature_reply
+        from: encoder
+        byte_order: high_byte_first
+        source: "7.3"
+        fields:
+          - {name: address, bits: 8, meaning: Address of the encoder}
+          - {name: command, bits: 8, constant: 0x54}
+          - {name: temperature, bits: 8, signed: true, unit: °C, meaning: Temperature of the encoder}
+          - {name: crc, crc: xor_8}
+
+"""
+
 #: Fields of a position with revolutions, most significant first, and the position that they form.
 MULTITURN = """\
           - {name: multiturn, bits: multiturn_bits, unit: revolutions, meaning: Number of revolutions}
@@ -408,6 +486,27 @@ examples:
     source: "7.2"
 
 """
+EXCHANGES_EXAMPLES = """\
+examples:
+  - name: position_reply
+    kind: frame                           # frame, register, crc, procedure, measure
+    layout: position_reply
+    from: encoder
+    order_code: @CODE@-17-4096-RS
+    bytes: "01 42 00 00 05 00 03 E8 AD"
+    values: {address: 1, multiturn: 5, singleturn: 1000}
+    source: "7.3"
+  - name: position_request
+    kind: frame
+    layout: position_request
+    from: master
+    order_code: @CODE@-17-4096-RS
+    bytes: "01 42 43"
+    values: {address: 1}
+    source: "7.2"
+
+"""
+
 #: Frames of the example over BiSS with counts 1000, no error and no warning: 17 bits, 24 bits, and 5 revolutions.
 FRAME, LINEAR_FRAME = "0000000111110100011011010", "00000000000000111110100011011010"
 MULTITURN_FRAME = "0000000001010000000111110100011110110"

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from ..model import Constant, CrcValue, Device, Fault, Parity, PlacedLayout, Variant
 from ..model.layout import have_lengths
 from ..reference.codec import Decoded
+from ..say import frame_text as say
 from .decode import decoded_as
-from .frame_text import checked
+from .frame_text import FrameTextError, checked
 
 
 class OtherFrames:
@@ -16,7 +17,7 @@ class OtherFrames:
 
     def __init__(self, device: Device, variant: Variant, sender: str) -> None:
         layouts = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
-        self._device = device
+        self._device, self._variant = device, variant
         self._exact = have_lengths(layouts, sender)
         # A selector identifies the frame.
         is_open = len(layouts) > 1 and not any(item.selector for item in layouts)
@@ -35,7 +36,10 @@ class OtherFrames:
         has_other_length = any(item.fault is Fault.LENGTH for item in decoded.problems)
         if at.bits != decoded.layout.bits and not has_other_length:
             return False
-        return not decoded_as(self._device, at, checked(text), exact=self._exact).problems
+        try:
+            return not decoded_as(self._device, self._variant, at, checked(text), exact=self._exact).problems
+        except FrameTextError:  # another number of bits
+            return False
 
 
 def other_frames_line(decoded: Decoded, others: Sequence[PlacedLayout]) -> str:
@@ -44,10 +48,10 @@ def other_frames_line(decoded: Decoded, others: Sequence[PlacedLayout]) -> str:
         return ""
     names = ", ".join(item.name for item in others)
     if not decoded.problems:
-        return f"this can also be another frame: {names} (choose with --layout)"
+        return f"{say.also(names)} (choose with --layout)"
     if is_another(decoded, others):
-        return f"this is a valid {names}: add --layout {names}"
-    return f"this can be another frame: {names} (choose with --layout)"
+        return f"{say.valid_other(names)}: add --layout {names}"
+    return f"{say.instead(names)} (choose with --layout)"
 
 
 def is_another(decoded: Decoded, others: Sequence[PlacedLayout]) -> bool:

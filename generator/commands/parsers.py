@@ -278,9 +278,10 @@ def _add_new(parser: Parser) -> None:
     )
     parser.add_argument(
         "--like",
-        choices=("biss", "ssi", "rs485", "spi", "linear"),
+        choices=("biss", "ssi", "rs485", "rs485-exchanges", "spi", "linear"),
         default="",
-        help="kind of encoder: multiturn over this interface (SPI: singleturn), or linear over BiSS",
+        help="kind of encoder: multiturn over this interface (SPI: singleturn), or linear over BiSS. "
+        "rs485: the T-format, rs485-exchanges: other requests",
     )
 
 

@@ -137,11 +137,11 @@ def _check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None
             "width-mismatch", f"'{field.name}' has {field.widest} bits, but the CRC '{crc.name}' has {crc.width}"
         )
     if field is not layout.fields[-1]:
-        site.report(
-            "crc-not-last",
-            f"'{field.name}' covers everything sent before it, so it must be the last field of '{layout.name}'",
-        )
-    wrong = next(chain(_no_run(layout, kind), _left_out(layout, field, kind)), "")
+        wrong = f"'{field.name}' covers everything sent before it, so it must be the last field of '{layout.name}'"
+        if kind.of:
+            wrong = f"'{field.name}' must be the last field of '{layout.name}', even with 'crc_of'"
+        site.report("crc-not-last", wrong)
+    wrong = next(chain(_no_run(layout, kind, site), _left_out(layout, field, kind)), "")
     if wrong:
         site.report("crc-of", wrong, "crc_of")
     on_line = INTERFACES[site.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"
@@ -167,12 +167,14 @@ def _left_out(layout: Layout, crc: Field, kind: CrcValue) -> Iterator[str]:
         yield f"'{crc.name}' leaves out {found}; {remedy}"
 
 
-def _no_run(layout: Layout, kind: CrcValue) -> Iterator[str]:
+def _no_run(layout: Layout, kind: CrcValue, site: Site) -> Iterator[str]:
     """Yield the reasons why the fields of a CRC are not adjacent bits at a fixed place."""
     fields = {item.name: item for item in layout.fields}
     of = [fields[name] for name in kind.of if name in fields]
-    if of and layout.in_bytes:
-        yield f"'crc_of' needs a frame of bits, and '{layout.name}' is sent as bytes; leave it out"
+    if kind.of and layout.in_bytes:
+        interface = INTERFACES[site.interface]
+        where = f"over {interface.title}" if interface.carried_as == "bytes" else "with 'carried_as: bytes'"
+        yield f"{where}, a CRC covers everything before it; leave 'crc_of' out"
         return
     moving = next((item for item in of if not item.is_fixed), None)
     if moving is not None:

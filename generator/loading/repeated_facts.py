@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from ..language.problems import DocumentReport, Path
-from ..model import Biss, Device, Fault, PlacedField, Register, Variant, number_to_bytes
+from ..model import Biss, Device, Fault, PlacedField, Register, RegisterExample, Variant, number_to_bytes
 from ..reference import codec
 from .from_mapping import Raw
 
@@ -113,6 +113,25 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
                 f" {identity:#06x}; one of the two is wrong"
             )
             report.add("biss-id-mismatch", ("registers", register.name), text)
+    _check_read_biss_id(device, identity, report)
+
+
+def _check_read_biss_id(device: Device, identity: int, report: DocumentReport) -> None:
+    """Check that examples of 7Eh and 7Fh have the ID. Brands of another manufacturer keep the examples."""
+    for example in device.examples if not device.base else ():
+        if not isinstance(example, RegisterExample) or example.erratum:
+            continue
+        register = device.register(example.register)
+        if register.interface != Biss.name or register.bank is not None:
+            continue
+        read = dict(enumerate(example.bytes, register.address))
+        if any(byte ^ identity >> _BISS_ID[place] & 0xFF for place, byte in read.items() if place in _BISS_ID):
+            shown = ", ".join(f"{byte:02X}" for place, byte in read.items() if place in _BISS_ID)
+            text = (
+                f"'{example.name}' has {shown} at 7Eh and 7Fh, but 'biss_id' in the manufacturer file is"
+                f" {identity:#06x}; one of the two is wrong"
+            )
+            report.add("biss-id-mismatch", ("examples", example.name), text)
 
 
 def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from itertools import pairwise
 
@@ -203,6 +203,15 @@ class Whole:
         for item in reversed(self.fields):
             yield item, low
             low += item.width
+
+    def joined(self, numbers: Mapping[str, int], parameters: Mapping[str, int]) -> int:
+        """Return the number of these fields, for an order code with these parameters."""
+        return sum(numbers[field.name] << low.value(parameters) for field, low in self.from_low)
+
+    def parts(self, number: int, parameters: Mapping[str, int]) -> dict[str, int]:
+        """Return the numbers of its fields, by name. The inverse of ``joined``."""
+        widths = ((field, low.value(parameters), field.width.value(parameters)) for field, low in self.from_low)
+        return {field.name: number >> low & (1 << width) - 1 for field, low, width in widths}
 
     @property
     def depends(self) -> bool:

@@ -34,6 +34,11 @@ def write_number(bits: str) -> str:
     return f"Write 0b and all {bits} bits in the order sent, or 0x and hex digits"
 
 
+def write_bits(bits: str, length: str) -> str:
+    """Return the remedy for bits of another number, for a frame in ``length`` bytes."""
+    return f"Write 0b and all {bits} bits in the order sent, or {length} hex bytes with zeros in front"
+
+
 def write_hex(digits: str) -> str:
     return f"Write 0x{digits} if it is hex"
 
@@ -41,6 +46,21 @@ def write_hex(digits: str) -> str:
 def or_bits(digits: str) -> str:
     """Return the end of ``write_hex`` for digits that are all 0 or 1."""
     return f", 0b{digits} if it is bits"
+
+
+def also(names: str) -> str:
+    """Return the words about a valid frame that can be other frames, too."""
+    return f"this can also be another frame: {names}"
+
+
+def instead(names: str) -> str:
+    """Return the words about a wrong frame that can be other frames."""
+    return f"this can be another frame: {names}"
+
+
+def valid_other(name: str) -> str:
+    """Return the words about a wrong frame that is a valid one of another kind."""
+    return f"this is a valid {name}"
 
 
 def register_length(register: str, needed: str, given: str) -> str:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from math import prod
 
-from ..model import Crc, Device, Number, PlacedLayout, Variant
+from ..model import Crc, Device, Number, PlacedLayout, Rs485, Variant
 from ..model.record import dataclass
 from ..reference import codec
 from . import in_bits, in_bytes
@@ -67,7 +67,7 @@ def explain_bits(
     """
     crc = device.crc_of(placed.layout)
     doubt = "and there is no CRC to distinguish it" if crc is None else "and the CRC is correct too" * is_valid
-    stuck = _stuck(text.number, text.bits if text.exact else max(text.bits, placed.bits), doubt)
+    stuck = _stuck(variant, text.number, text.bits if text.exact else max(text.bits, placed.bits), doubt)
     if stuck is not None:
         return stuck
     if crc is None or is_valid:
@@ -99,7 +99,7 @@ def explain_bytes(
     Return None if there is no mistake to try.
     """
     number = int.from_bytes(data, "big")
-    stuck = _stuck(number, 8 * len(data), "")
+    stuck = _stuck(variant, number, 8 * len(data), "")
     if stuck is not None:
         return stuck
     tried = list(in_bytes.tries(device, variant, sender, placed, data))
@@ -189,7 +189,7 @@ def _explanation(device: Device, item: Try, undecided: frozenset[str]) -> Explan
     return Explanation(item.kind, item.text, item.one_in, item.score, reads, item.codes)
 
 
-def _stuck(number: int, bits: int, doubt: str) -> Why | None:
+def _stuck(variant: Variant, number: int, bits: int, doubt: str) -> Why | None:
     """Explain a frame whose bits are all equal. No other mistake is tried for such a frame.
 
     ``doubt`` is the reason why nothing proves that the line is dead.
@@ -201,7 +201,8 @@ def _stuck(number: int, bits: int, doubt: str) -> Why | None:
         text = f"every bit is {level}. A dead line looks the same, {doubt}"
     else:
         cause = "a broken wire" if level else "a short circuit"
-        text = f"every bit is {level}: the line never changes. Check for {cause}, the supply and the clock"
+        others = "wires A and B" if variant.interface == Rs485.name else "the clock"
+        text = f"every bit is {level}: the line never changes. Check for {cause}, the supply and {others}"
     one_in = 1 << min(bits - 1, 62)
     found = Explanation("line_stuck", text, one_in, MISTAKES["line_stuck"] * one_in, {})
     return Why((found,), 1, 1 / one_in, ())

@@ -96,7 +96,9 @@ function box(root) {
     if (undecided(found.at?.layout).length && found.fields.length) {
       return [part("div", "warning", element("p", {}, UNDECIDED))];
     }
-    return resultOf(found, state.found.interface.measure, commandFor(state, line.text));
+    const [sender] = state.what.split(":");
+    const others = register() ? [] : otherFrames(state.found, sender, line.text, found, state.held, state.answers);
+    return resultOf(found, state.found.interface.measure, commandFor(state, line.text), others);
   }
 
   /** The table of many frames, and one of them in full below it. */
@@ -199,10 +201,11 @@ function helpFor(label) {
 
 const UNDECIDED = "The manual is ambiguous here. Choose above, because there is no default.";
 
-/** The frames of a sender to choose from: one entry, or one for each frame of bits, which nothing tells apart. */
+/** The frames of a sender to choose from: one entry, or one for each frame if nothing in a frame identifies it. */
 function framesOf(interface_, sender) {
   const found = interface_.frames.filter((item) => item.sender === sender);
-  if (found.length < 2 || found[0].order) return [option(sender, `a frame from the ${sender}`)];
+  const isTold = interface_.told?.some((item) => item.sender === sender);
+  if (found.length < 2 || isTold) return [option(sender, `a frame from the ${sender}`)];
   return found.map(({ name }) => option(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
 }
 

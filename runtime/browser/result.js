@@ -151,6 +151,22 @@ function headline(found) {
   return part("div", names[found.verdict] ?? "plain", line);
 }
 
+/** Whether a wrong frame is a valid one of another kind, whose check bits match, so it has no mistake. */
+function isAnother(found, others) {
+  const [other] = others;
+  return found.problems.length > 0 && others.length === 1
+    && Boolean(other.layout.crc || other.checks.some((item) => item.check.fault === "constant"));
+}
+
+/** The names of the other frames that it can be, in a sentence. */
+function othersOf(found, others) {
+  if (!others.length) return [];
+  const names = others.map((at) => at.name.replaceAll("_", " ")).join(", ");
+  const kind = isAnother(found, others) ? "valid_other" : found.problems.length ? "instead" : "also";
+  const words = said(kind, names);
+  return [element("p", {}, `${words[0].toUpperCase()}${words.slice(1)}. Choose it above.`)];
+}
+
 /** The mistakes that could explain a wrong CRC, and the command that tries more of them. */
 function whyOf(found, command) {
   const dead = deadLine(found);
@@ -176,7 +192,7 @@ const bitName = (at, bit) => (at.layout.order ? `bit ${bit % 8} of byte ${byteOf
 const commandLine = (command) => element("pre", { tabindex: "0" }, element("code", {}, command));
 
 /** All output about a frame or register. */
-function resultOf(found, measure, command) {
+function resultOf(found, measure, command, others) {
   const angle = measured(found, measure);
   const table = found.fields.length ? fieldTable(found) : null;
   return [
@@ -186,7 +202,8 @@ function resultOf(found, measure, command) {
     ...(table && angle ? [part("p", "angle", angle)] : []),
     ...(table ? [...bitsOf(found, table), table] : []),
     ...(found.crc ? [crcLine(found.crc)] : []),
-    ...whyOf(found, command),
+    ...othersOf(found, others),
+    ...(isAnother(found, others) ? [] : whyOf(found, command)),
   ];
 }
 

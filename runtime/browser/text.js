@@ -72,6 +72,16 @@ function numberIn(text, size, exact) {
   throw new FrameText(said("no_bits", quoted(text), size, remedy));
 }
 
+/** The bytes of a frame that is sent as bits, from 0b and every bit. */
+function bytesOfBits(at, text) {
+  const digits = text.slice(2).replaceAll("_", "");
+  const size = at.bits - (at.layout.fill ?? 0);
+  if (digits.length !== size) {
+    throw new FrameText(said("no_bits", quoted(text), size, said("write_bits", size, at.bits / 8)));
+  }
+  return digits.padStart(at.bits, "0").match(/.{8}/g).map((byte) => parseInt(byte, 2));
+}
+
 /** The parameters of a code with the register contents ``held`` and the answers of the user. */
 function parametersOf(found, held = {}, answers = {}) {
   const given = named(found.given, held);
@@ -93,15 +103,35 @@ function decodeFrame(found, what, text, held, answers) {
   if (!layouts.length) {
     throw new FrameText(`the manual does not describe a frame from the ${sender} over ${found.interface.title}`);
   }
-  const trimmed = checked(text);
+  const [over, trimmed] = [found.interface, checked(text)];
   if (!layouts[0].order) {
     const at = placedFor(found, layouts[0], held, answers);
-    return decodeBits(at, numberIn(trimmed, at.bits, found.interface.exact?.includes(sender)));
+    return { ...decodeBits(at, numberIn(trimmed, at.bits, found.interface.exact?.includes(sender))), over };
   }
-  const bytes = bytesIn(trimmed);
-  const told = toldApart(found.interface, sender, bytes);
+  const isOfBits = over.name !== "rs485" && /^0b[01_]+$/i.test(trimmed);
+  const bytes = isOfBits ? bytesOfBits(placedFor(found, layouts[0], held, answers), trimmed) : bytesIn(trimmed);
+  const told = name ? { layout: layouts[0] } : toldApart(found.interface, sender, bytes);
   const made = told.layout ? decodeBytes(placedFor(found, told.layout, held, answers), bytes) : told;
-  return { ...made, data: bytes };
+  return { ...made, data: bytes, over };
+}
+
+/** The placed layouts of the other frames that a text can be, if nothing in a frame identifies it. */
+function otherFrames(found, sender, text, decoded, held, answers) {
+  const { frames, told = [] } = found.interface;
+  const isTold = told.some((item) => item.sender === sender);
+  if (!decoded.at || isTold) return [];
+  const hasOtherLength = decoded.problems.some((item) => item.fault === "length");
+  return frames.filter((item) => item.sender === sender && item !== decoded.at.layout
+    && !item.order === !decoded.at.layout.order && !item.asks?.some((name) => !(name in answers))).flatMap((item) => {
+    try {
+      const { at, problems } = decodeFrame(found, `${sender}:${item.name}`, text, held, answers);
+      // Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
+      return !problems.length && (hasOtherLength || at.bits === decoded.at.bits) ? [at] : [];
+    } catch (error) {
+      if (error instanceof FrameText) return [];
+      throw error;
+    }
+  });
 }
 
 /** A frame of bits; ``given`` is its text as a number. */

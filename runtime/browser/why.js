@@ -6,7 +6,7 @@ const LEAST_BITS = 3;
 const LEAST_STUCK = 12;
 
 /** Return the text about a dead line, or "" if the line changes. */
-function deadLine({ at, given, number, data, problems }) {
+function deadLine({ at, given, number, data, problems, over }) {
   if (at?.layout.length !== undefined) return "";
   const exact = given?.exact ? given.bits : Math.max(at?.bits ?? 0, given?.bits ?? 0);
   const size = data ? 8 * data.length : exact;
@@ -16,7 +16,7 @@ function deadLine({ at, given, number, data, problems }) {
   const doubt = at?.layout.crc ? "and the CRC is correct too" : "and there is no CRC to distinguish it";
   return at && !(at.layout.crc && problems.length) ? `Every bit is ${level}. A dead line looks the same, ${doubt}.`
     : `Every bit is ${level}: the line never changes. Check for ${level ? "a broken wire" : "a short circuit"}, `
-      + "the supply and the clock.";
+      + `the supply and ${over?.name === "rs485" ? "wires A and B" : "the clock"}.`;
 }
 
 /** Return the bits that make the frame valid if one of them is inverted: the usual cause if only some frames fail. */

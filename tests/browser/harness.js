@@ -78,6 +78,8 @@
       reports: found.reports.map((one) => one.flag),
       verdict: found.verdict,
       dead: wheel.deadLine(found),
+      others: register ? [] : wheel.otherFrames(label, item.sender.split(":")[0], item.text, found, {}, item.answers)
+        .map((at) => at.name),
     };
   }
 

@@ -79,6 +79,37 @@ def test_bytes_of_a_word_of_another_length_are_refused(ask: Ask) -> None:
     assert faults == [[], ["length"], ["length"], [], ["length"]]
 
 
+def test_the_bits_of_a_long_frame(ask: Ask) -> None:
+    """It has 70 bits, and two zeros that are not sent fill its first byte."""
+    node = ask(made_up("specs/long"), "node")
+    item = {"code": "LS", "sender": "encoder", "text": f"0b{5:032b}_{1000:032b}_{3:06b}", "answers": {}}
+    (found,) = node("values", [item])
+    assert found["faults"] == []
+    assert [found["fields"][name] for name in ("multiturn", "singleturn", "status")] == ["5", "1000", "3"]
+
+
+@pytest.mark.parametrize(
+    ("path", "code", "sender", "text", "others"),
+    [
+        ("cui/amt21", "AMT212B", "encoder", "AB61", ["turns_reply"]),
+        ("cui/amt21", "AMT212B", "encoder:turns_reply", "AB61", ["position_reply"]),
+        ("cui/amt21", "AMT212B", "encoder", "AB62", []),
+        ("sick/skm36", "SKM36", "encoder", "40520000000012", ["type_label_reply"]),
+        ("sick/skm36", "SKM36", "encoder:type_label_reply", "40520000000012", []),
+        ("ams/as5047p", "AS5047P", "encoder:position", "0x0123", ["register_reply"]),
+        ("ams/as5047p", "AS5047P", "master:position_request", "0x1001", ["write_request", "write_data"]),
+        ("rls/orbis_serial", "OrbisSerial-14", "encoder", "74 00 00 01 0D", ["temperature_reply"]),
+        ("rls/orbis_serial", "OrbisSerial-14", "encoder", "74 00 00 01", []),
+        ("tamagawa/ts5700", "TS5700N8401", "encoder", "02 00 12 34 00 24", []),
+    ],
+)
+def test_other_frames_that_it_can_be(path: str, code: str, sender: str, text: str, others: list[str], ask: Ask) -> None:
+    """They are those that the command names."""
+    node = ask(made_up(f"../examples/encoders/{path}"), "node")
+    (found,) = node("values", [{"code": code, "sender": sender, "text": text, "answers": {}}])
+    assert found["others"] == others
+
+
 def test_a_dead_line_over_spi(ask: Ask) -> None:
     """As the command says it: a CRC-8 that starts at 0 is correct if all bits are 0."""
     node = ask(made_up("../examples/encoders/magntek/mt6835"), "node")
@@ -88,6 +119,15 @@ def test_a_dead_line_over_spi(ask: Ask) -> None:
         "Every bit is 0. A dead line looks the same, and the CRC is correct too.",
         "Every bit is 1: the line never changes. Check for a broken wire, the supply and the clock.",
         "",
+    ]
+
+
+def test_a_dead_line_over_rs_485(ask: Ask) -> None:
+    """There is no clock."""
+    node = ask(made_up("../examples/encoders/sick/skm36"), "node")
+    items = [{"code": "SKM36", "sender": "encoder:position_reply", "text": "FF " * 7, "answers": {}}]
+    assert [found["dead"] for found in node("values", items)] == [
+        "Every bit is 1: the line never changes. Check for a broken wire, the supply and wires A and B."
     ]
 
 

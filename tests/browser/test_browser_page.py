@@ -208,6 +208,36 @@ def test_registers_that_change_a_frame(seen: dict[str, str]) -> None:
     assert "36 bits" in seen["held"]
 
 
+OTHERS = """
+  const [code, what, text] = boxes[0].querySelectorAll("input, select, textarea");
+  const seen = {};
+  type(code, "AMT212B"); type(text, "AB 61"); seen.also = said(boxes[0]);
+  seen.types = [...what.options].map((one) => one.innerText);
+  choose(what, "encoder:turns_reply"); seen.turns = said(boxes[0]);
+  seen.link = boxes[0].querySelector("p.codewheel-decode-link a").getAttribute("href");
+  type(code, "SKM36"); type(text, "40 52 00 00 00 00 12"); seen.instead = said(boxes[0]);
+  return seen;
+"""
+
+
+@pytest.mark.slow
+def test_other_frames_that_it_can_be(chromium: str, tmp_path: Path) -> None:
+    """The replies of the AMT21 have the same form, and those of the SKM36 the same length."""
+    folder = Path(__file__).parents[2] / "examples" / "encoders"
+    devices, report = load_library([folder / "cui", folder / "sick"])
+    assert not report
+    (tmp_path / "decode.js").write_text(text_in("decode.js", Library(devices)), encoding="utf-8")
+    seen = shown(chromium, tmp_path, OTHERS)
+    assert "This can also be another frame: turns reply. Choose it above." in seen["also"]
+    requests = [f"{name} request, from the master" for name in ("position", "turns", "zero", "reset")]
+    assert seen["types"] == [*requests, "position reply, from the encoder", "turns reply, from the encoder"]
+    assert "Turns reply, 2 bytes" in seen["turns"]
+    assert "This can also be another frame: position reply. Choose it above." in seen["turns"]
+    assert seen["link"] == "#code=AMT212B&frame=AB+61&from=encoder%3Aturns_reply"
+    assert "This is a valid type label reply. Choose it above." in seen["instead"]
+    assert "This command tries more mistakes" not in seen["instead"]
+
+
 COLOURS = r"""
   const [code, what, text] = boxes[0].querySelectorAll("input, select, textarea");
   return FRAMES.map(([label, frame]) => {

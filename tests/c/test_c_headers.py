@@ -61,6 +61,15 @@ def test_no_warning_for_any_word_of_the_language(
 
 
 @pytest.mark.slow
+def test_no_warning_for_a_whole_unused_byte(tmp_path: Path) -> None:
+    """Its bits are the lowest of the member, which has more than 8."""
+    specs = ROOT / "tests" / "check" / "ok_model"
+    (device,) = devices_of(specs / "spare.yaml", specs / "manufacturer.yaml")
+    compile_programs(["gcc", "-std=c99"], device, tmp_path, write(tmp_path, (device,)), link=False)
+    assert "bytes[3] = (uint8_t)in->unused;" in text_of("spare", tmp_path / "c" / "include")
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "command",
     [["gcc", "-std=c99", "-O2"], ["g++", "-x", "c++", "-std=c++17", "-O0"], ["clang", "-std=c99", "-O0"]],

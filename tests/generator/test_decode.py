@@ -727,3 +727,23 @@ def test_frames_of_bits_and_of_bytes_on_one_interface(tmp_path: Path, capsys: Ca
     spec = spec.replace(old, f"      - {short}\n{old}        channel: 2\n")
     (tmp_path / "long.yaml").write_text(spec, encoding="utf-8")
     assert decode(capsys, "--specs", str(tmp_path), "LB", "0b0101101")[1]["other_layouts"] == []
+
+
+@pytest.mark.parametrize("separator", ["", "_"])
+def test_the_bits_of_a_long_frame(tmp_path: Path, capsys: Capture, separator: str) -> None:
+    """It has 70 bits, and two zeros that are not sent fill its first byte."""
+    for name in ("long.yaml", "manufacturer.yaml"):
+        shutil.copy(SPECS / name, tmp_path)
+    bits = f"0b{5:032b}{separator}{1000:032b}{separator}{3:06b}"
+    data = decode(capsys, "--specs", str(tmp_path), "LS", bits)[1]
+    values = {item["name"]: item["value"] for item in data["fields"]}
+    assert (data["problems"], values["multiturn"], values["singleturn"], values["status"]) == ([], 5, 1000, 3)
+    for wrong in (f"{bits}0", bits[:-1]):
+        said = refused(capsys, "--specs", str(tmp_path), "LS", wrong)
+        remedy = "Write 0b and all 70 bits in the order sent, or 9 hex bytes with zeros in front"
+        assert said.endswith(f"is not a frame of 70 bits. {remedy}")
+
+
+def test_0b_are_hex_digits_over_rs_485(capsys: Capture) -> None:
+    said = text(capsys, "--specs", ENCODERS, "AMT212B", "0b01")[1]
+    assert "bytes 0.0-1.5 position 0x10b 267" in said

@@ -102,3 +102,19 @@ def test_the_biss_id_of_the_maker_and_of_the_register(tmp_path: Path, equals: st
         "one of the two is wrong"
     )
     assert found == ([f"minimal.yaml:{line}: biss-id-mismatch: {wrong}"] if shown else [])
+
+
+@pytest.mark.parametrize(("read", "shown"), [("41 42", ""), ("42 41", "42, 41"), ("41 43", "41, 43")])
+def test_the_biss_id_of_the_maker_and_of_an_example(tmp_path: Path, read: str, shown: str) -> None:
+    identity = IDENTITY.replace(", EQUALS", "")
+    value = int(read.replace(" ", ""), 16)
+    example = (
+        f"examples:\n  - {{name: read, kind: register, register: manufacturer_id, order_code: MIN12SC,"
+        f' bytes: "{read}", values: {{id: {value}}}, source: "6.3"}}\n'
+    )
+    found = problems(tmp_path, minimal=MINIMAL + identity + example, manufacturer=MAKER + "biss_id: 0x4142\n")
+    line = len((MINIMAL + identity + example).splitlines())
+    wrong = (
+        f"'read' has {shown} at 7Eh and 7Fh, but 'biss_id' in the manufacturer file is 0x4142; one of the two is wrong"
+    )
+    assert found == ([f"minimal.yaml:{line}: biss-id-mismatch: {wrong}"] if shown else [])

@@ -44,6 +44,7 @@ def test_it_passes_check_and_decodes(tmp_path: Path, capsys: pytest.CaptureFixtu
 STARTS = {
     "ssi": ("MY-ENCODER-13-4096-BG", "0b000000000101_0001111101000", 5 * 8192 + 1000),
     "rs485": ("MY-ENCODER-17-4096-JP", "1A 00 E8 03 00 17 05 00 00 00 E3", 5 * 131_072 + 1000),
+    "rs485-exchanges": ("MY-ENCODER-17-4096-RS", "01 42 00 00 05 00 03 E8 AD", 5 * 131_072 + 1000),
     "biss": ("MY-ENCODER-13-1-SC", "0b0001111101000_1_1_011010", 1000),
     "spi": ("MY-ENCODER-SP", "0b0_0_00001111101000", 1000),
     "linear": ("MY-ENCODER-5-SC", "0b000000000_0001111101000_1_1_011010", 1000),

@@ -507,10 +507,14 @@ def test_made_up_layouts_break_nothing() -> None:
         ("AMT22-14", "0x0000", "Every bit is 0. A dead line looks the same, and there is no CRC to distinguish it."),
         ("AS5047P", "FF FF", "Every bit is 1. A dead line looks the same, and there is no CRC to distinguish it."),
         ("MT6835", "0x0", "Every bit is 0. A dead line looks the same, and the CRC is correct too."),
-        ("MT6835", "FF FF FF FF FF FF", "Every bit is 1: the line never changes. Check for a broken wire"),
+        ("MT6835", "FF FF FF FF FF FF", "Check for a broken wire, the supply and the clock."),
+        ("SKM36", "FF FF FF FF FF FF FF", "Check for a broken wire, the supply and wires A and B."),
     ],
 )
-def test_a_dead_line_of_spi(code: str, frame: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """Check bits of the AMT22 are wrong on a dead line. The parity of the AS5047P and a CRC of 00h are correct."""
+def test_a_dead_line(code: str, frame: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Name what to check on the line.
+
+    Check bits of the AMT22 are wrong on a dead line. The parity of the AS5047P and a CRC of 00h are correct.
+    """
     main(["decode", code, frame, "--specs", str(Path(__file__).parents[2] / "examples" / "encoders")])
     assert said in " ".join(capsys.readouterr().out.split())

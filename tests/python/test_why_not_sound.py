@@ -12,6 +12,8 @@ import pytest
 #: A valid frame of AMM5A21/65KSC1 of 45 bits, and a reply of AMM5A23/65KJP1, the example of the manual's frame.
 WORD, BITS = 0x55BCD15E2, 45
 REPLY = bytes.fromhex("02 00 C7 D1 6A 7E")
+#: The beginnings of the explanations for a dead line.
+LOW, HIGH = (f"Every bit is {level}: the line never changes." for level in (0, 1))
 
 
 @pytest.fixture
@@ -55,14 +57,14 @@ def test_common_mistakes_with_bytes(lika: Any, frame: bytes, said: str) -> None:
 @pytest.mark.parametrize(
     ("code", "frame", "said"),
     [
-        ("AMM5A21/65KSC1", 0, "Every bit is 0: the line never changes"),
-        ("AMM5A21/65KSC1", (1 << 45) - 1, "Every bit is 1: the line never changes"),
-        ("AMM5A21/65KSC1", (1 << 64) - 1, "Every bit is 1: the line never changes"),
-        ("AMM5A21/65KSC1", "0" * 45, "Every bit is 0: the line never changes"),
+        ("AMM5A21/65KSC1", 0, f"{LOW} Check for a short circuit, the supply and the clock"),
+        ("AMM5A21/65KSC1", (1 << 45) - 1, f"{HIGH} Check for a broken wire, the supply and the clock"),
+        ("AMM5A21/65KSC1", (1 << 64) - 1, HIGH),
+        ("AMM5A21/65KSC1", "0" * 45, LOW),
         ("AMM5A21/65KSC1", "", "Nothing was received"),
         ("AMM5A23/65KJP1", b"", "Nothing was received"),
-        ("AMM5A23/65KJP1", bytes(6), "Every bit is 0: the line never changes"),
-        ("AMM5A23/65KJP1", b"\xff" * 6, "Every bit is 1: the line never changes"),
+        ("AMM5A23/65KJP1", bytes(6), f"{LOW} Check for a short circuit, the supply and wires A and B"),
+        ("AMM5A23/65KJP1", b"\xff" * 6, f"{HIGH} Check for a broken wire, the supply and wires A and B"),
     ],
 )
 def test_a_dead_line_is_the_only_answer(lika: Any, code: str, frame: Any, said: str) -> None:

@@ -140,7 +140,7 @@ def test_a_virtual_encoder_answers(code: str, counts: int, modules: dict[str, An
     (first, *_) = modules[code].lookup(code).exchanges()
     with pytest.raises(NoReplyError):
         on_virtual(modules[code], code, 1).position(first.request(address=0x20))
-    line = Rs485Line(VirtualEncoder(code, 1, specs=[SPECS]))
+    line = Rs485Line(VirtualEncoder(code, 1, specs=[SPECS], clock=lambda: 1.0))
     line.receive(b"\x01" + ASK[code])
     reply = line.send()
     for byte in ASK[code]:

@@ -15,8 +15,8 @@ _CORROBORATED = ("corroborated", "corroborated, no hardware frame seen")
 _WITH_FRAME = ("quoted", "corroborated")
 _OR = "or write 'corroborated, no hardware frame seen'"
 _WHOLE = "all pages"
-#: Key of the document that a source cites.
-_DOCUMENT = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?")
+#: A source: the key of the document that it cites, and the place in it.
+_SOURCE = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
 
 
 def evidence(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -69,10 +69,22 @@ def _sources(spec: Spec, grade: str, read: Spec, agreeing: list[str], report: Do
     if grade in _CORROBORATED and len(agreeing) > 1:
         wanted.append(f"two sources among {listed(agreeing)}")
     for path, value in sources(leaves({**spec, "errata": [], "examples": []})):
-        cited = {match[1] or "manual" for match in map(_DOCUMENT.match, value.split(";")) if match}
+        pieces = [(match[1], match[2]) for match in map(_SOURCE.fullmatch, value.split(";")) if match]
+        cited = {key or "manual" for key, _ in pieces}
         agree = grade in _CORROBORATED and len(cited & {*agreeing}) > 1
         if not agree and cited.isdisjoint(read):
-            report.add("evidence-grade", path, f"the grade {quoted(grade)} needs {', or '.join(wanted)} for each fact")
+            wrong = f"the grade {quoted(grade)} needs {', or '.join(wanted)} for each fact"
+            place = next((place for key, place in pieces if not key), "")
+            report.add("evidence-grade", path, wrong + _remedy(place, mapping(spec, "documents")))
+
+
+def _remedy(place: str, documents: Spec) -> str:
+    """Return how to write a source without the key of a document, or an empty string if all have one."""
+    if not place:
+        return ""
+    if place in documents:
+        return f"; write {quoted(f'{place}: PLACE')} with a place in it"
+    return f"; write {quoted(f'KEY: {place}')} with the key of its document"
 
 
 def _discriminates(example: Spec) -> bool:

@@ -89,6 +89,8 @@ def _layout(device: Device, codec: Codec, of: Description) -> Data:
         **{name: described(getattr(of, name)) for name in parts},
         fields=[*_fields(codec, of)],
         checks=[described(item) | _message(codec.layout, op) for item, op in zip(of.checks, codec.checks, strict=True)],
+        # A byte that the bits sent do not fill begins with these zeros.
+        fill=(codec.layout.bits - codec.layout.sent_bits).constant,
         crc=of.crc.crc.name if of.crc is not None else "",
         crc_of=[of.crc.low, of.crc.covered.constant] if of.crc is not None and of.crc.is_part else [],
         asks=[item.name for item in codec.alternatives],

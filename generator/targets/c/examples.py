@@ -223,6 +223,9 @@ class ExampleCode:
         placed = self.frame.layout.place(self._chosen.variant.parameters)
         numbers = (item for item in placed.fields if isinstance(meaning_of(item.field), Raw))
         given = {item.name: self.frame.wire >> item.low & item.mask for item in numbers}
+        for whole in self.struct.plan.wholes:
+            if all(field.name in given for field in whole.fields):
+                given[whole.join.name] = whole.joined(given, self._chosen.variant.parameters)
         return self.view.interface.asking(self.frame.layout, given)
 
     @property

@@ -132,10 +132,10 @@ class InterfaceCode:
         size = (item.request.widest + reply.widest) // 8
         parameters = next(one.parameters for one in self.device.variants if one.interface == self.interface.name)
         initial = codec.struct.initial(parameters, given)
-        answered = {field.name for field in reply.data_fields}
-        fields = [field for field in item.request.data_fields if field.name in answered]
+        answered = set(_members(reply))
+        names = [name for name in _members(item.request) if name in answered]
         # C does not compare texts by !=.
-        repeated = tuple(c_name(field.name) for field in fields if codec.struct.type_of(field) != "char")
+        repeated = tuple(c_name(name) for name in names if codec.struct.member_type(name) != "char")
         return Asking(codec, initial, _take(item), ANSWER_US - -1_000_000 * size * bits // port.baud, repeated)
 
     def frame_name(self, layout: Layout) -> str:
@@ -152,6 +152,8 @@ class InterfaceCode:
         """Yield the comment on the interface, without the layouts, which have their own."""
         interface = self.interface
         yield from (S.sentence(item) for item in said_of(self.device, interface) if item not in self._said)
+        if any(item.sender == "master" and item.data_fields for item in interface.layouts):
+            yield "Set all members of a request, because those that an initial value leaves out are 0."
         yield from self._receiving()
         path = f"interfaces.{interface.name}"
         layouts = [f"{path}.{item.name}" for item in interface.layouts]
@@ -261,3 +263,9 @@ class InterfaceCode:
 def _take(item: Exchanged) -> str:
     """Return the function that receives a reply."""
     return "cw_rs485_take" if item.repeats_first else "cw_rs485_take_any"
+
+
+def _members(layout: Layout) -> Iterator[str]:
+    """Yield the names of the fields with data and of the joins."""
+    yield from (item.name for item in layout.data_fields)
+    yield from (item.name for item in layout.joins)

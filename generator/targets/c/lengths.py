@@ -28,6 +28,9 @@ class LengthCode:
         self.answers = tuple(dict.fromkeys(answer.name for item in found for answer in item.answers))
         #: Macro of the bytes in a frame that is carried as bytes, empty for words.
         self.length = next((context.length_macro(item.layout) for item in found if item.layout.in_bytes), "")
+        #: Names of the headers that receive words, bytes, or both.
+        names = {True: "receive_frame.h", False: "receive.h"}
+        self.receivers = " and ".join(names[key] for key in sorted({item.layout.in_bytes for item in found}))
         self._context = context
         self.held = any(item.held for item in found)
         #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.

@@ -121,13 +121,19 @@ class Struct:
         ``parameters`` are those of an order code. The bits of a member ``unused`` that is 0 are as documented.
         """
         numbers = {part.field.name: asked.get(part.field.name, _default(part.field)) for part in self.plan.parts}
+        for whole in self.plan.wholes:
+            if whole.join.name in asked:
+                numbers.update(whole.parts(asked[whole.join.name], parameters))
         if not any(numbers.values()):
             return "0U"
         given = [text for part in self.plan.parts for text in self._initial_of(part.field, numbers[part.field.name])]
-        for whole in self.plan.wholes:
-            parts = (numbers[field.name] << low.value(parameters) for field, low in whole.from_low)
-            given.append(number(sum(parts), hexadecimal=True))
+        given += [number(whole.joined(numbers, parameters), hexadecimal=True) for whole in self.plan.wholes]
         return ", ".join(given + (["0U"] if self.unused else []))
+
+    @property
+    def without_default(self) -> tuple[str, ...]:
+        """The members of a request whose values the spec does not give."""
+        return tuple(c_name(part.field.name) for part in self.plan.parts if part.field.default is None)
 
     def _initial_of(self, field: Field, default: int) -> Iterator[str]:
         """Yield the initial values of the members of a field."""

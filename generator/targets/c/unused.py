@@ -123,7 +123,9 @@ class Unused:
         for item in self.moved:
             assert item.byte is not None
             mask, value = item.mask >> -item.shift, item.value >> -item.shift
-            yield item.byte, _turned(_in_byte(right(_GIVEN, -item.shift), mask), _documented(value))
+            bits = _in_byte(right(_GIVEN, -item.shift), mask)
+            is_wider = bits is _GIVEN and self.width > 8
+            yield item.byte, _turned(Cast("uint8_t", bits) if is_wider else bits, _documented(value))
         for op in self.single:
             for piece in op.bits.pieces:
                 yield piece.byte, _shifted(_in_byte(right(self._given(op), piece.left), piece.mask), -piece.right)

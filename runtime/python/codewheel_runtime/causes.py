@@ -9,6 +9,7 @@ from typing import Final, SupportsIndex, cast
 
 from .encoder import Encoder
 from .errors import FrameError
+from .reports import Interface
 
 
 def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
@@ -19,7 +20,7 @@ def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
     for the mistake that explains all of them.
     """
     apart = _is_told_apart(encoder)
-    if dead := _dead_line(frame, _bits_of(encoder), apart):
+    if dead := _dead_line(encoder, frame, apart):
         return (dead,)
     if not apart:
         return ()
@@ -29,7 +30,7 @@ def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
 def hint(encoder: Encoder, frame: object) -> str:
     """Return the result of ``why`` as one sentence."""
     found = why(encoder, frame)
-    if found and _dead_line(frame, _bits_of(encoder), _is_told_apart(encoder)):
+    if found and _dead_line(encoder, frame, _is_told_apart(encoder)):
         return found[0][0].upper() + found[0][1:]
     return f"The frame would be valid {'; or '.join(found)}" if found else ""
 
@@ -38,8 +39,9 @@ def hint(encoder: Encoder, frame: object) -> str:
 _LEAST_BITS: Final = 12
 
 
-def _dead_line(frame: object, bits: int, has_crc: bool) -> str:
+def _dead_line(encoder: Encoder, frame: object, has_crc: bool) -> str:
     """Return the description of a dead line, or an empty string if the line changes."""
+    bits = _bits_of(encoder)
     if isinstance(frame, (bytes, bytearray, memoryview)):
         data = bytes(cast(bytes, frame))
         number, bits = int.from_bytes(data, "big"), 8 * len(data)
@@ -61,7 +63,8 @@ def _dead_line(frame: object, bits: int, has_crc: bool) -> str:
     if not has_crc:
         return f"every bit is {level}. A dead line looks the same, and there is no CRC to distinguish it"
     cause = "a broken wire" if level else "a short circuit"
-    return f"every bit is {level}: the line never changes. Check for {cause}, the supply and the clock"
+    others = "wires A and B" if encoder.interface is Interface.RS485 else "the clock"
+    return f"every bit is {level}: the line never changes. Check for {cause}, the supply and {others}"
 
 
 def _is_told_apart(encoder: Encoder) -> bool:

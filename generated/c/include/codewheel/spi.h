@@ -13,10 +13,10 @@
  *        decode it, or ignore it if the request is CW_SPI_NONE
  *
  * If words of an encoder have several lengths, cw_spi_load returns CW_FAULT_LENGTH for a reply that
- * came in a word with another number of bytes. It cannot tell 17 bits from 20. A late reply is
- * complete only in a word of its own length, so send as many clocks as it has bits. If they do not
- * fill the bytes, the word is at their low end. On a bus that sends only whole bytes, it must be at
- * the high end: shift it up after cw_spi_store, and down before cw_spi_load.
+ * came in a word with another number of bytes. It cannot distinguish 17 bits from 20. A late reply
+ * is complete only in a word of its own length, so send as many clocks as it has bits. If they do
+ * not fill the bytes, the word is at their low end. On a bus that sends only whole bytes, it must
+ * be at the high end: shift it up after cw_spi_store, and down before cw_spi_load.
  */
 #ifndef CODEWHEEL_SPI_H
 #define CODEWHEEL_SPI_H
@@ -122,6 +122,10 @@ static inline cw_result cw_spi_store(uint64_t word, uint32_t bits, uint8_t *byte
 
 /**
  * Return the word in received bytes.
+ *
+ * Their number does not show the number of bits: words of 17 and of 20 bits have three bytes. If
+ * your driver knows how many bits it exchanged, compare them with bits before this call. Otherwise
+ * the _decode function refuses a longer word only if one of its additional bits is 1.
  *
  * @param bytes The bytes, most significant first.
  * @param length Number of bytes received.

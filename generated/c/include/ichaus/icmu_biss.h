@@ -177,8 +177,7 @@ typedef enum ichaus_icmu_biss_report {
 #define ICHAUS_ICMU_BISS_ABS_RESET_TYPICAL_US 10000U
 
 /**
- * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its
- * buffer.
+ * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its buffer.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
  * smaller if yours answers sooner, larger if you get NO_START or LENGTH.

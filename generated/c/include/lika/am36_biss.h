@@ -268,8 +268,7 @@ typedef enum lika_am36_biss_report {
 #define LIKA_AM36_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
 
 /**
- * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its
- * buffer.
+ * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its buffer.
  * The number of bits applies to the factory defaults, since registers can change it. The number of
  * bytes is enough for any content of the registers.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an

@@ -189,8 +189,7 @@ static inline uint32_t lika_am36_ssi_position_bits(const lika_am36_ssi *variant)
 #define LIKA_AM36_SSI_PAUSE_AT_LEAST_US 12U
 
 /**
- * Lengths for receive.h by order code: bits in ssi_word, and bytes in its
- * buffer.
+ * Lengths for receive.h by order code: bits in ssi_word, and bytes in its buffer.
  */
 #define LIKA_AM36_SSI_AM3616_4096_BG_BITS 28U /**< number of bits in its frame */
 #define LIKA_AM36_SSI_AM3616_4096_BG_RX_BYTES 4U /**< number of bytes in its buffer */

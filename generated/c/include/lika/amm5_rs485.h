@@ -245,6 +245,7 @@ typedef enum lika_amm5_rs485_report {
  * request [7.5 p.46].
  * Memory write, busy 1: A write is in progress. The request is invalid and not executed. Address:
  * as in the request. Data: 00h [7.5 p.46].
+ * Set all members of a request, because those that an initial value leaves out are 0.
  * Erratum error_bits_leds_alarms (open, omission).
  * Erratum unused_status_bits (open, omission).
  * Erratum position_under_error (open, omission).

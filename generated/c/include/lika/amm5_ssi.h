@@ -177,8 +177,7 @@ static inline uint32_t lika_amm5_ssi_revolutions(const lika_amm5_ssi *variant)
 #define LIKA_AMM5_SSI_PAUSE_AT_LEAST_US 20U
 
 /**
- * Lengths for receive.h by order code: bits in ssi_word, and bytes in its
- * buffer.
+ * Lengths for receive.h by order code: bits in ssi_word, and bytes in its buffer.
  */
 #define LIKA_AMM5_SSI_A17_1BG1_BITS 17U /**< number of bits in its frame */
 #define LIKA_AMM5_SSI_A17_1BG1_RX_BYTES 3U /**< number of bytes in its buffer */

@@ -226,8 +226,7 @@ typedef enum lika_asc85_biss_report {
 #define LIKA_ASC85_BISS_CONTROL_CRC_BITS 4U
 
 /**
- * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its
- * buffer.
+ * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its buffer.
  * The length depends on your choice, which is part of the name: as_printed or left_out.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it

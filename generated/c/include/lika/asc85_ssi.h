@@ -161,8 +161,7 @@ static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_25_GG2 = { 25U, 1U }; /**< ASC8525
 #define LIKA_ASC85_SSI_PAUSE_AT_LEAST_US 12U
 
 /**
- * Lengths for receive.h by order code: bits in ssi_word, and bytes in its
- * buffer.
+ * Lengths for receive.h by order code: bits in ssi_word, and bytes in its buffer.
  */
 #define LIKA_ASC85_SSI_20_BG1_BITS 20U /**< number of bits in its frame */
 #define LIKA_ASC85_SSI_20_BG1_RX_BYTES 3U /**< number of bytes in its buffer */

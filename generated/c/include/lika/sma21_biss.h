@@ -264,8 +264,7 @@ typedef enum lika_sma21_biss_report {
 #define LIKA_SMA21_BISS_EEPROM_WRITE_AT_LEAST_US 30000U
 
 /**
- * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its
- * buffer.
+ * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its buffer.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
  * assumption, since no manual says how long an encoder takes. Any other size works too: make it
  * smaller if yours answers sooner, larger if you get NO_START or LENGTH.

@@ -171,6 +171,7 @@ typedef enum lika_sma21_rs485_report {
  * number is sent first. Each reply of the encoder begins with the control field that it received
  * from the master. A request is not valid if its sync code, data ID, parity, delimiter or length is
  * wrong.
+ * Set all members of a request, because those that an initial value leaves out are 0.
  * Erratum zero_setting_rs485 (open, wrong limit).
  * Erratum control_field_structure (settled, omission).
  * Erratum position_under_error (open, omission).

@@ -182,8 +182,7 @@ typedef enum lika_sma21_ssi_report {
 #define LIKA_SMA21_SSI_PAUSE_AT_LEAST_US 16U
 
 /**
- * Lengths for receive.h by order code: bits in ssi_word, and bytes in its
- * buffer.
+ * Lengths for receive.h by order code: bits in ssi_word, and bytes in its buffer.
  */
 #define LIKA_SMA21_SSI_BG1_0050_BITS 21U /**< number of bits in its frame */
 #define LIKA_SMA21_SSI_BG1_0050_RX_BYTES 3U /**< number of bytes in its buffer */

@@ -20,7 +20,8 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any, Final, NoReturn, TextIO, cast, get_args, get_type_hints
 
 from .encoder import Encoder
-from .errors import FrameError
+from .errors import FrameError, LengthError
+from .frames import any_shape, decoder, kinds_of, raised
 from .reports import Interface, Verdict
 
 if TYPE_CHECKING:
@@ -391,23 +392,58 @@ def _frame(text: str, encoder: Encoder) -> int | bytes | str | None:
         return bytes.fromhex(packed) if re.fullmatch("([0-9a-fA-F]{2})+", packed) else None
     if re.fullmatch("0b[01]+", packed):
         return packed
+    # Frames of more than 64 bits are decoded from bytes.
+    in_bytes = all(any_shape(kind, encoder).length for kind in kinds_of(encoder))
+    if in_bytes and re.fullmatch("([0-9a-fA-F]{2})+", packed):
+        return bytes.fromhex(packed)
     return int(packed, 16) if re.fullmatch("(0x)?[0-9a-fA-F]{1,64}", packed) else None
+
+
+def _others(encoder: Encoder, frame: int | bytes | str, found: Any) -> str:
+    """Return the other frames that a frame can be, in words, or an empty string. ``found`` can be its error."""
+    hint = get_type_hints(type(encoder).try_decode)["return"]
+    decoded = [kind for kind in get_args(hint) or (hint,) if not issubclass(kind, FrameError)]
+    names = [kind.__name__ for kind in kinds_of(encoder) if _can_be(kind, decoded, encoder, frame, found)]
+    if not names:
+        return ""
+    words = "This can be another frame" if isinstance(found, FrameError) else "This can also be another frame"
+    return f"{words}: {', '.join(names)} (decode it with the class in {type(encoder).__module__})"
+
+
+def _can_be(kind: Any, decoded: Sequence[type], encoder: Encoder, frame: int | bytes | str, found: Any) -> bool:
+    """Return whether a frame is a valid one of another class than those in ``decoded``."""
+    # An encoder with several classes identifies its frames by a field.
+    if len(decoded) != 1 or kind in decoded:
+        return False
+    # Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
+    has_length = any_shape(kind, encoder).bits == any_shape(decoded[0], encoder).bits
+    if not has_length and not isinstance(found, LengthError):
+        return False
+    try:
+        decoder(kind._decoder, encoder, raised)(frame)
+    except (FrameError, TypeError):
+        return False
+    return True
 
 
 def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace) -> int:
     """Print one frame. This needs no other packages."""
     found = _with_answers(encoder, frame, dict(chosen.choose))
     values: dict[str, Any] = found.to_dict()
+    others = _others(encoder, frame, found)
     if chosen.json:
         print(json.dumps(values, ensure_ascii=False))
     elif isinstance(found, FrameError):
-        raise Failed(f"{found}. {found.hint}" if found.hint else found)
+        more = others or found.hint
+        raise Failed(f"{found}. {more}" if more else found)
     else:
         width = max(map(len, values))
         for name, value in values.items():
             print(f"{name:<{width}}  {_plain(value)}")
         for report in found.reports:
             print(f"\n{report.name}: {report.meaning}" + (f"\n  {report.remedy}" if report.remedy else ""))
+        if others:
+            print(f"\n{others}")
     if isinstance(found, FrameError):
         return FAILED
     return NOT_USABLE if values.get("verdict") == Verdict.NOT_USABLE.value else DONE

@@ -396,6 +396,14 @@ def any_shape(kind: type, encoder: Encoder) -> Shape:
     return make(*(encoder if issubclass(item, Encoder) else next(iter(cast(Any, item))) for item in needed))
 
 
+def kinds_of(encoder: Encoder) -> tuple[type, ...]:
+    """Return the classes of the frames that an encoder sends."""
+    package, _, family = type(encoder).__module__.rpartition(".")
+    described = import_module(f"{package}._shapes.{family}")
+    sent = described.FRAMES.get((encoder.interface.value, "encoder"), {}).values()
+    return tuple(kind for kind, make in described.SHAPES.items() if make in sent)
+
+
 @cache
 def _described(kind: type) -> tuple[Callable[..., Shape], tuple[type, ...]]:
     """Return the function that creates the description of a class, and the types of its arguments."""

@@ -220,7 +220,9 @@ class Session:
 
     def _difference(self, asked: _Asked, frame: Frame) -> str:
         """Return how a reply differs from the values of its request, such as an address, or an empty string."""
-        for name in getattr(asked.request, "_fields", ()):
+        fields = getattr(asked.request, "_fields", ())
+        joins = any_shape(type(asked.request), self.encoder).joins if fields else ()
+        for name in (*fields, *(item.name for item in joins)):
             found, sent = getattr(frame, name, None), getattr(asked.request, name)
             if name not in asked.answers and found is not None and found != sent:
                 return f"the reply of {self.encoder.code} has {name} {found}, but {sent} was sent"
