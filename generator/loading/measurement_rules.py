@@ -177,18 +177,10 @@ def _uneven(case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str]
 def _at_run_time(device: Device, expression: Expression) -> bool:
     """Return True if the expression depends on a register, which may hold any number."""
     held = {item.name for item in device.run_time_parameters}
-    return bool(held & _sources(device, expression))
+    return not held.isdisjoint(device.needed_parameters(expression.parameters))
 
 
-def _sources(device: Device, *expressions: Expression) -> set[str]:
+def _sources(device: Device, *expressions: Expression) -> frozenset[str]:
     """Return the parameters behind these expressions: those set by order codes or held in registers."""
-    definitions = {item.name: item.equals for item in device.parameters}
-    names, found = [name for item in expressions for name in item.parameters], set()
-    while names:
-        name = names.pop()
-        inner = definitions.get(name)
-        if inner is None:
-            found.add(name)
-        else:
-            names += inner.parameters
-    return found
+    names = (name for item in expressions for name in item.parameters)
+    return device.needed_parameters(names) - device.definitions.keys()

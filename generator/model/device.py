@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
 from functools import cached_property
 from itertools import product
@@ -357,6 +357,16 @@ class Device:
     def definitions(self) -> Mapping[str, Expression]:
         """Expressions of the parameters that follow from others, by name."""
         return {item.name: item.equals for item in self.parameters if item.equals is not None}
+
+    def needed_parameters(self, names: Iterable[str]) -> frozenset[str]:
+        """Return these parameters, and all parameters from which they are calculated."""
+        found, left = set[str](), list(names)
+        while left:
+            name = left.pop()
+            if name not in found and name in self.definitions:
+                left += self.definitions[name].parameters
+            found.add(name)
+        return frozenset(found)
 
     def sample_of(self, layout: Layout) -> Sample | None:
         """Return the sample frame of a layout, or None if none could be made up."""

@@ -42,7 +42,7 @@ def received(device: Device, interface: Interface) -> Iterator[Received]:
     held = {item.name for item in device.set_parameters if item.register}
     around = _around(interface)
     for layout in interface.layouts:
-        needed = set(_set_parameters(device, layout.bits.parameters))
+        needed = device.needed_parameters(layout.bits.parameters)
         if layout.sender != "encoder" or around is None:
             continue
         deciding = [item for item in device.alternatives if not needed.isdisjoint(item.answers[0].sets)]
@@ -65,13 +65,3 @@ def _around(interface: Interface) -> int | None:
             return None
         case _:
             assert_never(interface)
-
-
-def _set_parameters(device: Device, names: tuple[str, ...]) -> Iterator[str]:
-    """Yield the independent parameters from which these are calculated."""
-    for name in names:
-        item = next((item for item in device.parameters if item.name == name), None)
-        if item is None or item.equals is None:
-            yield name
-        else:
-            yield from _set_parameters(device, item.equals.parameters)

@@ -22,7 +22,7 @@ from ...dump.xsd import schema_text
 from ...model import Biss, Crc, Device, Field, Layout, Manufacturer, assert_never, choices
 from ...model.record import dataclass
 from ...order_codes.labels import Match
-from ...order_codes.parameters import needed_parameters, run_time_widths
+from ...order_codes.parameters import run_time_widths
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...render import Templates, our_templates
 from ...say import interface as say_interface
@@ -450,7 +450,7 @@ def _code(device: Device, layout: Layout) -> str:
     held = [
         field_at(device, item.read_from)
         for item in device.run_time_parameters
-        if item.name in needed_parameters(device, layout.gray_when)
+        if item.name in device.needed_parameters([layout.gray_when])
     ]
     if not layout.gray_when:
         return f"{layout.gray_of} in Gray code"
