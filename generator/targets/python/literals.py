@@ -92,11 +92,12 @@ def record(function: str, needed: Mapping[str, Literal], **optional: Literal) ->
 
 
 def _given(optional: Mapping[str, Literal]) -> tuple[tuple[str, Literal], ...]:
-    return tuple(
-        (name, value)
-        for name, value in optional.items()
-        if value is not None and not (value in ("", ()) or (isinstance(value, Mapping) and not value))
-    )
+    return tuple((name, value) for name, value in optional.items() if not is_empty(value))
+
+
+def is_empty(value: Literal) -> bool:
+    """Return whether a value is None or without content. False and 0 are not empty."""
+    return value in (None, "", ()) or (isinstance(value, Mapping) and not value)
 
 
 def functions(value: Literal) -> Iterator[str]:
