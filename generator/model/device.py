@@ -448,9 +448,7 @@ class Device:
 
     def tells_position(self, interface: str, layout: Layout) -> bool:
         """Return whether frames of this layout send the position, or a part of it, to the master."""
-        names = self.position_names(interface)
-        tells = any(join.name in names for join in layout.joins) or any(field.name in names for field in layout.fields)
-        return layout.sender == "encoder" and tells
+        return layout.sender == "encoder" and not layout.member_names.isdisjoint(self.position_names(interface))
 
     def highest_in(self, layout: Layout) -> tuple[Field, Expression] | None:
         """Return the field of a frame that has a highest valid value lower than its width allows, and that value.

@@ -64,7 +64,7 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
 def limited_member(register: Register) -> str:
     """Return the name of the limited field or join, or an empty string if the limits apply to the whole register."""
     layout = register.layout
-    if register.limits_of in {*(item.name for item in layout.joins), *(item.name for item in layout.fields)}:
+    if register.limits_of in layout.member_names:
         return register.limits_of
     return layout.fields[0].name if len(layout.fields) == 1 else ""
 

@@ -144,5 +144,4 @@ class Chosen:
 
     def has_position(self, layout: Layout) -> bool:
         """Return True if a layout has the field or join that contains the position."""
-        members = {field.name for field in layout.data_fields} | {join.name for join in layout.joins}
-        return self.measurement is not None and self.measurement.of in members
+        return self.measurement is not None and self.measurement.of in layout.member_names

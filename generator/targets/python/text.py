@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 
 from ...model import (
@@ -60,9 +60,9 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
     )
 
 
-def of_errata(device: Device, *paths: str, without: Collection[str] = ()) -> list[Block]:
+def of_errata(device: Device, *paths: str) -> list[Block]:
     """Return the errata for these parts of the spec. Errata about wording are only in the table."""
-    return paragraphs(map(erratum, errata(device, *paths, without=without)))
+    return paragraphs(map(erratum, errata(device, *paths)))
 
 
 def paragraphs(statements: Iterable[Said]) -> list[Block]:
