@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum
 from .changed import change_in_words
-from .text import Ref, Said, said
+from .text import Said, said
 from .words import sentence
 
 #: Longest reason, in characters, that is shown next to code. Errata with wrong data always have their reason.
@@ -29,10 +29,6 @@ def errata(device: Device, *paths: str, without: Collection[str] = (), wording: 
             for other in item.affects
         )
     )
-
-
-def reference(item: Erratum) -> Ref:
-    return Ref("erratum", item.name, item.name)
 
 
 def erratum(item: Erratum, *, whole: bool = False) -> Said:
