@@ -8,7 +8,6 @@ description, for which we have our own schema.
 from __future__ import annotations
 
 import textwrap
-import unicodedata
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -26,6 +25,7 @@ from ...order_codes.parameters import run_time_widths
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...render import Templates, our_templates
 from ...say import interface as say_interface
+from ...say.ascii import in_ascii
 from ...say.crc import parameters
 from ...say.erratum import errata, erratum
 from ...say.lines import plain
@@ -48,26 +48,8 @@ from .identity import (
 )
 
 _WIDTH = 132
-_ASCII = str.maketrans(
-    {
-        "\u2013": "-",
-        "\u2014": "-",
-        "\u2212": "-",
-        "\u2026": "...",
-        "\u00b1": "+/-",
-        "\u00b5": "u",
-        "\u03bc": "u",
-        "\u00d7": "x",
-        "\u2192": "to",
-        "\u201c": '"',
-        "\u201d": '"',
-        "\u2018": "'",
-        "\u2019": "'",
-        "\u00b0": " deg",
-        "\u03a9": "Ohm",
-        "\u2126": "Ohm",
-    }
-)
+#: Signs that comments spell in their own way.
+_OWN = {"±": "+/-", "→": "to", "°": " deg", "\N{OHM SIGN}": "Ohm"}
 
 
 _EACH = "each"
@@ -139,12 +121,7 @@ def _by_code(folder: str, device: Device) -> Iterator[tuple[str, str]]:
 
 def ascii_only(text: object) -> str:
     """Return ``text`` in ASCII for comments, where XML allows no character references."""
-    made = plain(text).translate(_ASCII)
-    if made.isascii():
-        return made
-    decomposed = unicodedata.normalize("NFKD", made)
-    bare = "".join(character for character in decomposed if not unicodedata.combining(character))
-    return bare.encode("ascii", "replace").decode()
+    return in_ascii(plain(text), _OWN)
 
 
 def comment_text(text: object) -> Markup:
