@@ -357,17 +357,15 @@ def _check_control_bytes(device: Device, report: DocumentReport) -> None:
     interface = device.over(Rs485)
     if interface is None or not sound_so_far(report).has_frames:
         return
-    variant = next((variant for variant in device.variants if variant.interface == interface.name), None)
-    if variant is None:
-        return
-    for item in interface.data_ids:
+    variants = device.variants_over(interface.name)
+    for item in interface.data_ids if variants else ():
         path: Path = ("interfaces", interface.name, "data_ids", item.name)
         layout = next((layout for layout in interface.layouts if item.id in layout.selects), None)
         if layout is None:
             wrong = f"no layout has data ID {item.id:X} in its 'when'; add it to one"
             report.add("undefined-reference", path, wrong)
             continue
-        placed = layout.place(variant.parameters)
+        placed = layout.place(variants[0].parameters)
         values = {field.name: 0 for field in layout.data_fields} | {layout.selector: item.id}
         try:
             made = number_to_bytes(layout, codec.encode(device, placed, values), placed.bits)[0]

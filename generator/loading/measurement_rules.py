@@ -69,11 +69,10 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
 def _cases(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_Case]:
     for layout in (item for item in interface.layouts if item.sender == "encoder"):
         names = layout.names_in(measurement.of)
-        for variant in device.variants:
-            if variant.interface == interface.name:
-                placed = layout.place(variant.parameters)
-                present = ((name, field.width) for name in names if (field := placed.field(name)) is not None)
-                yield _Case(variant, layout, tuple(present))
+        for variant in device.variants_over(interface.name):
+            placed = layout.place(variant.parameters)
+            present = ((name, field.width) for name in names if (field := placed.field(name)) is not None)
+            yield _Case(variant, layout, tuple(present))
 
 
 def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, str] | None:

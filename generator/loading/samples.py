@@ -58,7 +58,7 @@ def _most_shown(device: Device, interface: str) -> Variant | None:
     examples = [item for item in device.examples if not isinstance(item, CrcExample)]
     counted = Counter(example_variant(device, item).code for item in examples if not item.erratum)
     return max(
-        (item for item in device.variants if item.interface == interface),
+        device.variants_over(interface),
         key=lambda item: (counted[item.code], sum(item.parameters.values())),
         default=None,
     )

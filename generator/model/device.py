@@ -475,7 +475,7 @@ class Device:
             return None
         by_name = {item.name: item for item in layout.fields}
         fields = [by_name[name] for name in layout.names_in(measurement.of) if name in by_name]
-        sets = [item.parameters for item in self.variants if item.interface == interface]
+        sets = [item.parameters for item in self.variants_over(interface)]
         highest = _highest(measurement, fields, sets)
         if highest is None or any(not isinstance(item.kind, Number) or item.kind.signed for item in fields):
             return None
@@ -485,6 +485,10 @@ class Device:
 
     def register(self, name: str) -> Register:
         return next(item for item in self.registers if item.name == name)
+
+    def registers_over(self, interface: str) -> tuple[Register, ...]:
+        """Return the registers that this interface reaches."""
+        return tuple(item for item in self.registers if item.interface == interface)
 
     def bank_selector(self, register: Register) -> str:
         """Return the register that selects the bank of this register, or an empty string if there is none."""
@@ -503,6 +507,10 @@ class Device:
 
     def variant(self, code: str) -> Variant:
         return next(item for item in self.variants if item.code == code)
+
+    def variants_over(self, interface: str) -> tuple[Variant, ...]:
+        """Return the listed order codes with this interface."""
+        return tuple(item for item in self.variants if item.interface == interface)
 
 
 def _highest(measurement: Measurement, fields: Sequence[Field], sets: Sequence[Mapping[str, int]]) -> Expression | None:

@@ -57,15 +57,10 @@ def _used(device: Device, kind: str) -> frozenset[str]:
 def _expressions(device: Device, kind: str) -> Iterator[Expression]:
     for layout in device.interface(kind).layouts:
         yield from _of_layout(layout)
-    for register in device.registers:
-        if register.interface == kind:
-            yield from _of_layout(register.layout)
-            bounds = [
-                register.min,
-                register.max,
-                *(bound for item in register.meanings for bound in (item.min, item.max)),
-            ]
-            yield from (bound for bound in bounds if bound is not None)
+    for register in device.registers_over(kind):
+        yield from _of_layout(register.layout)
+        bounds = [register.min, register.max, *(bound for item in register.meanings for bound in (item.min, item.max))]
+        yield from (bound for bound in bounds if bound is not None)
     measurement = device.measurement_of(kind)
     if measurement is not None:
         yield from _of_measurement(measurement)

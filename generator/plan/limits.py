@@ -45,8 +45,7 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
     width = sum((item.width for item in fields), Expression(0)) if fields else layout.bits
     ranges = [
         (item.parameters, *_fitting(width, signed, item.parameters))
-        for item in device.variants
-        if item.interface == register.interface
+        for item in device.variants_over(register.interface)
     ]
     # A limit that rules out no value with the factory defaults may do so with other register values.
     held = {item.name for item in device.run_time_parameters}

@@ -47,8 +47,7 @@ def received(device: Device, interface: Interface) -> Iterator[Received]:
             continue
         deciding = [item for item in device.alternatives if not needed.isdisjoint(item.answers[0].sets)]
         moves = bool(needed & held)
-        variants = [item for item in device.variants if item.interface in ("", interface.name)]
-        for variant, (answers, sets) in product(variants, choices(deciding)):
+        for variant, (answers, sets) in product(device.variants_over(interface.name), choices(deciding)):
             bits = layout.sent_bits.value({**variant.parameters, **sets})
             size = (around + (layout.widest if moves else bits) + 7) // 8
             yield Received(variant, layout, bits, size, moves, answers)

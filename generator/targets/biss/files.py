@@ -39,7 +39,6 @@ from ..licence import licence_in
 from .identity import (
     DataLength,
     IdBits,
-    biss_variants,
     data_lengths,
     device_bits,
     manufacturer_bits,
@@ -172,7 +171,8 @@ def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tup
         return
     layout, _ = found
     open_questions = device.alternatives_of(layout)
-    encoders = [(variant, answers) for variant in biss_variants(device) for answers, _ in choices(open_questions)]
+    variants = device.variants_over(Biss.name)
+    encoders = [(variant, answers) for variant in variants for answers, _ in choices(open_questions)]
     names = names_of_codes("-".join((variant.code, *(item.name for item in answers))) for variant, answers in encoders)
     for name, (variant, answers) in zip(names, encoders, strict=True):
         decided = dict(zip((item.name for item in open_questions), answers, strict=True))
@@ -431,7 +431,7 @@ def _code(device: Device, layout: Layout) -> str:
     ]
     if not layout.gray_when:
         return f"{layout.gray_of} in Gray code"
-    delivered = {bool(variant.parameters[layout.gray_when]) for variant in biss_variants(device)}
+    delivered = {bool(variant.parameters[layout.gray_when]) for variant in device.variants_over(Biss.name)}
     word = {frozenset({True}): "Gray", frozenset({False}): "binary"}.get(frozenset(delivered), "by order code")
     return (
         f"{layout.gray_of} in Gray code or binary, selected by {', '.join(held)}, factory default {word}"

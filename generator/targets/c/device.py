@@ -255,7 +255,7 @@ _LATEST: deque[tuple[Device, Sequence[DeviceView]]] = deque(maxlen=8)
 
 def _views_of(device: Device) -> Iterator[DeviceView]:
     for interface in device.interfaces:
-        here = for_codes(device, {item.code for item in device.variants if item.interface == interface.name})
+        here = for_codes(device, {item.code for item in device.variants_over(interface.name)})
         # A register that only another interface reaches cannot update a parameter.
         known = {"", *(item.name for item in here.registers)}
         parameters = (item if item.register in known else replace(item, read_from="") for item in here.parameters)

@@ -39,11 +39,10 @@ def placements(device: Device, layout: Layout, kind: str, sets: Mapping[str, int
     ``sets`` are the parameters set by answers to alternatives, if those are not the first answers.
     """
     found: dict[tuple[tuple[str, int, int], ...], tuple[PlacedLayout, list[str]]] = {}
-    for variant in device.variants:
-        if variant.interface == kind:
-            placed = layout.place({**variant.parameters, **sets})
-            shape = tuple((item.name, item.low, item.width) for item in placed.fields)
-            found.setdefault(shape, (placed, []))[1].append(variant.code)
+    for variant in device.variants_over(kind):
+        placed = layout.place({**variant.parameters, **sets})
+        shape = tuple((item.name, item.low, item.width) for item in placed.fields)
+        found.setdefault(shape, (placed, []))[1].append(variant.code)
     return tuple(
         sorted((Placement(tuple(codes), placed) for placed, codes in found.values()), key=lambda item: item.placed.bits)
     )
