@@ -101,7 +101,7 @@ def _context(
         groups=MappingProxyType({item["name"]: (item, ("field_groups", index)) for index, item in groups}),
         definitions=definitions,
         parameter_sets=_parameter_sets(raw, definitions, variants, alternatives),
-        crcs=MappingProxyType({item["name"]: _crc(item) for item in raw.get("crcs", ())}),
+        crcs=MappingProxyType({item["name"]: record(Crc, item) for item in raw.get("crcs", ())}),
         data_ids=MappingProxyType(
             {kind: records(DataId, item, "data_ids") for kind, item in raw["interfaces"].items()}
         ),
@@ -239,10 +239,6 @@ def _parameter(name: str, raw: Raw, context: Context) -> Parameter:
     largest = max(values, default=0)
     equals = context.definitions.get(name)
     return record(Parameter, {**raw, **limits}, name=name, equals=equals, largest=largest, by_code=codes)
-
-
-def _crc(raw: Raw) -> Crc:
-    return record(Crc, raw)
 
 
 def _registers(raw: Raw, context: Context) -> tuple[Register, ...]:

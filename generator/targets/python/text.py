@@ -192,7 +192,7 @@ def of_argument(device: Device, item: Argument) -> str:
 # -- fields
 
 
-def of_field(device: Device, item: Field, may_be_missing: bool = False) -> str:
+def of_field(device: Device, item: Field, may_be_missing: bool) -> str:
     missing = [said("0 if the encoder does not have this field")] if may_be_missing else []
     about = [*field.meaning(item, item.meaning), *missing, *field.rules(device, item), *told(item.note)]
     return S.paragraph(about) or sentence(title(item))
