@@ -43,7 +43,7 @@ def targets_named(names: Iterable[str] | None = None, otherwise: Iterable[str] =
     return found
 
 
-def are_built_in(targets: Iterable[Target], names: Iterable[str] | None = None) -> bool:
+def are_built_in(targets: Iterable[Target], names: Iterable[str] | None) -> bool:
     """Return whether these are exactly the built-in targets ``names``, none of which lacks its packages."""
     asked = list(dict.fromkeys(names or BUILT_IN))
     return [target.name for target in targets] == asked and set(asked) <= set(BUILT_IN)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ..model import Constant, Device, Field, Interface, Layout, PlacedLayout, Unused, Value, Variant, cite
 from ..model.expressions import Expression
-from ..order_codes.parameters import needed_parameters, run_time_widths
+from ..order_codes.parameters import run_time_widths
 from ..say import field
 from ..say import interface as say_interface
 from ..say import layout as say_layout
@@ -83,7 +83,7 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
             f"The widths are the {initial(device)} in {' and '.join(field_at(device, path) for path in widths)}."
         )
     if layout.gray_of and layout.gray_when:
-        names = needed_parameters(device, layout.gray_when)
+        names = device.needed_parameters([layout.gray_when])
         held = ", ".join(field_at(device, item.read_from) for item in device.run_time_parameters if item.name in names)
         decided = f", according to the factory default of {held}" if held else ""
         notes.append(f"{layout.gray_of} is in {'Gray code' if placed.gray else 'binary'}{decided}.")

@@ -10,6 +10,8 @@ import unicodedata
 from contextlib import ExitStack, suppress
 from typing import TextIO
 
+from ..say.ascii import STAND_INS
+
 #: Time in seconds after which work is shown, and between updates.
 _AFTER_S, _EVERY_S = 1.0, 0.25
 
@@ -20,42 +22,6 @@ class Stop(Exception):
     def __init__(self, message: str, code: int) -> None:
         super().__init__(message)
         self.code = code
-
-
-#: Replacements for characters that the terminal cannot encode and that Unicode does not decompose well.
-_STAND_INS = {
-    "→": "->",
-    "←": "<-",
-    "↔": "<->",
-    "−": "-",
-    "–": "-",
-    "—": "-",
-    "‑": "-",
-    "“": '"',
-    "”": '"',
-    "„": '"',
-    "‘": "'",
-    "’": "'",
-    "×": "x",
-    "·": ".",
-    "±": "+-",
-    "≤": "<=",
-    "≥": ">=",
-    "≠": "!=",
-    "≈": "~",
-    "²": "^2",
-    "³": "^3",
-    "°": "deg",
-    "µ": "u",
-    "μ": "u",
-    "Ω": "Ohm",
-    "Ø": "dia. ",
-    "ß": "ss",
-    "§": "section ",
-    "®": "(R)",
-    "©": "(C)",
-    "™": "(TM)",
-}
 
 
 def prepare(as_json: bool = False) -> None:
@@ -153,7 +119,7 @@ def _in_words(error: UnicodeError) -> tuple[str | bytes, int]:
     if "\udc80" <= character <= "\udcff":
         return bytes([ord(character) - 0xDC00]), error.start + 1
     plain = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
-    return _STAND_INS.get(character, plain or "?"), error.start + 1
+    return STAND_INS.get(character, plain or "?"), error.start + 1
 
 
 def _in_json(error: UnicodeError) -> tuple[str, int]:

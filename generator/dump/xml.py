@@ -1,4 +1,4 @@
-"""Conversion of the plain data of a device to XML and back.
+"""Conversion of the plain data of a device to XML.
 
 ``model/members`` is the only definition of the shape. The XML has the same members with the same names. The JSON
 Schema determines the form of each:
@@ -29,8 +29,6 @@ from .shape import Kind, Member, Shape, is_hexadecimal, members, resolved, types
 NAMESPACE = "urn:codewheel:device-description:1"
 XSD_NAME = "device-description.xsd"
 _XSI = "http://www.w3.org/2001/XMLSchema-instance"
-_INTEGER = re.compile(r"-?[0-9]+")
-_HEXADECIMAL = re.compile(r"0x[0-9A-F]+")
 _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
@@ -123,78 +121,3 @@ def _is_default(member: Member, value: object) -> bool:
 
 def _types(member: Member) -> tuple[str, ...]:
     return types_of(resolved(member.shape)[0])
-
-
-def read_xml(data: bytes) -> Any:
-    """Return the root element of an XML document, read without entities, DTD or network."""
-    return etree.fromstring(
-        data, etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, dtd_validation=False)
-    )
-
-
-def from_xml(data: bytes) -> dict[str, Any]:
-    """Return the data of a device from its XML document."""
-    return _read(read_xml(data), show_schema(), [])
-
-
-def _read(element: Any, shape: Shape, inherited: list[dict[str, Any]]) -> dict[str, Any]:
-    own = [_read_source(item) for item in element.findall(_tag("source"))] or inherited
-    made = {member.name: _read_member(element, member, own) for member in members(shape)}
-    if "source" in shape["properties"]:
-        made["source"] = own[0] if own else None
-        if len(own) > 1:
-            made["sources"] = own
-    return made
-
-
-def _read_source(element: Any) -> dict[str, Any]:
-    page = element.get("page")
-    return {
-        "document": element.get("document", ""),
-        "section": element.get("section", ""),
-        "page": None if page is None else int(page),
-    }
-
-
-def _read_member(element: Any, member: Member, own: list[dict[str, Any]]) -> Any:
-    if member.kind in (Kind.ATTRIBUTE, Kind.LIST):
-        text = element.get(member.name)
-        if text is None:
-            return member.empty
-        if member.kind is Kind.LIST:
-            return [_value(word, member.types) for word in text.split()]
-        return _value(text, member.types)
-    inner = element.find(_tag(member.name))
-    if inner is None:
-        return member.empty
-    if member.kind is Kind.OBJECT:
-        return _read(inner, member.shape, own)
-    if member.kind is Kind.TEXT:
-        return inner.text or ""
-    if member.kind is Kind.TEXTS:
-        return [item.text or "" for item in inner]
-    if member.kind is Kind.MAP:
-        return {item.get("name"): _read_entry(item, member) for item in inner}
-    read = [_read(item, member.shape, own) for item in inner]
-    return {item[member.shape["x-key"]]: item for item in read} if member.kind is Kind.KEYED else read
-
-
-def _read_entry(element: Any, member: Member) -> Any:
-    shape = resolved(member.shape)[0]
-    if shape.get("type") == "array":
-        return (element.text or "").split()
-    stated = element.get("type")
-    return _value(element.text or "", (stated,) if stated else _types(member))
-
-
-def _value(text: str, types: tuple[str, ...]) -> Any:
-    """Return a value from its text, converted to one of the JSON types that it may have."""
-    if "boolean" in types and text in ("true", "false"):
-        return text == "true"
-    if "integer" in types and _INTEGER.fullmatch(text):
-        return int(text)
-    if "number" in types:
-        return float(text)
-    if "integer" in types and "string" not in types and _HEXADECIMAL.fullmatch(text):
-        return int(text, 16)
-    return text

@@ -103,7 +103,7 @@ def _context(
         groups=MappingProxyType({item["name"]: (item, ("field_groups", index)) for index, item in groups}),
         definitions=definitions,
         parameter_sets=sets,
-        crcs=MappingProxyType({item["name"]: _crc(item) for item in raw.get("crcs", ())}),
+        crcs=MappingProxyType({item["name"]: record(Crc, item) for item in raw.get("crcs", ())}),
         data_ids=MappingProxyType(
             {kind: records(DataId, item, "data_ids") for kind, item in raw["interfaces"].items()}
         ),
@@ -208,10 +208,6 @@ def _parameter(name: str, raw: Raw, context: Context) -> Parameter:
     largest = max(values, default=0)
     equals = context.definitions.get(name)
     return record(Parameter, {**raw, **limits}, name=name, equals=equals, largest=largest, by_code=codes)
-
-
-def _crc(raw: Raw) -> Crc:
-    return record(Crc, raw)
 
 
 def _registers(raw: Raw, context: Context) -> tuple[Register, ...]:
@@ -326,17 +322,15 @@ def _check_control_bytes(device: Device, report: DocumentReport) -> None:
     interface = device.over(Rs485)
     if interface is None or not sound_so_far(report).has_frames:
         return
-    variant = next((variant for variant in device.variants if variant.interface == interface.name), None)
-    if variant is None:
-        return
-    for item in interface.data_ids:
+    variants = device.variants_over(interface.name)
+    for item in interface.data_ids if variants else ():
         path: Path = ("interfaces", interface.name, "data_ids", item.name)
         layout = next((layout for layout in interface.layouts if item.id in layout.selects), None)
         if layout is None:
             wrong = f"no layout has data ID {item.id:X} in its 'when'; add it to one"
             report.add("undefined-reference", path, wrong)
             continue
-        placed = layout.place(variant.parameters)
+        placed = layout.place(variants[0].parameters)
         values = {field.name: 0 for field in layout.data_fields} | {layout.selector: item.id}
         try:
             made = number_to_bytes(layout, codec.encode(device, placed, values), placed.bits)[0]

@@ -62,7 +62,7 @@ def _kinds(
     device: Device, interface: Interface, layout: Layout, others: list[Layout]
 ) -> Iterator[tuple[Field, Layout, int]]:
     """Yield the numbers that are a constant at the same place of a frame with the same length."""
-    for variant in (item for item in device.variants if item.interface == interface.name):
+    for variant in device.variants_over(interface.name):
         here = layout.place(variant.parameters)
         for other in others:
             there = other.place(variant.parameters)

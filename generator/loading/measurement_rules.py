@@ -69,11 +69,10 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
 def _cases(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_Case]:
     for layout in (item for item in interface.layouts if item.sender == "encoder"):
         names = layout.names_in(measurement.of)
-        for variant in device.variants:
-            if variant.interface == interface.name:
-                placed = layout.place(variant.parameters)
-                present = ((name, field.width) for name in names if (field := placed.field(name)) is not None)
-                yield _Case(variant, layout, tuple(present))
+        for variant in device.variants_over(interface.name):
+            placed = layout.place(variant.parameters)
+            present = ((name, field.width) for name in names if (field := placed.field(name)) is not None)
+            yield _Case(variant, layout, tuple(present))
 
 
 def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, str] | None:
@@ -177,18 +176,10 @@ def _uneven(case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str]
 def _at_run_time(device: Device, expression: Expression) -> bool:
     """Return True if the expression depends on a register, which may hold any number."""
     held = {item.name for item in device.run_time_parameters}
-    return bool(held & _sources(device, expression))
+    return not held.isdisjoint(device.needed_parameters(expression.parameters))
 
 
-def _sources(device: Device, *expressions: Expression) -> set[str]:
+def _sources(device: Device, *expressions: Expression) -> frozenset[str]:
     """Return the parameters behind these expressions: those set by order codes or held in registers."""
-    definitions = {item.name: item.equals for item in device.parameters}
-    names, found = [name for item in expressions for name in item.parameters], set()
-    while names:
-        name = names.pop()
-        inner = definitions.get(name)
-        if inner is None:
-            found.add(name)
-        else:
-            names += inner.parameters
-    return found
+    names = (name for item in expressions for name in item.parameters)
+    return device.needed_parameters(names) - device.definitions.keys()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 
 from ..language.problems import DocumentReport, Path
 from ..model import Biss, Device, Fault, PlacedField, Register, RegisterExample, Variant, number_to_bytes
@@ -35,7 +34,7 @@ def _check_default(device: Device, register: Register, path: Path, report: Docum
     default = register.default
     if default is None or default >> 8 * register.length:
         return
-    for variant in _variants(device, register.interface):
+    for variant in device.variants_over(register.interface):
         placed = register.layout.place(variant.parameters)
         decoded = codec.decode(device, placed, default)
         # Numbers without a name are reported with the limits. A command may clear itself to one.
@@ -54,7 +53,7 @@ def _check_preset(device: Device, register: Register, path: Path, report: Docume
         return
     if {*register.max.parameters} & {item.name for item in device.run_time_parameters}:
         return
-    for variant in _variants(device, register.interface):
+    for variant in device.variants_over(register.interface):
         measurement = device.measurement_of(variant.interface)
         whole = (measurement.counts_per_turn or measurement.modulus) if measurement is not None else None
         if measurement is None or whole is None:
@@ -80,22 +79,19 @@ def _contradiction(item: PlacedField, default: int, value: int | str | None, var
     return ""
 
 
-def _variants(device: Device, interface: str) -> Iterator[Variant]:
-    return (variant for variant in device.variants if variant.interface == interface)
-
-
 def _check_biss_id(device: Device, report: DocumentReport) -> None:
     """Check that 7Eh and 7Fh in BiSS contain the ID from the manufacturer file, which names the idbiss file."""
     identity = device.manufacturer.biss_id
     if identity is None:
         return
-    for register in device.registers:
-        variant = next(_variants(device, register.interface), None)
-        if register.interface != Biss.name or register.bank is not None or variant is None:
+    variants = device.variants_over(Biss.name)
+    for register in device.registers_over(Biss.name) if variants else ():
+        if register.bank is not None:
             continue
         found, known = 0, 0
-        for item in register.layout.place(variant.parameters).fields:
-            expected = item.field.documented(variant.parameters)
+        parameters = variants[0].parameters
+        for item in register.layout.place(parameters).fields:
+            expected = item.field.documented(parameters)
             if expected is not None and item.low + item.width <= 8 * register.length:
                 number = codec.number_of_text(expected) if isinstance(expected, str) else expected
                 found, known = found | (number & item.mask) << item.low, known | item.mask << item.low

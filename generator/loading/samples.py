@@ -58,7 +58,7 @@ def _most_shown(device: Device, interface: str) -> Variant | None:
     examples = [item for item in device.examples if not isinstance(item, CrcExample)]
     counted = Counter(example_variant(device, item).code for item in examples if not item.erratum)
     return max(
-        (item for item in device.variants if item.interface == interface),
+        device.variants_over(interface),
         key=lambda item: (counted[item.code], sum(item.parameters.values())),
         default=None,
     )
@@ -71,16 +71,12 @@ def _sample(device: Device, variant: Variant, layout: Layout) -> Sample:
     measurement = device.measurement_of(variant.interface)
     worked = (item for item in device.examples if isinstance(item, MeasureExample))
     measured = next((item for item in worked if example_variant(device, item) == variant), None)
-    if measurement is not None and measured is not None and measurement.of in _names(layout):
+    if measurement is not None and measured is not None and measurement.of in layout.member_names:
         parts = layout.names_in(measurement.of)
         others = {name: value for name, value in values.items() if name not in parts}
         with suppress(codec.EncodeError):  # a position that does not fit
             return _encoded(device, placed, variant, {**others, measurement.of: measured.counts}, measured.source)
     return _encoded(device, placed, variant, values)
-
-
-def _names(layout: Layout) -> set[str]:
-    return {*(item.name for item in layout.data_fields), *(item.name for item in layout.joins)}
 
 
 def _value(item: Field, width: int, layout: Layout) -> int | str | bool:

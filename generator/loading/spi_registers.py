@@ -18,7 +18,7 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
     interface = device.over(Spi)
     if interface is None or not sound_so_far(report).has_frames:
         return
-    for register in (item for item in device.registers if item.interface == interface.name):
+    for register in device.registers_over(interface.name):
         for name, bits in _widths(device, interface, set(_frames(interface, register))):
             if (bits + 7) // 8 != register.length:
                 has = f"'{register.name}' has {counted(register.length, 'byte')}"
@@ -38,7 +38,7 @@ def _frames(interface: Spi, register: Register) -> Iterator[str]:
 def _widths(device: Device, interface: Spi, frames: Collection[str]) -> Iterator[tuple[str, int]]:
     """Yield each of these frames that has a value, with the number of its bits."""
     for layout in interface.layouts:
-        for variant in device.variants if layout.name in frames else ():
-            field = layout.place(variant.parameters).field(_DATA) if variant.interface == interface.name else None
+        for variant in device.variants_over(interface.name) if layout.name in frames else ():
+            field = layout.place(variant.parameters).field(_DATA)
             if field is not None:
                 yield layout.name, field.width

@@ -58,10 +58,9 @@ def _sheets_of(device: Device, masters: Sequence[Master]) -> Iterator[GroupSheet
 
 def records_of(device: Device, interface: Interface) -> Iterator[Record]:
     """Yield the records of all listed order codes of an interface, once for each choice on which the frame depends."""
-    for variant in device.variants:
-        if variant.interface == interface.name:
-            with suppress(NoRecord):
-                yield from _by_answers(device, variant)
+    for variant in device.variants_over(interface.name):
+        with suppress(NoRecord):
+            yield from _by_answers(device, variant)
 
 
 def _by_answers(device: Device, variant: Variant) -> Iterator[Record]:

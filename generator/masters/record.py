@@ -30,7 +30,6 @@ from ..model import (
     Unused,
     Variant,
 )
-from ..order_codes.parameters import needed_parameters
 from ..order_codes.run_time import decided
 from ..say.evidence import document
 from ..say.parameter import initial
@@ -367,7 +366,7 @@ def _notes(
         ("widths depend", set(placed.layout.bits.parameters)),
         ("code depends", {placed.layout.gray_when} - {""}),
     ):
-        needed = frozenset[str]().union(*(needed_parameters(device, name) for name in names))
+        needed = device.needed_parameters(names)
         names_of = (item.register for item in device.run_time_parameters if item.name in needed)
         deciding = ", ".join(dict.fromkeys(_deciding(device, name) for name in names_of))
         if deciding:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
 from functools import cached_property
 from itertools import product
@@ -358,6 +358,16 @@ class Device:
         """Expressions of the parameters that follow from others, by name."""
         return {item.name: item.equals for item in self.parameters if item.equals is not None}
 
+    def needed_parameters(self, names: Iterable[str]) -> frozenset[str]:
+        """Return these parameters, and all parameters from which they are calculated."""
+        found, left = set[str](), list(names)
+        while left:
+            name = left.pop()
+            if name not in found and name in self.definitions:
+                left += self.definitions[name].parameters
+            found.add(name)
+        return frozenset(found)
+
     def sample_of(self, layout: Layout) -> Sample | None:
         """Return the sample frame of a layout, or None if none could be made up."""
         return next((item for item in self.samples if item.layout == layout.name), None)
@@ -438,9 +448,7 @@ class Device:
 
     def tells_position(self, interface: str, layout: Layout) -> bool:
         """Return whether frames of this layout send the position, or a part of it, to the master."""
-        names = self.position_names(interface)
-        tells = any(join.name in names for join in layout.joins) or any(field.name in names for field in layout.fields)
-        return layout.sender == "encoder" and tells
+        return layout.sender == "encoder" and not layout.member_names.isdisjoint(self.position_names(interface))
 
     def highest_in(self, layout: Layout) -> tuple[Field, Expression] | None:
         """Return the field of a frame that has a highest valid value lower than its width allows, and that value.
@@ -467,7 +475,7 @@ class Device:
             return None
         by_name = {item.name: item for item in layout.fields}
         fields = [by_name[name] for name in layout.names_in(measurement.of) if name in by_name]
-        sets = [item.parameters for item in self.variants if item.interface == interface]
+        sets = [item.parameters for item in self.variants_over(interface)]
         highest = _highest(measurement, fields, sets)
         if highest is None or any(not isinstance(item.kind, Number) or item.kind.signed for item in fields):
             return None
@@ -477,6 +485,10 @@ class Device:
 
     def register(self, name: str) -> Register:
         return next(item for item in self.registers if item.name == name)
+
+    def registers_over(self, interface: str) -> tuple[Register, ...]:
+        """Return the registers that this interface reaches."""
+        return tuple(item for item in self.registers if item.interface == interface)
 
     def bank_selector(self, register: Register) -> str:
         """Return the register that selects the bank of this register, or an empty string if there is none."""
@@ -495,6 +507,10 @@ class Device:
 
     def variant(self, code: str) -> Variant:
         return next(item for item in self.variants if item.code == code)
+
+    def variants_over(self, interface: str) -> tuple[Variant, ...]:
+        """Return the listed order codes with this interface."""
+        return tuple(item for item in self.variants if item.interface == interface)
 
 
 def _highest(measurement: Measurement, fields: Sequence[Field], sets: Sequence[Mapping[str, int]]) -> Expression | None:

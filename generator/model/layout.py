@@ -225,6 +225,11 @@ class Layout:
         return next((item.fields for item in self.joins if item.name == name), (name,))
 
     @property
+    def member_names(self) -> frozenset[str]:
+        """Names of its fields and joins."""
+        return frozenset((*(item.name for item in self.fields), *(item.name for item in self.joins)))
+
+    @property
     def carried_as(self) -> str:
         """Keyword in the spec language for ``in_bytes``."""
         return "bytes" if self.in_bytes else "bits"

@@ -10,10 +10,10 @@ from .expressions import Expression
 
 def bounded(register: Register) -> str:
     """Return the name of the limited field or join, or an empty string if the limits apply to the whole register."""
-    names = [*(item.name for item in register.layout.joins), *(item.name for item in register.layout.fields)]
+    names = register.layout.member_names
     if register.limits_of in names:
         return register.limits_of
-    return names[0] if len(names) == 1 else ""
+    return next(iter(names)) if len(names) == 1 else ""
 
 
 def bounded_width(register: Register, placed: PlacedLayout) -> int:

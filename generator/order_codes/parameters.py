@@ -29,14 +29,9 @@ def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
 
 def run_time_names(device: Device) -> frozenset[str]:
     """Return the parameters that registers hold, and those calculated from them."""
-    found = {item.name for item in device.run_time_parameters}
-    for _ in device.parameters:
-        found |= {
-            item.name
-            for item in device.parameters
-            if item.equals is not None and not found.isdisjoint(item.equals.parameters)
-        }
-    return frozenset(found)
+    held = {item.name for item in device.run_time_parameters}
+    names = (item.name for item in device.parameters)
+    return frozenset(name for name in names if not held.isdisjoint(device.needed_parameters([name])))
 
 
 def follows_registers(device: Device, layout: Layout) -> bool:
@@ -46,45 +41,26 @@ def follows_registers(device: Device, layout: Layout) -> bool:
     )
 
 
-def needed_parameters(device: Device, name: str) -> frozenset[str]:
-    """Return a parameter and all parameters from which it is calculated."""
-    definition = next((item.equals for item in device.parameters if item.name == name), None)
-    inputs = definition.parameters if definition is not None else ()
-    return frozenset({name}.union(*(needed_parameters(device, other) for other in inputs)))
-
-
 def run_time_widths(device: Device, layout: Layout) -> tuple[str, ...]:
     """Return the register fields, as ``register.field``, that determine the length of a layout."""
-    names = frozenset[str]().union(*(needed_parameters(device, name) for name in layout.bits.parameters))
+    names = device.needed_parameters(layout.bits.parameters)
     return tuple(dict.fromkeys(item.read_from for item in device.run_time_parameters if item.name in names))
 
 
-def _used(device: Device, kind: str) -> set[str]:
+def _used(device: Device, kind: str) -> frozenset[str]:
     """Return the parameters used in frames, registers and measurement of an interface, and their dependencies."""
-    expressions = list(_expressions(device, kind))
-    found = {name for item in expressions for name in item.parameters}
+    found = {name for item in _expressions(device, kind) for name in item.parameters}
     found |= {layout.gray_when for layout in device.interface(kind).layouts if layout.gray_when}
-    left = list(found)
-    while left:
-        definition = device.definitions.get(left.pop())
-        new = set(definition.parameters) - found if definition is not None else set()
-        found |= new
-        left += new
-    return found
+    return device.needed_parameters(found)
 
 
 def _expressions(device: Device, kind: str) -> Iterator[Expression]:
     for layout in device.interface(kind).layouts:
         yield from _of_layout(layout)
-    for register in device.registers:
-        if register.interface == kind:
-            yield from _of_layout(register.layout)
-            bounds = [
-                register.min,
-                register.max,
-                *(bound for item in register.meanings for bound in (item.min, item.max)),
-            ]
-            yield from (bound for bound in bounds if bound is not None)
+    for register in device.registers_over(kind):
+        yield from _of_layout(register.layout)
+        bounds = [register.min, register.max, *(bound for item in register.meanings for bound in (item.min, item.max))]
+        yield from (bound for bound in bounds if bound is not None)
     measurement = device.measurement_of(kind)
     if measurement is not None:
         yield from _of_measurement(measurement)

@@ -232,6 +232,11 @@ class Reserved:
     value: int
     place: int
 
+    @property
+    def mask(self) -> int:
+        """Mask of its bits in ``unused``."""
+        return ((1 << self.bits.widest) - 1) << self.place
+
 
 @dataclass(frozen=True, slots=True)
 class Fixed:
@@ -315,10 +320,10 @@ class Codec:
         return self.layout.in_bytes
 
     @cached_property
-    def constants(self) -> frozenset[str]:
-        """Names of the fields that always have the same bits, including padding."""
-        own = {op.field.name for op in self.checks if isinstance(op, AlwaysIs)}
-        return frozenset(own | {op.padding.name for op in self.checks if isinstance(op, ZerosAbove)})
+    def constants(self) -> Mapping[str, int]:
+        """Values of the fields that always have the same bits, by name, including the zeros that pad other fields."""
+        found = {item.field.name: item.value for item in self.checks if isinstance(item, AlwaysIs)}
+        return found | {item.padding.name: 0 for item in self.checks if isinstance(item, ZerosAbove)}
 
     @cached_property
     def depends(self) -> bool:
@@ -382,12 +387,6 @@ def only_value(layout: Layout, item: Field) -> int | None:
     if isinstance(item.kind, Constant):
         return item.kind.value
     return layout.selects[0] if item is fixed_selector(layout) else None
-
-
-def constant_values(codec: Codec) -> dict[str, int]:
-    """Return the values of a frame's constants by name, including the zeros that pad other fields."""
-    found = {item.field.name: item.value for item in codec.checks if isinstance(item, AlwaysIs)}
-    return found | {item.padding.name: 0 for item in codec.checks if isinstance(item, ZerosAbove)}
 
 
 def bits_of(layout: Layout, item: Field) -> Bits:

@@ -233,4 +233,4 @@ def _tells(item: reports.Told) -> Tells:
 
 def _mask(by: plan.Part | plan.Reserved) -> int:
     """Return the mask of reserved bits in the number made of all of them, or 0 for a flag."""
-    return ((1 << by.bits.widest) - 1) << by.place if isinstance(by, plan.Reserved) else 0
+    return by.mask if isinstance(by, plan.Reserved) else 0

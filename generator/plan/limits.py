@@ -45,8 +45,7 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
     width = sum((item.width for item in fields), Expression(0)) if fields else layout.bits
     ranges = [
         (item.parameters, *_fitting(width, signed, item.parameters))
-        for item in device.variants
-        if item.interface == register.interface
+        for item in device.variants_over(register.interface)
     ]
     # A limit that rules out no value with the factory defaults may do so with other register values.
     held = {item.name for item in device.run_time_parameters}
@@ -64,7 +63,7 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
 def limited_member(register: Register) -> str:
     """Return the name of the limited field or join, or an empty string if the limits apply to the whole register."""
     layout = register.layout
-    if register.limits_of in {*(item.name for item in layout.joins), *(item.name for item in layout.fields)}:
+    if register.limits_of in layout.member_names:
         return register.limits_of
     return layout.fields[0].name if len(layout.fields) == 1 else ""
 

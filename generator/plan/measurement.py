@@ -1,8 +1,8 @@
-"""Conversion of positions to turns, degrees or micrometres, and the interfaces that share each formula."""
+"""Units of positions: values by interface, and the number of counts after which a position wraps around."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from math import prod
 from typing import Generic, TypeVar
 
@@ -11,28 +11,6 @@ from ..model.expressions import Expression
 from ..model.record import dataclass
 
 T = TypeVar("T")
-Formula = tuple["Expression | None", ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Measured:
-    """Interfaces with the same measurement. ``everywhere`` is true if these are all the interfaces."""
-
-    measurement: Measurement
-    interfaces: tuple[Interface, ...]
-    everywhere: bool
-
-
-def measured(device: Device) -> Iterator[Measured]:
-    """Yield the formulas of a family in the order of its interfaces, without interfaces that have no measurement."""
-    groups: dict[Formula, list[tuple[Interface, Measurement]]] = {}
-    for interface in device.interfaces:
-        item = device.measurement_of(interface.name)
-        if item is not None:
-            formula = (item.counts_per_turn, item.turns, *item.steps, item.modulus)
-            groups.setdefault(formula, []).append((interface, item))
-    for group in groups.values():
-        yield Measured(group[0][1], tuple(interface for interface, _ in group), len(groups) == 1)
 
 
 @dataclass(frozen=True, slots=True)

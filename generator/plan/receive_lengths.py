@@ -42,13 +42,12 @@ def received(device: Device, interface: Interface) -> Iterator[Received]:
     held = {item.name for item in device.set_parameters if item.register}
     around = _around(interface)
     for layout in interface.layouts:
-        needed = set(_set_parameters(device, layout.bits.parameters))
+        needed = device.needed_parameters(layout.bits.parameters)
         if layout.sender != "encoder" or around is None:
             continue
         deciding = [item for item in device.alternatives if not needed.isdisjoint(item.answers[0].sets)]
         moves = bool(needed & held)
-        variants = [item for item in device.variants if item.interface in ("", interface.name)]
-        for variant, (answers, sets) in product(variants, choices(deciding)):
+        for variant, (answers, sets) in product(device.variants_over(interface.name), choices(deciding)):
             bits = layout.sent_bits.value({**variant.parameters, **sets})
             size = (around + (layout.widest if moves else bits) + 7) // 8
             yield Received(variant, layout, bits, size, moves, answers)
@@ -65,13 +64,3 @@ def _around(interface: Interface) -> int | None:
             return None
         case _:
             assert_never(interface)
-
-
-def _set_parameters(device: Device, names: tuple[str, ...]) -> Iterator[str]:
-    """Yield the independent parameters from which these are calculated."""
-    for name in names:
-        item = next((item for item in device.parameters if item.name == name), None)
-        if item is None or item.equals is None:
-            yield name
-        else:
-            yield from _set_parameters(device, item.equals.parameters)

@@ -149,7 +149,7 @@ def _shown(value: int | str) -> str:
 def _fixed(device: Device, variant: Variant) -> Iterator[Register]:
     """Yield the registers that identify this order code, except those in banks, whose addresses are not unique."""
     names = {register.name for register, _ in device.identity if register.bank is None}
-    return (item for item in device.registers if item.name in names and item.interface == variant.interface)
+    return (item for item in device.registers_over(variant.interface) if item.name in names)
 
 
 def fixed_addresses(device: Device, variant: Variant) -> frozenset[int]:

@@ -15,7 +15,7 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
     Raises:
         RegisterError: This interface has no such register, or the register has a different length.
     """
-    registers = {item.name: item for item in device.registers if item.interface == variant.interface}
+    registers = {item.name: item for item in device.registers_over(variant.interface)}
     register = registers.get(name.lower())
     if register is None:
         told = next(filter(None, (_not_known(device, item, name.lower()) for item in device.errata)), "")

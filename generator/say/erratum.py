@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum
 from .changed import change_in_words
-from .text import Ref, Said, said
+from .text import Said, said
 from .words import sentence
 
 #: Longest reason, in characters, that is shown next to code. Errata with wrong data always have their reason.
@@ -31,21 +31,16 @@ def errata(device: Device, *paths: str, without: Collection[str] = (), wording: 
     )
 
 
-def reference(item: Erratum) -> Ref:
-    return Ref("erratum", item.name, item.name)
-
-
-def erratum(item: Erratum, *, whole: bool = False) -> Said:
+def erratum(item: Erratum) -> Said:
     """Return an erratum in three labelled parts: the printed text, the value used, and the reason.
 
-    The reason is omitted if it is long, unless ``whole`` is set or wrong bytes could be sent. A change by an overlay
-    or another edition always has its reason. The short form keeps the value used if wrong bytes could be sent and the
-    erratum is open.
+    The reason is omitted if it is long, unless wrong bytes could be sent. A change by an overlay or another edition
+    always has its reason. The short form keeps the value used if wrong bytes could be sent and the erratum is open.
     """
     if item.overlay or item.edition:
         return _change(item)
     at_stake = item.severity == "wrong_data"
-    with_reason = whole or at_stake or len(item.why) <= _SHORT
+    with_reason = at_stake or len(item.why) <= _SHORT
     used = sentence(item.used) + (f" {sentence(f'Only with {item.only}')}" if item.only else "")
     brief = f"Used: {used}" if at_stake and item.status == "open" else ""
     label = f"Erratum {item.name} ({item.status}, {item.severity.replace('_', ' ')})"

@@ -5,18 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..model import Device, Input
-from .erratum import errata, erratum
 from .name import register_field
 from .text import Said, said, told
 from .words import microseconds
-
-
-def hardware_input(device: Device, item: Input) -> Iterator[Said]:
-    """Yield all statements that follow its name in running text."""
-    yield from told(item.meaning, source=item.source)
-    yield from facts(device, item)
-    yield from told(item.note)
-    yield from map(erratum, errata(device, f"inputs.{item.name}"))
 
 
 def facts(device: Device, item: Input) -> Iterator[Said]:

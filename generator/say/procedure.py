@@ -61,7 +61,7 @@ def step(device: Device, item: Step) -> Said:
             return said(*_access(device, item))
 
 
-def read_back(device: Device, register: Register, field: str = "") -> Said:
+def read_back(device: Device, register: Register, field: str) -> Said:
     """Return the read-back check that generated code makes before a written value takes effect."""
     at = f", {register_at(register)}"
     return said("Read back ", _where(device, register.name, field), f"{at}, and stop unless it holds the written value")

@@ -267,7 +267,7 @@ class VirtualEncoder:
     def _flags(self) -> frozenset[str]:
         layouts = [
             *self.layouts("encoder"),
-            *(item.layout for item in self.device.registers if item.interface == self.variant.interface),
+            *(item.layout for item in self.device.registers_over(self.variant.interface)),
         ]
         return frozenset(item.name for layout in layouts for item in layout.fields if isinstance(item.kind, Flag))
 

@@ -50,7 +50,7 @@ class Memory:
     def __init__(self, encoder: Host, given: Mapping[str, bytes]) -> None:
         self._encoder = encoder
         device, interface = encoder.device, encoder.variant.interface
-        self.registers = {item.name: item for item in device.registers if item.interface == interface}
+        self.registers = {item.name: item for item in device.registers_over(interface)}
         self.too_early = 0
         self._ready = 0.0
         self._read: deque[str] = deque(maxlen=16)

@@ -58,8 +58,7 @@ def _layout(encoder: VirtualEncoder, name: str) -> Layout:
     whole = encoder.device.measurement_of(encoder.variant.interface)
     of = whole.of if whole is not None else "position"
     for item in layouts:
-        names = {part.name for part in item.fields} | {part.name for part in item.joins}
-        if item.name == name or (not name and of in names):
+        if item.name == name or (not name and of in item.member_names):
             return item
     raise ValueError(f"{encoder.variant.code} has no frame '{name}'; it has: {', '.join(i.name for i in layouts)}")
 

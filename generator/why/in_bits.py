@@ -415,11 +415,10 @@ def _shapes(device: Device, variant: Variant, placed: PlacedLayout) -> dict[int,
     """
     found: dict[tuple[int, object], tuple[PlacedLayout, list[str]]] = {}
     answers = {item.name: variant.parameters[item.name] for item in device.parameters if item.alternative}
-    for other in device.variants:
-        if other.interface == variant.interface:
-            made = placed.layout.place({**other.parameters, **answers})
-            asks = tuple((item.low, item.width) for item in made.fields if isinstance(item.field.kind, Constant))
-            found.setdefault((made.bits, asks), (made, []))[1].append(other.code)
+    for other in device.variants_over(variant.interface):
+        made = placed.layout.place({**other.parameters, **answers})
+        asks = tuple((item.low, item.width) for item in made.fields if isinstance(item.field.kind, Constant))
+        found.setdefault((made.bits, asks), (made, []))[1].append(other.code)
     lengths = {bits for bits, _ in found}
     held = run_time_widths(device, placed.layout)
     items = [item for item in device.run_time_parameters if item.read_from in held]

@@ -11,7 +11,6 @@ from typing import Any
 
 import pytest
 from codewheel.dump.plain import device_dump
-from codewheel.dump.xml import from_xml, read_xml
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.targets import Library
@@ -19,6 +18,7 @@ from codewheel.targets.biss.files import ascii_only, ascii_text, comment, genera
 from codewheel.targets.biss.identity import device_bits
 from codewheel.targets.docs.files import generate as generate_docs
 from lxml import etree
+from xml_reader import from_xml, read_xml
 
 NAME = "biss/idbiss4C69.xml"
 PROVEN = {

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 from codewheel.dump import xsd
 from codewheel.dump.plain import variant_dump
-from codewheel.dump.xml import from_xml, read_xml
 from codewheel.order_codes.labels import find
 from codewheel.targets import Library
 from codewheel.targets.biss.files import generate
 from codewheel.targets.file_names import names_of_codes
 from lxml import etree
+from xml_reader import from_xml, read_xml
 
 # Generates the XML of every order code.
 pytestmark = pytest.mark.slow

@@ -11,13 +11,13 @@ from xml.etree import ElementTree
 
 import pytest
 from codewheel.dump.plain import device_dump
-from codewheel.dump.xml import read_xml
 from codewheel.loading.library import load_library
 from codewheel.model import Biss, Device, Rs485
 from codewheel.say.markdown import cited, code, text
 from codewheel.say.name import heading
 from codewheel.targets import Library
 from codewheel.targets.docs.files import generate
+from xml_reader import read_xml
 
 LINK = re.compile(r"(?<!\\)\]\(([^)\s]+)\)")
 CODE = re.compile(r"(?<!`)(`+)(?!`)(.*?)(?<!`)\1(?!`)")

@@ -13,12 +13,12 @@ from pathlib import Path
 import pytest
 from codewheel.commands.cli import main
 from codewheel.dump.plain import device_dump
-from codewheel.dump.xml import from_xml
 from codewheel.language.problems import Report
 from codewheel.loading import library as loading
 from codewheel.loading.library import in_edition
 from codewheel.model import Device
 from python_path import python_path
+from xml_reader import from_xml
 
 pytestmark = pytest.mark.slow
 

@@ -16,9 +16,9 @@ from types import ModuleType
 
 import pytest
 from codewheel.dump.plain import device_dump
-from codewheel.dump.xml import from_xml
 from codewheel.model import Device
 from lxml import etree
+from xml_reader import from_xml
 
 WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wcast-qual -Wshadow -Werror".split()
 #: 010011010010 01111111110011000 1 1 100101 0100010110000111

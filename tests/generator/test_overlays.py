@@ -8,10 +8,11 @@ from pathlib import Path
 import pytest
 from codewheel.commands.cli import main
 from codewheel.dump.plain import device_dump
-from codewheel.dump.xml import from_xml, to_xml
+from codewheel.dump.xml import to_xml
 from codewheel.language.problems import Report
 from codewheel.loading.library import load_families, load_library, load_sound
 from codewheel.model import Device
+from xml_reader import from_xml
 
 # Loads a whole library for each overlay, independent of wording and rules of check.
 pytestmark = pytest.mark.slow

@@ -13,7 +13,8 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from codewheel.commands.terminal import _STAND_INS, _in_words
+from codewheel.commands.terminal import _in_words
+from codewheel.say.ascii import STAND_INS
 
 COMMAND = [sys.executable, "-m", "codewheel"]
 DECODE = ["decode", "AMM5A23/65KJP1", "02 00 C7 D1 6A 7E"]
@@ -65,7 +66,7 @@ def test_every_character_of_our_specs_has_a_stand_in() -> None:
         assert isinstance(stand_in, str), character
         assert stand_in.isascii(), character
         assert "?" not in stand_in, character
-    assert all(text.isascii() and "\\" not in text for text in _STAND_INS.values())
+    assert all(text.isascii() and "\\" not in text for text in STAND_INS.values())
 
 
 @pytest.mark.slow

@@ -8,7 +8,6 @@ description, for which we have our own schema.
 from __future__ import annotations
 
 import textwrap
-import unicodedata
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -22,10 +21,11 @@ from ...dump.xsd import schema_text
 from ...model import Biss, Crc, Device, Field, Layout, Manufacturer, assert_never, choices
 from ...model.record import dataclass
 from ...order_codes.labels import Match
-from ...order_codes.parameters import needed_parameters, run_time_widths
+from ...order_codes.parameters import run_time_widths
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...render import Templates, our_templates
 from ...say import interface as say_interface
+from ...say.ascii import in_ascii
 from ...say.crc import parameters
 from ...say.erratum import errata, erratum
 from ...say.lines import plain
@@ -39,7 +39,6 @@ from ..licence import licence_in
 from .identity import (
     DataLength,
     IdBits,
-    biss_variants,
     data_lengths,
     device_bits,
     manufacturer_bits,
@@ -48,26 +47,8 @@ from .identity import (
 )
 
 _WIDTH = 132
-_ASCII = str.maketrans(
-    {
-        "\u2013": "-",
-        "\u2014": "-",
-        "\u2212": "-",
-        "\u2026": "...",
-        "\u00b1": "+/-",
-        "\u00b5": "u",
-        "\u03bc": "u",
-        "\u00d7": "x",
-        "\u2192": "to",
-        "\u201c": '"',
-        "\u201d": '"',
-        "\u2018": "'",
-        "\u2019": "'",
-        "\u00b0": " deg",
-        "\u03a9": "Ohm",
-        "\u2126": "Ohm",
-    }
-)
+#: Signs that comments spell in their own way.
+_OWN = {"±": "+/-", "→": "to", "°": " deg", "\N{OHM SIGN}": "Ohm"}
 
 
 _EACH = "each"
@@ -139,12 +120,7 @@ def _by_code(folder: str, device: Device) -> Iterator[tuple[str, str]]:
 
 def ascii_only(text: object) -> str:
     """Return ``text`` in ASCII for comments, where XML allows no character references."""
-    made = plain(text).translate(_ASCII)
-    if made.isascii():
-        return made
-    decomposed = unicodedata.normalize("NFKD", made)
-    bare = "".join(character for character in decomposed if not unicodedata.combining(character))
-    return bare.encode("ascii", "replace").decode()
+    return in_ascii(plain(text), _OWN)
 
 
 def comment_text(text: object) -> Markup:
@@ -195,7 +171,8 @@ def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tup
         return
     layout, _ = found
     open_questions = device.alternatives_of(layout)
-    encoders = [(variant, answers) for variant in biss_variants(device) for answers, _ in choices(open_questions)]
+    variants = device.variants_over(Biss.name)
+    encoders = [(variant, answers) for variant in variants for answers, _ in choices(open_questions)]
     names = names_of_codes("-".join((variant.code, *(item.name for item in answers))) for variant, answers in encoders)
     for name, (variant, answers) in zip(names, encoders, strict=True):
         decided = dict(zip((item.name for item in open_questions), answers, strict=True))
@@ -450,11 +427,11 @@ def _code(device: Device, layout: Layout) -> str:
     held = [
         field_at(device, item.read_from)
         for item in device.run_time_parameters
-        if item.name in needed_parameters(device, layout.gray_when)
+        if item.name in device.needed_parameters([layout.gray_when])
     ]
     if not layout.gray_when:
         return f"{layout.gray_of} in Gray code"
-    delivered = {bool(variant.parameters[layout.gray_when]) for variant in biss_variants(device)}
+    delivered = {bool(variant.parameters[layout.gray_when]) for variant in device.variants_over(Biss.name)}
     word = {frozenset({True}): "Gray", frozenset({False}): "binary"}.get(frozenset(delivered), "by order code")
     return (
         f"{layout.gray_of} in Gray code or binary, selected by {', '.join(held)}, factory default {word}"

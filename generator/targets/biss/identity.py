@@ -140,7 +140,7 @@ def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
     found: list[DataLength] = []
     for answers, sets in choices(device.alternatives_of(layout)):
         placed: dict[tuple[tuple[str, int], ...], tuple[PlacedLayout, list[str]]] = {}
-        for variant in biss_variants(device):
+        for variant in device.variants_over(Biss.name):
             made = layout.place({**variant.parameters, **sets})
             shape = tuple((item.name, item.width) for item in made.fields)
             placed.setdefault(shape, (made, []))[1].append(variant.code)
@@ -154,29 +154,21 @@ def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
 
     The result is empty if the spec gives none.
     """
-    register = next(
-        (
-            item
-            for item in device.registers
-            if item.interface == Biss.name and item.address == PROFILE and item.length == 2
-        ),
-        None,
-    )
+    registers = device.registers_over(Biss.name)
+    register = next((item for item in registers if item.address == PROFILE and item.length == 2), None)
     if register is None or register.byte_order != "high_byte_first":
         return {}
+    variants = device.variants_over(Biss.name)
     if any(not _is_stated(register.layout, field) for field in register.layout.fields):
         # The value of the register as printed in the manual, which does not distinguish the models.
-        return (
-            {}
-            if register.default is None
-            else {register.default: tuple(variant.code for variant in biss_variants(device))}
-        )
+        codes = tuple(variant.code for variant in variants)
+        return {} if register.default is None else {register.default: codes}
     found: dict[int, list[str]] = {}
-    for variant in biss_variants(device):
+    for variant in variants:
         placed = register.layout.place(variant.parameters)
         number = sum(_stated(register.layout, item.field, variant) << item.low for item in placed.fields)
         found.setdefault(number, []).append(variant.code)
-    return {number: tuple(codes) for number, codes in found.items()}
+    return {number: tuple(each) for number, each in found.items()}
 
 
 def _is_stated(layout: Layout, field: Field) -> bool:
@@ -198,7 +190,3 @@ def _length(placed: PlacedLayout, codes: tuple[str, ...], answers: tuple[str, ..
     flags = sum(item.width for item in placed.fields if item.name in status)
     data = {item.name: item.width for item in placed.fields if item.field is not check and item.name not in status}
     return DataLength(codes, answers, sum(data.values()), flags, crc, data)
-
-
-def biss_variants(device: Device) -> tuple[Variant, ...]:
-    return tuple(variant for variant in device.variants if variant.interface == Biss.name)

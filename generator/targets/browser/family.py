@@ -91,7 +91,7 @@ def _interface(device: Device, item: Interface, shared: Pool) -> Data:
         exact=[sender for sender in ("encoder", "master") if have_lengths(item.layouts, sender)],
         frames=[shared.parts(frame(device, layout, by_frame.get(layout.name))) for layout in item.layouts],
         told=[_dispatch(item, one) for one in dispatches(item.layouts)],
-        registers=[shared.parts(register(device, one)) for one in device.registers if one.interface == item.name],
+        registers=[shared.parts(register(device, one)) for one in device.registers_over(item.name)],
     )
 
 

@@ -9,7 +9,6 @@ from ...model import Alarm, Device, Field, Layout, Register, RegisterMeaning, ci
 from ...model.expressions import Expression
 from ...model.never import assert_never
 from ...order_codes.editions import edition_before, tests_of
-from ...order_codes.parameters import needed_parameters
 from ...plan.codec import (
     AlwaysIs,
     AtMost,
@@ -103,7 +102,7 @@ def _held(device: Device, layout: Layout, codec: Codec) -> list[str]:
     places = (place for item in layout.fields for place in (item.low, item.width))
     names = {name for item in (layout.bits, *places) for name in item.parameters}
     names |= {codec.gray.when} if codec.gray is not None else set()
-    needed = frozenset[str]().union(*(needed_parameters(device, name) for name in names))
+    needed = device.needed_parameters(names)
     return [item.name for item in device.run_time_parameters if item.name in needed]
 
 

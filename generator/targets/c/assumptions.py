@@ -67,7 +67,7 @@ def _frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
 
 def _lengths(device: Device, interface: str, layout: Layout) -> set[int]:
     """Return the possible lengths of frames of a layout: of each order code, and the longest that registers allow."""
-    variants = [item for item in device.variants if item.interface in ("", interface)]
+    variants = device.variants_over(interface)
     decided = [sets for _, sets in choices(device.alternatives)]
     return {layout.widest, *(layout.bits.value({**item.parameters, **sets}) for item in variants for sets in decided)}
 

@@ -49,7 +49,7 @@ def chosen_variant(device: Device, interface: Interface) -> Variant:
     given = (item for item in device.examples if _is_here(device, interface, item))
     # An example without an order code holds for every one.
     counted = Counter(getattr(item, "order_code", "") for item in given if not item.erratum)
-    variants = [item for item in device.variants if item.interface == interface.name] or list(device.variants)
+    variants = device.variants_over(interface.name) or device.variants
     # Without any example, take the one with the finest resolution.
     return max(variants, key=lambda item: (counted[item.code], sum(item.parameters.values())))
 
@@ -144,5 +144,4 @@ class Chosen:
 
     def has_position(self, layout: Layout) -> bool:
         """Return True if a layout has the field or join that contains the position."""
-        members = {field.name for field in layout.data_fields} | {join.name for join in layout.joins}
-        return self.measurement is not None and self.measurement.of in members
+        return self.measurement is not None and self.measurement.of in layout.member_names

@@ -76,8 +76,7 @@ class StructCodec:
         has_verdict = self.reports is not None and bool(self.reports.verdict)
         if measurement is None or self.name != context.prefix or not has_verdict:
             return ""
-        names = {item.name for item in layout.fields} | {item.name for item in layout.joins}
-        return measurement.of if measurement.of in names else ""
+        return measurement.of if measurement.of in layout.member_names else ""
 
     @property
     def about_unused(self) -> str:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 import textwrap
-import unicodedata
 from collections.abc import Sequence
 
+from ...say.ascii import in_ascii
 from ...say.lines import plain
 
 COLUMNS = 100
@@ -16,44 +16,12 @@ _NARROWEST = 36
 #: A paragraph of a comment. A pair is a lead and its text, whose other lines are indented by the width of the lead.
 Paragraph = str | tuple[str, str]
 
-#: Letters of other alphabets and signs that comments need, in ASCII.
-_ASCII = {
-    "®": "(R)",
-    "™": "(TM)",
-    "©": "(C)",
-    "±": "+/-",
-    "²": "^2",
-    "³": "^3",
-    "…": "...",
-    "µ": "u",
-    "μ": "u",
-    "×": "x",
-    "–": "-",
-    "—": "-",
-    "−": "-",
-    "‑": "-",
-    "“": '"',
-    "”": '"',
-    "‘": "'",
-    "’": "'",
-    "°": " deg ",
-    "≥": ">=",
-    "≤": "<=",
-    "→": "->",
-    "Ω": "ohm",
-    "ß": "ss",
-}
-_TO_ASCII = str.maketrans(_ASCII)
+#: Signs that comments spell in their own way.
+_OWN = {"±": "+/-", "°": " deg ", "Ω": "ohm"}
 
 
 def ascii_text(text: object) -> str:
-    kept = plain(text)
-    if not kept.isascii():
-        flat = unicodedata.normalize("NFKD", kept.replace("N°", "No.").translate(_TO_ASCII))
-        kept = "".join(
-            letter if " " <= letter <= "~" else "" if unicodedata.combining(letter) else "?" for letter in flat
-        )
-    return re.sub(" +", " ", kept).strip()
+    return re.sub(" +", " ", in_ascii(plain(text).replace("N°", "No."), _OWN)).strip()
 
 
 def in_comment(text: object) -> str:

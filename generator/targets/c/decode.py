@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from ...model import Field, assert_never
 from ...model.record import dataclass
 from ...plan.codec import AlwaysIs, Check, ParityIs, Part, Whole, ZerosAbove, characters, is_plain_flag
+from ...plan.unused import Moved
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
 from ...say.name import words
 from .bits import digits
@@ -14,7 +15,6 @@ from .expr import Call, Cast, Either, Expr, Name, Number, Operation, joined, mas
 from .reserved import c_name
 from .structs import Struct
 from .types import unsigned
-from .unused import Moved
 
 #: Names of arguments and locals in the generated functions. The locals of fields have other names.
 _LOCALS = frozenset("variant word plain bytes length out in crc index v wide value flags".split())
@@ -73,7 +73,7 @@ class Decoder:
     @property
     def taken(self) -> tuple[Field, ...]:
         """The fields that have a local."""
-        untaken = self._plain_flags | self._only_reported | self.plan.constants
+        untaken = self._plain_flags | self._only_reported | self.plan.constants.keys()
         untaken |= {part.field.name for part in self.plan.parts if isinstance(part.meaning, Characters)}
         untaken |= {self.plan.crc.field.name} if self.plan.crc is not None else set()
         return tuple(item for item in self.plan.layout.fields if item.name not in untaken)

@@ -222,15 +222,13 @@ class DeviceView:
         """The example at the top of the header, None if no frame has a verdict and a position."""
         measurement = self.device.measurement_of(self.context.interface.name)
         for item in self.interface.codecs if measurement is not None else ():
-            names = {field.name for field in item.struct.layout.fields}
-            names |= {join.name for join in item.struct.layout.joins}
+            layout = item.struct.layout
             told = item.reports.verdict if item.reports is not None else ""
-            if told and measurement and measurement.of in names and item.struct.layout.sender == "encoder":
+            if told and measurement and measurement.of in layout.member_names and layout.sender == "encoder":
                 twice = bool(item.measured) and isinstance(self.context.interface, Ssi) and not item.plan.crc
                 of = [part.meaning for part in item.plan.parts if part.field.name == measurement.of]
                 signed = any(isinstance(meaning, TwosComplement) for meaning in of)
-                request = self.interface.request_of(item.struct.layout)
-                asking = self.interface.asking(item.struct.layout)
+                request, asking = self.interface.request_of(layout), self.interface.asking(layout)
                 return Usage(item, told, c_name(measurement.of), request, asking, twice and not signed)
         return None
 
@@ -257,7 +255,7 @@ _LATEST: deque[tuple[Device, Sequence[DeviceView]]] = deque(maxlen=8)
 
 def _views_of(device: Device) -> Iterator[DeviceView]:
     for interface in device.interfaces:
-        here = for_codes(device, {item.code for item in device.variants if item.interface == interface.name})
+        here = for_codes(device, {item.code for item in device.variants_over(interface.name)})
         # A register that only another interface reaches cannot update a parameter.
         known = {"", *(item.name for item in here.registers)}
         parameters = (item if item.register in known else replace(item, read_from="") for item in here.parameters)

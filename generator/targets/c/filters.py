@@ -8,7 +8,7 @@ from typing import NoReturn
 from ...model import Digits, Join
 from ...model.expressions import Expression
 from ...plan import steps
-from ...plan.codec import Check, Whole, characters
+from ...plan.codec import Check, Whole
 from ...plan.refusals import Refusal
 from ...render import tests_for
 from ...say.layout import join as said_of_join
@@ -70,7 +70,6 @@ FILTERS: dict[str, Callable[..., object]] = {
     "beside": beside,
     "bytes": _bytes,
     "c_name": c_name,
-    "characters": characters,
     "comment": comment,
     "comment_lines": comment_lines,
     "digits_of": digits,

@@ -130,7 +130,7 @@ class InterfaceCode:
         codec = next(one for one in self.codecs if one.struct.layout is item.request)
         bits = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
         size = (item.request.widest + reply.widest) // 8
-        parameters = next(one.parameters for one in self.device.variants if one.interface == self.interface.name)
+        parameters = next(one.parameters for one in self.device.variants_over(self.interface.name))
         initial = codec.struct.initial(parameters, given)
         answered = set(_members(reply))
         names = [name for name in _members(item.request) if name in answered]

@@ -179,7 +179,7 @@ class RegisterCode:
     def _function(self, name: str, about: str, limit: Expression, signed: bool) -> Function:
         if signed:
             return Function(name, "int64_t", self.scope.signed(limit), about, uses_variant=True)
-        mine = [item for item in self.device.variants if item.interface == self.register.interface]
+        mine = self.device.variants_over(self.register.interface)
         states = (parameters for item in mine for parameters in at_run_time(self.device, item))
         largest = max(map(limit.value, states), default=0)
         return number_of(self.scope, name, limit, largest, about)

@@ -31,7 +31,7 @@ class FrameReports:
         self.judgement = reporting.judgement
         self.verdict = f"{frame}_verdict" if reporting.judgement is not None else ""
         self.reports = f"{frame}_reports" if reporting.told else ""
-        self._every_unused = sum(_bits(op) for op in reporting.codec.reserved)
+        self._every_unused = sum(op.mask for op in reporting.codec.reserved)
 
     def names(self) -> Iterator[str]:
         """Return the names that it declares at file scope."""
@@ -86,7 +86,7 @@ class FrameReports:
 
     def _differ(self, unused: Sequence[Reserved]) -> Expr:
         """Return the condition that some of these bits differ from the manual."""
-        mask = sum(map(_bits, unused))
+        mask = sum(op.mask for op in unused)
         return Operation("!=", (_UNUSED if mask == self._every_unused else masked(_UNUSED, mask), Number(0)))
 
 
@@ -147,11 +147,6 @@ def _note(device: Device, report: Report) -> str:
     field = report.field
     unused = ", unused" if report.is_unused else ""
     return S.sentence(said(title(field), unused, source=source(field, alarm_of(device, field))))
-
-
-def _bits(op: Reserved) -> int:
-    """Return the bits of ``unused`` that belong to the field."""
-    return ((1 << op.bits.widest) - 1) << op.place
 
 
 def _flag(part: Part) -> str:

@@ -170,7 +170,7 @@ class SelfTest:
         length = 1
         if self.writes_whole:
             over = self.view.context.interface.name
-            registers = (one for one in self.view.device.registers if one.interface == over and one.writable)
+            registers = (one for one in self.view.device.registers_over(over) if one.writable)
             length = next(one.length for one in registers if one.address == item.address)
         yield from ((_hex(item.address), _hex(byte)) for byte in item.value.to_bytes(length, "big"))
 

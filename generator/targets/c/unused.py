@@ -5,30 +5,16 @@ In bytes, each bit keeps its place in its byte, so that only whole bytes are shi
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterator
 
 from ...model import Field
-from ...model.record import dataclass
 from ...plan.codec import Reserved
+from ...plan.unused import Moved, moved_bits
 from .bits import Reader
 from .expr import Cast, Expr, Name, Number, Operation, joined, left, masked, right
 from .types import size_of, unsigned
 
 _GIVEN = Name("in->unused")
-
-
-@dataclass(frozen=True, slots=True)
-class Moved:
-    """Unused bits with one shift: bit 0 of the member is bit ``shift`` of the ``byte``, or of the word if it is None.
-
-    ``mask`` and ``value``, the value in the manual, have the places of the member.
-    """
-
-    byte: int | None
-    shift: int
-    mask: int
-    value: int
 
 
 class Unused:
@@ -39,8 +25,7 @@ class Unused:
         self.width = self.plan.layout.unused_width
         #: If one of them depends on the order code, each is extracted alone.
         self.single = () if all(op.bits.are_fixed for op in self.plan.reserved) else self.plan.reserved
-        fixed = () if self.single else self.plan.reserved
-        self.moved = tuple(_together(item for op in fixed for item in _moved(op, self.plan.by_word)))
+        self.moved = () if self.single else moved_bits(self.plan)
 
     def __bool__(self) -> bool:
         return bool(self.plan.reserved)
@@ -97,7 +82,7 @@ class Unused:
     def refused(self) -> Expr | None:
         """The condition that the member has a bit other than the unused ones, or None if its type has no such bit."""
         varying = [op for op in self.single if not op.bits.width.is_constant]
-        fixed = sum(_ones(op) for op in self.plan.reserved if op.bits.width.is_constant)
+        fixed = sum(op.mask for op in self.plan.reserved if op.bits.width.is_constant)
         if not varying:
             others = fixed ^ ((1 << size_of(self.width)) - 1)
             return Operation("!=", (masked(_GIVEN, others), Number(0))) if fixed and others else None
@@ -135,7 +120,7 @@ class Unused:
         return next(self._given(op) for op in self.plan.reserved if op.field is field)
 
     def _given(self, op: Reserved) -> Expr:
-        return _turned(right(masked(_GIVEN, _ones(op)), op.place), self._documented(op))
+        return _turned(right(masked(_GIVEN, op.mask), op.place), self._documented(op))
 
     # -- both
 
@@ -147,35 +132,9 @@ class Unused:
         return Operation("&", (value, self.reader.scope.mask(op.bits.width)))
 
 
-def _moved(op: Reserved, by_word: bool) -> Iterator[Moved]:
-    """Yield the bits of a field, in the word or byte by byte."""
-    if by_word:
-        yield Moved(None, op.bits.low.constant - op.place, _ones(op), op.value << op.place)
-        return
-    for piece in op.bits.pieces:
-        place = op.place + piece.left
-        mask = piece.mask << place
-        yield Moved(piece.byte, piece.right - place, mask, op.value << op.place & mask)
-
-
-def _together(items: Iterable[Moved]) -> Iterator[Moved]:
-    """Merge those with the same shift."""
-    ways: dict[tuple[int | None, int], Moved] = {}
-    for item in items:
-        known = ways.get((item.byte, item.shift), replace(item, mask=0, value=0))
-        mask, value = known.mask | item.mask, known.value | item.value
-        ways[item.byte, item.shift] = replace(item, mask=mask, value=value)
-    yield from ways.values()
-
-
 def _in_byte(bits: Expr, mask: int) -> Expr:
     """Return these bits of a number. A later cast to one byte drops the higher bits."""
     return bits if mask == 0xFF else masked(bits, mask)
-
-
-def _ones(op: Reserved) -> int:
-    """Return the bits of the member that a field can have."""
-    return ((1 << op.bits.widest) - 1) << op.place
 
 
 def _documented(value: int) -> Expr | None:

@@ -25,7 +25,7 @@ from ...model import (
     assert_never,
 )
 from ...model.record import dataclass
-from ...plan.codec import codec_of, constant_values
+from ...plan.codec import codec_of
 from ...plan.replies import exchanges
 from ...plan.values import Raw, TwosComplement, meaning_of
 from ...say.box import as_words
@@ -183,7 +183,7 @@ def zero_of(device: Device, register: Register, variant: Variant) -> bytes | Non
     """Return the bytes of a register that holds the position 0, or None for a register with anything else."""
     if register not in _preset_registers(device):
         return None
-    constants = constant_values(codec_of(device, register.layout))
+    constants = codec_of(device, register.layout).constants
     total = 0
     for item in register.layout.place(variant.parameters).fields:
         if item.name in constants:

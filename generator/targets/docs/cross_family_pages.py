@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Alarm, Device, Field, Interface, Register, Supply, Variant
+from ...model import Alarm, Device, Field, Interface, Register, Supply
 from ...order_codes.narrowing import for_interface
 from ...order_codes.parameters import run_time_names
 from ...say import register as say_register
@@ -108,7 +108,8 @@ def _compared(device: Device) -> Iterator[Row]:
 def _frames(device: Device) -> Iterator[Row]:
     for interface, layout in device.layouts():
         if device.tells_position(interface.name, layout):
-            lengths = sorted({layout.place(item.parameters).bits for item in _variants(device, interface)}) or [0]
+            variants = device.variants_over(interface.name)
+            lengths = sorted({layout.place(item.parameters).bits for item in variants}) or [0]
             crc = device.crc_of(layout)
             yield (
                 interface.title,
@@ -140,10 +141,6 @@ def _byte_orders(device: Device) -> Iterator[Row]:
     for order, those in found.items():
         links = (to_register(device, item, f"{addresses(item)} {text(title(item))}") for item in those)
         yield _family(device), order.replace("_", " "), ", ".join(links)
-
-
-def _variants(device: Device, interface: Interface) -> Iterator[Variant]:
-    return (item for item in device.variants if item.interface == interface.name)
 
 
 def registers(devices: Sequence[Device]) -> RegistersPage:

@@ -58,7 +58,7 @@ class ManualPage(TypedDict):
 
 def index_values(family: Codes, has_masters: bool) -> FamilyPage:
     device = family.device
-    listed = [(item, [one.code for one in device.variants if one.interface == item.name]) for item in device.interfaces]
+    listed = [(item, [one.code for one in device.variants_over(item.name)]) for item in device.interfaces]
     return {
         "device": device,
         "origin": [*origin(device), *other_editions(device)],

@@ -139,7 +139,7 @@ def _order_codes(codes: order_code_page.Codes) -> Iterator[Section]:
     """Yield the sections of a family on the index, one for each interface."""
     device = codes.device
     for part in device.interfaces:
-        of_part = [one.code for one in device.variants if one.interface == part.name]
+        of_part = [one.code for one in device.variants_over(part.name)]
         if of_part:
             yield {
                 "pages": codes.page_links(part.name),

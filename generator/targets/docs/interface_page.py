@@ -65,7 +65,7 @@ def page_values(
 ) -> InterfacePage:
     """Return the values of the page. ``links`` contains a link to the page of each order code."""
     here = for_interface(device, kind)
-    variants = [item for item in device.variants if item.interface == kind]
+    variants = device.variants_over(kind)
     return {
         **sections(here),
         **over_values(device, here, variants, has_masters, pictures),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -39,11 +39,10 @@ def placements(device: Device, layout: Layout, kind: str, sets: Mapping[str, int
     ``sets`` are the parameters set by answers to alternatives, if those are not the first answers.
     """
     found: dict[tuple[tuple[str, int, int], ...], tuple[PlacedLayout, list[str]]] = {}
-    for variant in device.variants:
-        if variant.interface == kind:
-            placed = layout.place({**variant.parameters, **sets})
-            shape = tuple((item.name, item.low, item.width) for item in placed.fields)
-            found.setdefault(shape, (placed, []))[1].append(variant.code)
+    for variant in device.variants_over(kind):
+        placed = layout.place({**variant.parameters, **sets})
+        shape = tuple((item.name, item.low, item.width) for item in placed.fields)
+        found.setdefault(shape, (placed, []))[1].append(variant.code)
     return tuple(
         sorted((Placement(tuple(codes), placed) for placed, codes in found.values()), key=lambda item: item.placed.bits)
     )
@@ -84,29 +83,29 @@ def value_rows(field: Field) -> Iterator[tuple[str, ...]]:
 
 def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
     """Yield rows of field, place, width, meaning, source. A group of fields is one row with a link to its table."""
-    done: set[str] = set()
+    for item in in_rows(device, layout):
+        if isinstance(item, FieldGroup):
+            name = joined([link(code(item.name), f"#group-{item.name}"), text(item.printed_name)])
+            parts = [Code(field.name) for field in layout.fields if field.group == item.name]
+            made_of = STYLE.sentence(said(*listed(parts), label="Fields"))
+            yield name, group_place(device, layout, item), f"{item.bits}", made_of, ""
+        else:
+            yield (
+                named(item),
+                field_place_cell(layout, item, device.alternatives_of(layout)),
+                STYLE.number(item.width),
+                field_cell(device, item, in_register=not layout.sender),
+                cited(item.source) if item.source != layout.source else "",
+            )
+
+
+def in_rows(device: Device, layout: Layout) -> Iterator[Field | FieldGroup]:
+    """Yield the groups of fields, and the fields outside of groups. Padding is in the row of the padded field."""
     groups = {group.name: group for group in device.field_groups}
-    there = {field.name for field in layout.fields}
-    for field in layout.fields:
-        if field.group:
-            if field.group not in done:
-                done.add(field.group)
-                parts = [item for item in layout.fields if item.group == field.group]
-                group = groups[field.group]
-                name = joined([link(code(group.name), f"#group-{group.name}"), text(group.printed_name)])
-                where = group_place(device, layout, group)
-                made_of = STYLE.sentence(said(*listed([Code(item.name) for item in parts]), label="Fields"))
-                yield name, where, f"{group.bits}", made_of, ""
-            continue
-        if field.padding_of in there:
-            continue  # padding is in the row of the padded field
-        yield (
-            named(field),
-            field_place_cell(layout, field, device.alternatives_of(layout)),
-            STYLE.number(field.width),
-            field_cell(device, field, in_register=not layout.sender),
-            cited(field.source) if field.source != layout.source else "",
-        )
+    there = {item.name for item in layout.fields}
+    whole = (item for item in layout.fields if item.padding_of not in there)
+    rows = {(item.group, "" if item.group else item.name): groups.get(item.group, item) for item in whole}
+    yield from rows.values()
 
 
 def group_place(device: Device, layout: Layout, group: FieldGroup) -> str:
@@ -148,15 +147,20 @@ def _follows(field: Field, item: Alternative) -> bool:
 
 def group_rows(device: Device, name: str) -> Iterator[tuple[str, ...]]:
     """Yield rows of field, place, meaning, source."""
+    for field, where in group_places(device, name, lambda answers: STYLE.phrase(said(*names(answers)))):
+        yield named(field), where, field_cell(device, field), cited(field.source)
+
+
+def group_places(device: Device, name: str, written: Callable[[Sequence[Answer]], str]) -> Iterator[tuple[Field, str]]:
+    """Yield the fields of a group, each with its place, or with the place for each of the answers that move it."""
     shapes = group_shapes(device, name)
     for field, _, _ in shapes[0][1]:
         places: dict[str, str] = {}
         for answers, fields in shapes:
             place = next(bits(high, low) for other, high, low in fields if other is field)
-            places.setdefault(place, STYLE.phrase(said(*names(answers))))
+            places.setdefault(place, written(answers))
         several = len(places) > 1
-        where = joined(f"{place} ({answer})" if several else place for place, answer in places.items())
-        yield named(field), where, field_cell(device, field), cited(field.source)
+        yield field, joined(f"{place} ({answer})" if several else place for place, answer in places.items())
 
 
 def frames_with(interface: Interface, group: str) -> list[str]:

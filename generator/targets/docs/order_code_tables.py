@@ -99,7 +99,7 @@ def code_table(device: Device, interface: Interface, links: Mapping[str, str]) -
     names = run_time_names(device)
     shown = (item for item in parameters_of(device, interface.name) if item.name not in names)
     parameters = [item for item in shown if not item.alternative]
-    variants = [item for item in device.variants if item.interface == interface.name]
+    variants = device.variants_over(interface.name)
     rows = [
         (links[item.code], *(parameter_value(part, item.parameters[part.name]) for part in parameters))
         for item in variants

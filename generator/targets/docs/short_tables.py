@@ -4,18 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from ...model import Device, Example, Field, Interface, Layout, Procedure, Register, Sources, Timing
+from ...model import Device, Example, Field, FieldGroup, Interface, Layout, Procedure, Register, Sources, Timing
 from ...say import register as say_register
 from ...say.interface import settings
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import Titled, heading, title
-from ...say.place import addresses, bits
+from ...say.place import addresses
 from ...say.procedure import step
 from ...say.text import said
 from ...say.timing import bounds
 from ...say.words import counted, sentence
 from .fact_tables import example_facts
-from .layout_tables import field_cell, field_place_cell, group_place, group_shapes, has_value_table, value_rows
+from .layout_tables import (
+    field_cell,
+    field_place_cell,
+    group_place,
+    group_places,
+    has_value_table,
+    in_rows,
+    value_rows,
+)
 
 Row = tuple[str, ...]
 
@@ -27,33 +35,20 @@ def titled(item: Titled) -> str:
 
 def field_rows(device: Device, layout: Layout) -> Iterator[Row]:
     """Yield rows of place, field. A group of fields is one row with a link to its table."""
-    groups = {group.name: group for group in device.field_groups}
-    done: set[str] = set()
-    there = {field.name for field in layout.fields}
-    for field in layout.fields:
-        if field.group in groups:
-            if field.group not in done:
-                done.add(field.group)
-                group = groups[field.group]
-                names = ", ".join(code(item.name) for item in layout.fields if item.group == group.name)
-                to = link(text(heading(group.name)), f"#group-{group.name}")
-                yield group_place(device, layout, group), f"{to} <small>{code(group.name)}</small>: {names}"
-        elif field.padding_of not in there:
-            place = field_place_cell(layout, field, device.alternatives_of(layout))
-            size = counted(STYLE.number(field.width), "bit") if field.container else ""
-            yield joined([place, size]), _described(device, field, layout.source, in_register=not layout.sender)
+    for item in in_rows(device, layout):
+        if isinstance(item, FieldGroup):
+            names = ", ".join(code(field.name) for field in layout.fields if field.group == item.name)
+            to = link(text(heading(item.name)), f"#group-{item.name}")
+            yield group_place(device, layout, item), f"{to} <small>{code(item.name)}</small>: {names}"
+        else:
+            place = field_place_cell(layout, item, device.alternatives_of(layout))
+            size = counted(STYLE.number(item.width), "bit") if item.container else ""
+            yield joined([place, size]), _described(device, item, layout.source, in_register=not layout.sender)
 
 
 def group_rows(device: Device, name: str) -> Iterator[Row]:
     """Yield rows of place, field for a group of fields."""
-    shapes = group_shapes(device, name)
-    for field, _, _ in shapes[0][1]:
-        places: dict[str, str] = {}
-        for answers, fields in shapes:
-            place = next(bits(high, low) for other, high, low in fields if other is field)
-            places.setdefault(place, ", ".join(item.name for item in answers))
-        several = len(places) > 1
-        where = joined(f"{place} ({code(answer)})" if several else place for place, answer in places.items())
+    for field, where in group_places(device, name, lambda answers: code(", ".join(item.name for item in answers))):
         yield where, _described(device, field, ())
 
 

@@ -37,7 +37,7 @@ def _style() -> str:
     return f"<style>{always}{light}@media(prefers-color-scheme:dark){{{dark}}}</style>"
 
 
-def card(title: str, body: Sequence[str], width: float, height: float, desc: str = "") -> str:
+def card(title: str, body: Sequence[str], width: float, height: float, desc: str) -> str:
     """Return a picture of this size. ``desc`` is its text alternative."""
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{number(width)}" height="{number(height)}" '
@@ -45,9 +45,9 @@ def card(title: str, body: Sequence[str], width: float, height: float, desc: str
         'font-family="system-ui, -apple-system, Segoe UI, Helvetica, Arial, sans-serif">'
     )
     size = f'width="{number(width - 1)}" height="{number(height - 1)}"'
-    told = [f"<desc>{_text(desc)}</desc>"] if desc else []
+    told = [f"<title>{_text(title)}</title>", f"<desc>{_text(desc)}</desc>"]
     below = f'<rect x="0.5" y="0.5" {size} rx="6" class="card"/>'
-    return "\n".join([head, f"<title>{_text(title)}</title>", *told, _style(), below, *body, "</svg>", ""])
+    return "\n".join([head, *told, _style(), below, *body, "</svg>", ""])
 
 
 def _text(words: str) -> str:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from itertools import groupby, pairwise
+from collections.abc import Sequence
+from itertools import pairwise
 
 from ...model import Piece
 from ...model.expressions import Expression
 from ...plan.codec import Bits, Codec, Reserved
+from ...plan.unused import Moved, moved_bits
 from .expr import Atom, Expr, Operation, Scope, call, joined, mask, moved, number
 
 
@@ -49,12 +50,9 @@ class Reader:
 
     def unused(self) -> Expr:
         """Return the unused bits that differ from the manual, each at its position in one number."""
-        moving = [self._reserved(item) for item in self.codec.reserved if not item.bits.are_fixed]
-        runs = sorted(run for item in self.codec.reserved if item.bits.are_fixed for run in self._runs(item))
-        # Bits of one byte that are shifted by the same distance are extracted together.
-        groups = (list(group) for _, group in groupby(runs, key=lambda run: run[:2]))
-        fixed = [self._taken(*group[0][:2], *(sum(run[at] for run in group) for at in (2, 3))) for group in groups]
-        return joined("|", [*fixed, *moving])
+        fixed = sorted(moved_bits(self.codec), key=lambda item: (item.byte or 0, item.shift))
+        moving = (item for item in self.codec.reserved if not item.bits.are_fixed)
+        return joined("|", [*map(self._taken, fixed), *map(self._reserved, moving)])
 
     def others(self) -> Expr:
         """Return the bits without a field, at their positions in the number that the bytes form."""
@@ -64,24 +62,14 @@ class Reader:
             Atom(whole if codec.by_word or codec.length > 1 else "data[0]"), "&", others(self.scope, codec)
         )
 
-    def _runs(self, item: Reserved) -> Iterator[tuple[int, int, int, int]]:
-        """Yield runs of adjacent bits: byte, shift to the new position, and mask and expected value there."""
-        if self.codec.by_word:
-            ones = (1 << item.bits.width.constant) - 1
-            yield 0, item.bits.low.constant - item.place, ones << item.place, (item.value & ones) << item.place
-        else:
-            for piece in item.bits.pieces:
-                place, value = item.place + piece.left, item.value >> piece.left & piece.mask
-                yield piece.byte, piece.right - place, piece.mask << place, value << place
-
-    def _taken(self, byte: int, above: int, ones: int, value: int) -> Expr:
-        source = Atom(self.source) if self.codec.by_word else self._atom(byte)
-        down, up = max(above, 0), max(-above, 0)
+    def _taken(self, item: Moved) -> Expr:
+        source = Atom(self.source) if item.byte is None else self._atom(item.byte)
+        down, up = max(item.shift, 0), max(-item.shift, 0)
         found = moved(source, ">>", number(down))
-        if self.codec.by_word or ones >> up != 0xFF:
-            found = Operation(found, "&", mask(ones >> up))
-        if value:
-            found = Operation(found, "^", mask(value >> up))
+        if item.byte is None or item.mask >> up != 0xFF:
+            found = Operation(found, "&", mask(item.mask >> up))
+        if item.value:
+            found = Operation(found, "^", mask(item.value >> up))
         return moved(found, "<<", number(up))
 
     def _reserved(self, item: Reserved) -> Expr:

@@ -21,7 +21,6 @@ from ...plan.values import (
     Raw,
     TwosComplement,
     ZeroMeans,
-    is_named,
     is_number,
     meaning_of,
 )
@@ -116,14 +115,14 @@ class Coder:
     @property
     def finds_ranges(self) -> bool:
         """True if ``decode`` can raise RangeError."""
-        named = any(is_named(meaning_of(part.field)) for part in self.plan.parts)
+        named = any(isinstance(part.meaning, Named) for part in self.plan.parts)
         return named or Fault.RANGE in self.plan.faults()
 
     @property
     def chosen(self) -> list[Part]:
         """Named values, which ``decode`` looks up after all checks."""
         parts = self.plan.parts
-        return [item for item in parts if is_named(meaning_of(item.field)) and not self.selects(item.field)]
+        return [item for item in parts if isinstance(item.meaning, Named) and not self.selects(item.field)]
 
     @property
     def bases(self) -> str:
@@ -213,7 +212,7 @@ class Coder:
 
     def assigned(self, field: Field, bits: Expr) -> Iterator[tuple[str, Expr]]:
         """Yield the attributes of a field of a joined number, with their values."""
-        enum = self.enum(field) if is_named(meaning_of(field)) else ""
+        enum = self.enum(field) if isinstance(meaning_of(field), Named) else ""
         return assigned(self.context.scope, self.names, enum, field, bits)
 
     def whole_width(self, whole: Whole) -> Expr:
@@ -254,7 +253,7 @@ class Coder:
         """Attribute that is the position. Empty if the frame has no position, or only a part of it."""
         measurement = self.context.device.measurement_of(self.layout_interface)
         name = measurement.of if measurement is not None else "position"
-        numbers = {part.field.name for part in self.plan.parts if is_number(meaning_of(part.field))}
+        numbers = {part.field.name for part in self.plan.parts if is_number(part.meaning)}
         return self.names.attribute(name) if name in numbers.union(item.name for item in self.layout.joins) else ""
 
     @property

@@ -7,12 +7,10 @@ from collections.abc import Mapping, Sequence
 from ...model import (
     Alarm,
     Biss,
-    Crc,
     Device,
     Field,
     Interface,
     Layout,
-    Manual,
     OrderCode,
     Register,
     Rs485,
@@ -22,7 +20,7 @@ from ...model import (
     cite,
 )
 from ...model.record import dataclass
-from ...plan.codec import Codec, codec_of, constant_values
+from ...plan.codec import Codec, codec_of
 from ...plan.refusals import powers_of_two
 from ...plan.reports import reports_of
 from ...plan.values import is_number, meaning_of
@@ -77,10 +75,6 @@ def family(device: Device) -> Call:
     )
 
 
-def manual(manual: Manual) -> Call:
-    return row("Manual", manual)
-
-
 def order_code(code: OrderCode) -> Call:
     parts = tuple(row("Part", part, open_only_with=_only(part.open_only_with)) for part in code.parts)
     return row("OrderCode", code, parts=parts)
@@ -96,10 +90,6 @@ def tables(device: Device) -> list[Table]:
     """Return the tables at the end of a module."""
     made = (Table(comment, name, kind, rows(kind, getattr(device, name.lower()))) for comment, name, kind in _TABLES)
     return [item for item in made if item.rows or item.name in _ALWAYS]
-
-
-def crc(item: Crc) -> Call:
-    return row("Crc", item)
 
 
 def reports(device: Device) -> list[Call]:
@@ -156,7 +146,7 @@ def _field(codec: Codec, item: Field) -> Call:
         **of_facts(meaning_of(item)),
         when_active=when_active,
         when_inactive=when_inactive,
-        constant=constant_values(codec).get(item.name),
+        constant=codec.constants.get(item.name),
         unused=reserved.get(item.name),
         power_of_two=item.name in powers_of_two(codec),
     )

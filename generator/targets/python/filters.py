@@ -23,13 +23,7 @@ def operand(value: Expr) -> str:
     return value.operand
 
 
-def beside(value: Expr, operator: str) -> str:
-    """Return an operand of ``operator``, in parentheses only if Python or a reader needs them."""
-    return value.beside(operator)
-
-
 FILTERS: Mapping[str, Callable[..., object]] = {
-    "beside": beside,
     "broken": broken,
     "byte_order": byte_order,
     "coded": coded,

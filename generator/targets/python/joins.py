@@ -28,12 +28,14 @@ class Maker:
     def __init__(self, scope: Scope, codec: Codec, names: ClassNames) -> None:
         self.scope, self.codec, self.names = scope, codec, names
 
-    def _bits(self, field: Field, number: Expr) -> Expr:
-        """Return the bits of a field. ``number`` is its local variable."""
-        own = Atom(f"self.{self.names.attribute(field.name)}")
+    def _bits(self, field: Field) -> Expr:
+        """Return the bits of a field, without a check of its value."""
+        own, number = Atom(f"self.{self.names.attribute(field.name)}"), self._index(field.name)
         match meaning_of(field):
-            case Raw() | ZeroMeans() | Named():
+            case Raw() | Named():
                 return number
+            case ZeroMeans(stands_for):
+                return Atom(f"(0 if {own} == {stands_for} else {number})")
             case TwosComplement():
                 return Operation(number, "&", self.scope.ones(field.width))
             case Active(low):
@@ -50,7 +52,7 @@ class Maker:
         return joined("+", (times(self._index(run.name), run.divisor) for run in field.runs))
 
     def whole(self, whole: Whole) -> Expr:
-        parts = [moved(self._unchecked(field), "<<", self.scope.of(low)) for field, low in whole.from_low]
+        parts = [moved(self._bits(field), "<<", self.scope.of(low)) for field, low in whole.from_low]
         return joined("|", reversed(parts))
 
     def whole_of_numbers(self, whole: Whole, scope: Scope, own: Callable[[str], str]) -> Expr:
@@ -59,16 +61,6 @@ class Maker:
             moved(Atom(own(self.names.attribute(field.name))), "<<", scope.of(low)) for field, low in whole.from_low
         ]
         return joined("|", reversed(values))
-
-    def _unchecked(self, field: Field) -> Expr:
-        number = self._index(field.name)
-        match meaning_of(field):
-            case ZeroMeans(stands_for):
-                return Atom(f"(0 if self.{self.names.attribute(field.name)} == {stands_for} else {number})")
-            case Raw() | TwosComplement() | Active() | Named() | DigitRuns() | Characters():
-                return self._bits(field, number)
-            case meaning:
-                assert_never(meaning)
 
     def parts(self, whole: Whole) -> list[tuple[Field, Expr]]:
         """Return the fields of a joined number, most significant first, with expressions for their bits."""

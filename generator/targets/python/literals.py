@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 from ...model.record import dataclass
@@ -92,29 +92,12 @@ def record(function: str, needed: Mapping[str, Literal], **optional: Literal) ->
 
 
 def _given(optional: Mapping[str, Literal]) -> tuple[tuple[str, Literal], ...]:
-    return tuple(
-        (name, value)
-        for name, value in optional.items()
-        if value is not None and not (value in ("", ()) or (isinstance(value, Mapping) and not value))
-    )
+    return tuple((name, value) for name, value in optional.items() if not is_empty(value))
 
 
-def functions(value: Literal) -> Iterator[str]:
-    """Yield the functions that a literal calls, and the enumerations that it uses."""
-    match value:
-        case Member(kind):
-            yield kind
-        case Call(function, arguments):
-            yield function
-            for _, item in arguments:
-                yield from functions(item)
-        case Sometimes(item):
-            yield from functions(item)
-        case Mapping():
-            yield "ReadOnly"
-        case tuple() | list():
-            for item in value:
-                yield from functions(item)
+def is_empty(value: Literal) -> bool:
+    """Return whether a value is None or without content. False and 0 are not empty."""
+    return value in (None, "", ()) or (isinstance(value, Mapping) and not value)
 
 
 def constant(name: str, value: Call) -> str:

@@ -21,6 +21,7 @@ from .literals import Call
 from .names import LOCAL_NAMES, attribute, camel, encoder_name, interface_name
 from .procedures import Steps
 from .readme import Readme
+from .records import row, rows
 from .shapes import Shape
 from .variants import FrameKind, Variants
 
@@ -112,9 +113,9 @@ class Module:
         }
         self.readme = Readme(self.context, kinds, coders, {item.procedure.name: item for item in self.procedures})
         self.identities = list(identities(device))
-        self.family, self.manual = facts.family(device), facts.manual(device.manual)
+        self.family, self.manual = facts.family(device), row("Manual", device.manual)
         self.order_code = facts.order_code(device.order_code)
-        self.crcs = [facts.crc(item) for item in device.crcs]
+        self.crcs = rows("Crc", device.crcs)
 
     # -- facts, which the files of the whole package do not need
 

@@ -18,7 +18,6 @@ from ...plan.steps import (
     Given,
     Operation,
     Polls,
-    Stated,
     Undecodable,
     Verifies,
     Writes,
@@ -88,11 +87,6 @@ class Steps:
             last = self.steps[end - 1]
             checked = [item for item in self.arguments if self.steps.index(item.written[0]) in range(start, end)]
             yield Segment(checked, self.steps[start:end], last if isinstance(last, Writes) and last.teaches else None)
-
-    def closes(self, op: Writes) -> bool:
-        """Return whether a step closes registers by writing a value other than the one that opens them."""
-        opened = {item.opened_by_value for item in self.context.device.registers if item.opened_by == op.register.name}
-        return bool(opened) and isinstance(op.value, Stated) and getattr(op.step, "value_name", "") not in opened
 
     # -- names
 

@@ -151,7 +151,7 @@ class Readme:
         """Return an order code with this interface: that of an example in the manual, or the one with the most bits."""
         codes = [item.order_code for item in self.device.examples if not isinstance(item, CrcExample)]
         names = [item.name for item in self.device.set_parameters]
-        candidates = [item for item in self.device.variants if item.interface == kind]
+        candidates = self.device.variants_over(kind)
         return max(
             candidates,
             key=lambda item: (item.code in codes, sum(item.parameters[name] for name in names)),

@@ -16,7 +16,7 @@ from ...model.expressions import Expression
 from ...model.members import PARTS_BY_CLASS
 from ...model.record import dataclass
 from ..runtime import our_runtime
-from .literals import Call, Hex, Literal, Member
+from .literals import Call, Hex, Literal, Member, is_empty
 
 #: Sources with classes of records and enumerations.
 _SOURCES = tuple(
@@ -89,7 +89,7 @@ def row(function: str, item: object, **made: Literal) -> Call:
         value = made[member.name] if member.name in made else _value(item, member)
         if member.default is _NOTHING:
             arguments.append(("" if function in _POSITIONAL else member.name, value))
-        elif value is not None and value != member.default and not _is_empty(value):
+        elif value != member.default and not is_empty(value):
             arguments.append((member.name, value))
     return Call(function, tuple(arguments))
 
@@ -97,10 +97,6 @@ def row(function: str, item: object, **made: Literal) -> Call:
 def rows(function: str, items: tuple[object, ...]) -> tuple[Call, ...]:
     """Return a record for each item."""
     return tuple(row(function, item) for item in items)
-
-
-def _is_empty(value: Literal) -> bool:
-    return value in ("", ()) or (isinstance(value, Mapping) and not value)
 
 
 def _value(item: object, member: RecordMember) -> Literal:

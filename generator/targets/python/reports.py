@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from ...model import Field, Verdict
 from ...plan.codec import Codec, Part, Reserved
@@ -68,8 +68,8 @@ class FrameReports:
 
     def _differ(self, reserved: Sequence[Reserved]) -> Expr:
         """Return the condition that any of these unused bits differs from the manual."""
-        unused = Atom(self._own("unused"))
-        return unused if _ones(reserved) == _ones(self._reserved) else Operation(unused, "&", mask(_ones(reserved)))
+        unused, ones = Atom(self._own("unused")), sum(item.mask for item in reserved)
+        return unused if ones == sum(item.mask for item in self._reserved) else Operation(unused, "&", mask(ones))
 
     def _conditions(self, items: Sequence[Speaks]) -> list[str]:
         """Return a condition for each flag, and one for all unused bits."""
@@ -87,11 +87,6 @@ class FrameReports:
         # The flag comes first, because it is rarely active. The other conditions are then skipped.
         conditions = [self._flag(flag), *self._holds(only), *others]
         return str(conditions[0]) if len(conditions) == 1 else f"({joined('and', conditions)})"
-
-
-def _ones(reserved: Iterable[Reserved]) -> int:
-    """Return a mask of unused bits."""
-    return sum(((1 << item.bits.widest) - 1) << item.place for item in reserved)
 
 
 def holding(only: Only, member: str) -> Expr:

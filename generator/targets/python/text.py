@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 
 from ...model import (
@@ -60,9 +60,9 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
     )
 
 
-def of_errata(device: Device, *paths: str, without: Collection[str] = ()) -> list[Block]:
+def of_errata(device: Device, *paths: str) -> list[Block]:
     """Return the errata for these parts of the spec. Errata about wording are only in the table."""
-    return paragraphs(map(erratum, errata(device, *paths, without=without)))
+    return paragraphs(map(erratum, errata(device, *paths)))
 
 
 def paragraphs(statements: Iterable[Said]) -> list[Block]:
@@ -192,7 +192,7 @@ def of_argument(device: Device, item: Argument) -> str:
 # -- fields
 
 
-def of_field(device: Device, item: Field, may_be_missing: bool = False) -> str:
+def of_field(device: Device, item: Field, may_be_missing: bool) -> str:
     missing = [said("0 if the encoder does not have this field")] if may_be_missing else []
     about = [*field.meaning(item, item.meaning), *missing, *field.rules(device, item), *told(item.note)]
     return S.paragraph(about) or sentence(title(item))

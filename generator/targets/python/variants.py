@@ -134,7 +134,7 @@ class Variants:
         """Listed order codes of each interface, for type checkers."""
         found = []
         for interface in self.device.interfaces:
-            codes = tuple(item.code for item in self.device.variants if item.interface == interface.name)
+            codes = tuple(item.code for item in self.device.variants_over(interface.name))
             literal = f"{camel(self.context.module)}{interface.name.capitalize()}"
             if codes:
                 found.append(Listed(literal, encoder_name(interface.name), codes))

@@ -1,0 +1,42 @@
+"""Unused bits of a layout that a decoder extracts together, since the same shift moves them to their places."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from ..model.record import dataclass
+from .codec import Codec, Reserved
+
+
+@dataclass(frozen=True, slots=True)
+class Moved:
+    """Unused bits with one shift: bit 0 of the member is bit ``shift`` of the ``byte``, or of the word if it is None.
+
+    ``mask`` and ``value``, the value in the manual, have the places of the member.
+    """
+
+    byte: int | None
+    shift: int
+    mask: int
+    value: int
+
+
+def moved_bits(codec: Codec) -> tuple[Moved, ...]:
+    """Return the unused bits whose position is the same for every order code. Those with the same shift are one."""
+    found: dict[tuple[int | None, int], Moved] = {}
+    for item in (item for op in codec.reserved if op.bits.are_fixed for item in _moved(op, codec.by_word)):
+        known = found.get((item.byte, item.shift), replace(item, mask=0, value=0))
+        found[item.byte, item.shift] = replace(item, mask=known.mask | item.mask, value=known.value | item.value)
+    return tuple(found.values())
+
+
+def _moved(op: Reserved, by_word: bool) -> Iterator[Moved]:
+    """Yield the bits of a field, in the word or byte by byte."""
+    if by_word:
+        yield Moved(None, op.bits.low.constant - op.place, op.mask, op.value << op.place)
+        return
+    for piece in op.bits.pieces:
+        place = op.place + piece.left
+        mask = piece.mask << place
+        yield Moved(piece.byte, piece.right - place, mask, op.value << op.place & mask)
