@@ -128,7 +128,8 @@ def alternatives(device: Device) -> list[dict[str, Any]]:
 def _answer_row(device: Device, item: Alternative, one: Answer) -> tuple[str, ...]:
     """Return a row of answer, meaning, quantities that it sets, source."""
     parameters = {item.name: item for item in device.parameters}
-    shown = ((parameters[name], count) for name, count in one.sets.items())
+    # The page of one interface lacks the parameters of others.
+    shown = ((parameters[name], count) for name, count in one.sets.items() if name in parameters)
     sets = (f"{code(part.name)} = {parameter_value(part, count)}: {text(part.meaning)}" for part, count in shown)
     return code(one.name), text(one.meaning), joined(sets), cited(one.source or item.source)
 
