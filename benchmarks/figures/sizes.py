@@ -48,5 +48,5 @@ def _is_text(node: ast.AST) -> TypeGuard[ast.Expr]:
 def is_real(template: Source) -> bool:
     """Return whether enough lines of a template have tags, and some of them differ within a manufacturer's files."""
     used = meta.find_undeclared_variables(_JINJA.parse(template.text))
-    differs = not used <= _SAME or "{% macro" in template.text
+    differs = not used <= _SAME or re.search(r"\{%-? macro", template.text) is not None
     return differs and sum(map(bool, map(_TAG.search, template.text.splitlines()))) >= _LEAST * template.lines
