@@ -117,8 +117,9 @@ def _check_read_biss_id(device: Device, identity: int, report: DocumentReport) -
     for example in device.examples if not device.base else ():
         if not isinstance(example, RegisterExample) or example.erratum:
             continue
-        register = device.register(example.register)
-        if register.interface != Biss.name or register.bank is not None:
+        # Other rules report a register that is missing or wrong.
+        register = next((item for item in device.registers if item.name == example.register), None)
+        if register is None or register.interface != Biss.name or register.bank is not None:
             continue
         read = dict(enumerate(example.bytes, register.address))
         if any(byte ^ identity >> _BISS_ID[place] & 0xFF for place, byte in read.items() if place in _BISS_ID):

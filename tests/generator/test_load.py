@@ -104,6 +104,18 @@ def test_the_biss_id_of_the_maker_and_of_the_register(tmp_path: Path, equals: st
     assert found == ([f"minimal.yaml:{line}: biss-id-mismatch: {wrong}"] if shown else [])
 
 
+def test_an_example_of_a_register_that_is_wrong(tmp_path: Path) -> None:
+    """The rules about the register report it, and the one about the BiSS ID does not raise."""
+    identity = IDENTITY.replace("bits: 16, EQUALS", "at: 47:16")
+    example = (
+        "examples:\n  - {name: read, kind: register, register: manufacturer_id, order_code: MIN12SC,"
+        ' bytes: "41 42", values: {id: 16706}, source: "6.3"}\n'
+    )
+    found = problems(tmp_path, minimal=MINIMAL + identity + example, manufacturer=MAKER + "biss_id: 0x4142\n")
+    assert found
+    assert not any("biss-id-mismatch" in item for item in found)
+
+
 @pytest.mark.parametrize(("read", "shown"), [("41 42", ""), ("42 41", "42, 41"), ("41 43", "41, 43")])
 def test_the_biss_id_of_the_maker_and_of_an_example(tmp_path: Path, read: str, shown: str) -> None:
     identity = IDENTITY.replace(", EQUALS", "")

@@ -221,7 +221,7 @@ class Session:
     def _difference(self, asked: _Asked, frame: Frame) -> str:
         """Return how a reply differs from the values of its request, such as an address, or an empty string."""
         fields = getattr(asked.request, "_fields", ())
-        joins = any_shape(type(asked.request), self.encoder).joins if fields else ()
+        joins = any_shape(asked.request.__class__, self.encoder).joins if fields else ()
         for name in (*fields, *(item.name for item in joins)):
             found, sent = getattr(frame, name, None), getattr(asked.request, name)
             if name not in asked.answers and found is not None and found != sent:
