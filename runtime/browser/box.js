@@ -120,15 +120,17 @@ function box(root) {
   }
 
   function withoutCode() {
-    const start = code.value.trim() ? [part("div", "bad", element("p", {}, sentence(helpFor(code.value))))] : [];
-    const [first] = linesOf(text.value);
-    if (!first) return start;
-    return [...start, ...guessesOf(inferred(first.text), (picked, sender) => {
+    const pick = (picked, sender = state.what) => {
       code.value = picked;
       state.what = sender;
       codeChanged();
       code.focus();
-    })];
+    };
+    const help = code.value.trim() ? helpFor(code.value) : "";
+    const near = help.split(/[\s,;]+/).filter((one) => known.has(one));
+    const start = help ? [part("div", "bad", element("p", {}, sentence(help)), codeButtons(near, pick))] : [];
+    const [first] = linesOf(text.value);
+    return first ? [...start, ...guessesOf(inferred(first.text), pick)] : start;
   }
 
   /** How the label differs from the codes in the manual, and the origin of the family. */

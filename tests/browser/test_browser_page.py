@@ -135,15 +135,18 @@ STEPS = """
   type(code, "AM3619/4096-I7"); type(text, "0x0"); seen.delivered = said(box);
   type(box.querySelector("details input"), "12"); seen.held = said(box);
   type(code, "nothing/1"); seen.unknown = said(box);
+  type(code, "AMM5A21/65KSC2"); type(text, "0xF4243D3");
+  const near = box.querySelectorAll(".codewheel-decode-bad button");
+  seen.near = [...near].map((one) => one.innerText); near[0].click(); seen.corrected = [code.value, said(box)];
   return seen;
 """
 
 
 @pytest.fixture(scope="session")
-def seen(chromium: str, page: Path) -> dict[str, str]:
+def seen(chromium: str, page: Path) -> dict[str, Any]:
     """Return everything that a user sees at each step, for one start of the browser."""
     boxes = '<div class="codewheel-decode"></div><div class="codewheel-decode" data-code="SMA21-SC4-0050"></div>'
-    found: dict[str, str] = shown(chromium, page, STEPS, boxes)
+    found: dict[str, Any] = shown(chromium, page, STEPS, boxes)
     return found
 
 
@@ -180,6 +183,13 @@ def test_an_order_code_that_is_left_out(seen: dict[str, str]) -> None:
     assert seen["code"] == "AMM5A23/1JP1"
     assert "usable: no error. the position is usable." in seen["picked"].lower()
     assert "NOTHING/1" in seen["unknown"].upper()
+
+
+@pytest.mark.slow
+def test_a_wrong_order_code_has_the_nearest_ones_as_buttons(seen: dict[str, Any]) -> None:
+    assert seen["near"] == ["AMM5A21/65KSC1", "AMM5A17/65KSC1", "AMM5A23/65KSC1"]
+    assert seen["corrected"][0] == "AMM5A21/65KSC1"
+    assert "1000003 counts" in seen["corrected"][1]
 
 
 @pytest.mark.slow
