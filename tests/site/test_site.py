@@ -83,6 +83,15 @@ def test_every_page_leads_back_and_has_the_search(site: Path) -> None:
 
 
 @pytest.mark.slow
+def test_a_card_does_not_answer_an_open_question(site: Path) -> None:
+    """The frame of ASC85 has 33 or 34 bits. The manual and a public driver differ."""
+    start = (site / "index.html").read_text(encoding="utf-8")
+    question = '<a href="generated/docs/asc85/biss.html#alternative-zero_bit">open question</a>'
+    assert f"Frame of ASC8525/SC1 over BiSS C-mode: 34 or 33 bits ({question}), drawn with 34." in start
+    assert "Frame of AMM5A23/65KSC1 over BiSS C-mode: 47 bits." in start
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(("width", "dark"), [LOOKS[1], LOOKS[2]])
 def test_a_sample_in_the_browser(site: Path, browser: Browser, width: int, dark: bool) -> None:
     browser.look(width, dark)
