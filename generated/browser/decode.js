@@ -1023,6 +1023,15 @@
     ];
   }
 
+  /** A button for each order code, which calls ``pick`` with it. */
+  function codeButtons(codes, pick) {
+    return part("div", "codes", codes.map((code) => {
+      const button = element("button", { type: "button" }, code);
+      button.addEventListener("click", () => pick(code));
+      return button;
+    }));
+  }
+
   /** The order codes that match a frame; ``pick`` selects one of them. */
   function guessesOf(groups, pick) {
     if (!groups.length) return [part("div", "bad", element("p", {}, "This frame is not valid for any order code."))];
@@ -1031,13 +1040,8 @@
       const { at } = group.decoded;
       const size = at.layout.order ? counted(at.bits / 8, "byte") : counted(at.bits, "bit");
       const check = group.decoded.crc ? "with a correct CRC" : "without a CRC";
-      const codes = group.codes.map((code) => {
-        const button = element("button", { type: "button" }, code);
-        button.addEventListener("click", () => pick(code, group.sender));
-        return button;
-      });
       const text = `${group.over.title} from the ${group.sender}, ${at.layout.title}: ${size}, ${check}`;
-      return [element("p", {}, text), part("div", "codes", codes)];
+      return [element("p", {}, text), codeButtons(group.codes, (code) => pick(code, group.sender))];
     });
     return [element("p", {}, "Valid frame of these order codes. Select the one on the label:"), list(rows)];
   }
@@ -1329,8 +1333,7 @@
       const layout = rows.find((one) => one.found?.at)?.found.at.layout ?? register();
       ask(layout);
       const missing = undecided(layout);
-      const evidence = part("p", "note", state.found.family.evidence);
-      result.replaceChildren(...notes(), ...(rows.length > 1 ? many(rows, missing) : rows.flatMap(single)), evidence);
+      result.replaceChildren(...notes(), ...(rows.length > 1 ? many(rows, missing) : rows.flatMap(single)));
       if (rows.length === 1 && rows[0].found && !isForm && !missing.length) state.fill?.(rows[0].found);
     }
 
@@ -1364,15 +1367,17 @@
     }
 
     function withoutCode() {
-      const start = code.value.trim() ? [part("div", "bad", element("p", {}, sentence(helpFor(code.value))))] : [];
-      const [first] = linesOf(text.value);
-      if (!first) return start;
-      return [...start, ...guessesOf(inferred(first.text), (picked, sender) => {
+      const pick = (picked, sender = state.what) => {
         code.value = picked;
         state.what = sender;
         codeChanged();
         code.focus();
-      })];
+      };
+      const help = code.value.trim() ? helpFor(code.value) : "";
+      const near = help.split(/[\s,;]+/).filter((one) => known.has(one));
+      const start = help ? [part("div", "bad", element("p", {}, sentence(help)), codeButtons(near, pick))] : [];
+      const [first] = linesOf(text.value);
+      return first ? [...start, ...guessesOf(inferred(first.text), pick)] : start;
     }
 
     /** How the label differs from the codes in the manual, and the origin of the family. */
@@ -1382,7 +1387,9 @@
       const open = unlisted.length ? `Accepted, although not listed in the manual: ${unlisted.join(", ")}.` : "";
       const special = isSpecial ? family.special_codes ?? "A code that ends in /Sxxx may differ from the manual." : "";
       const goesOn = tail ? `The label continues with ${tail}.` : "";
-      const all = [written, open, goesOn, special, ...(family.about ?? [])];
+      // A page that fills in the order code already states the evidence.
+      const evidence = root.dataset.code ? "" : family.evidence;
+      const all = [written, open, goesOn, special, ...(family.about ?? []), evidence];
       return all.filter(Boolean).map((words) => part("p", "note", words));
     }
 
@@ -1413,7 +1420,7 @@
       labelled("Order code, as on the label", code, "Leave it empty to list the codes that match the frame."), codes,
       labelled("Type", what),
       labelled("Frames, one per line, or the bytes of a register", text,
-        "Hex bytes, or one number (0x… or 0b…), in any usual spelling. A line can begin with a time. "
+        "Hex bytes, or one number (0x… or 0b…), in any usual notation. A line can begin with a time. "
         + "Text after # is a comment."),
       asks, form, result, part("p", "link", link));
     code.addEventListener("input", codeChanged);

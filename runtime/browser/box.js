@@ -85,8 +85,7 @@ function box(root) {
     const layout = rows.find((one) => one.found?.at)?.found.at.layout ?? register();
     ask(layout);
     const missing = undecided(layout);
-    const evidence = part("p", "note", state.found.family.evidence);
-    result.replaceChildren(...notes(), ...(rows.length > 1 ? many(rows, missing) : rows.flatMap(single)), evidence);
+    result.replaceChildren(...notes(), ...(rows.length > 1 ? many(rows, missing) : rows.flatMap(single)));
     if (rows.length === 1 && rows[0].found && !isForm && !missing.length) state.fill?.(rows[0].found);
   }
 
@@ -140,7 +139,9 @@ function box(root) {
     const open = unlisted.length ? `Accepted, although not listed in the manual: ${unlisted.join(", ")}.` : "";
     const special = isSpecial ? family.special_codes ?? "A code that ends in /Sxxx may differ from the manual." : "";
     const goesOn = tail ? `The label continues with ${tail}.` : "";
-    const all = [written, open, goesOn, special, ...(family.about ?? [])];
+    // A page that fills in the order code already states the evidence.
+    const evidence = root.dataset.code ? "" : family.evidence;
+    const all = [written, open, goesOn, special, ...(family.about ?? []), evidence];
     return all.filter(Boolean).map((words) => part("p", "note", words));
   }
 
@@ -171,7 +172,7 @@ function box(root) {
     labelled("Order code, as on the label", code, "Leave it empty to list the codes that match the frame."), codes,
     labelled("Type", what),
     labelled("Frames, one per line, or the bytes of a register", text,
-      "Hex bytes, or one number (0x… or 0b…), in any usual spelling. A line can begin with a time. "
+      "Hex bytes, or one number (0x… or 0b…), in any usual notation. A line can begin with a time. "
       + "Text after # is a comment."),
     asks, form, result, part("p", "link", link));
   code.addEventListener("input", codeChanged);

@@ -328,6 +328,8 @@ def test_hostile_text_stays_text(hostile_files: Files) -> None:
             "small",
             "/small",
             "source",
+            "span",
+            "/span",
             "sub",
             "/sub",
             "details",
