@@ -132,6 +132,15 @@ def test_the_frame_links_to_the_question_that_it_depends_on(pages: Files) -> Non
     assert "open question" not in page_of(pages, "ASC8525/BG1").partition("## Frame")[2].partition("- CRC")[0]
 
 
+def test_the_first_paragraph_states_the_evidence(pages: Files) -> None:
+    head = page_of(pages, "AMM5A21/65KSC1").partition("## Wiring")[0]
+    assert "Evidence: manual (all pages of the manufacturer's document were read)." in head
+
+
+def test_the_procedures_are_counted(pages: Files) -> None:
+    assert "<summary><b>Procedures</b>: 4 procedures, step by step</summary>" in page_of(pages, "AMM5A21/65KSC1")
+
+
 @pytest.mark.parametrize(
     ("codes", "names"),
     [
