@@ -14,7 +14,10 @@ function labelled(text, input, hint = "") {
 
 const option = (name, text = "") => element("option", { value: name }, text);
 
-/** A box in an element: ``data-code`` fills in an order code, ``data-link`` follows the address of the page. */
+/**
+ * A box in an element: ``data-code`` fills in an order code, ``data-link`` follows the address of the page.
+ * ``data-evidence-above`` says that the page around the box states the evidence.
+ */
 function box(root) {
   const known = new Set(TABLE.families.flatMap((family) => family.codes.map((row) => row[0])));
   const codes = element("datalist", { id: `${CLASS}-codes-${boxes}` }, [...known].map((one) => option(one)));
@@ -85,7 +88,8 @@ function box(root) {
     const layout = rows.find((one) => one.found?.at)?.found.at.layout ?? register();
     ask(layout);
     const missing = undecided(layout);
-    result.replaceChildren(...notes(), ...(rows.length > 1 ? many(rows, missing) : rows.flatMap(single)));
+    const evidence = root.hasAttribute("data-evidence-above") ? [] : [part("p", "note", state.found.family.evidence)];
+    result.replaceChildren(...notes(), ...(rows.length > 1 ? many(rows, missing) : rows.flatMap(single)), ...evidence);
     if (rows.length === 1 && rows[0].found && !isForm && !missing.length) state.fill?.(rows[0].found);
   }
 
@@ -139,9 +143,7 @@ function box(root) {
     const open = unlisted.length ? `Accepted, although not listed in the manual: ${unlisted.join(", ")}.` : "";
     const special = isSpecial ? family.special_codes ?? "A code that ends in /Sxxx may differ from the manual." : "";
     const goesOn = tail ? `The label continues with ${tail}.` : "";
-    // A page that fills in the order code already states the evidence.
-    const evidence = root.dataset.code ? "" : family.evidence;
-    const all = [written, open, goesOn, special, ...(family.about ?? []), evidence];
+    const all = [written, open, goesOn, special, ...(family.about ?? [])];
     return all.filter(Boolean).map((words) => part("p", "note", words));
   }
 
