@@ -11,6 +11,7 @@ from __future__ import annotations
 import gc
 import logging
 import os
+import posixpath
 import re
 import shutil
 import sys
@@ -43,6 +44,7 @@ NAMED = re.compile(r"^(?:[^<>`\n]* <)?([\w/-]+)>?$", re.MULTILINE)
 FAMILIES = "(families)\n"
 #: Line of the start page that stands for a card for each family.
 CARDS = "(cards)\n"
+_OWN_LINK = re.compile(r"""(\]\(|\bhref=")([^)"\s#:]+)""")
 _LINK = re.compile(r"""(?:\]\(|\bsrc(?:set)?=")([^)"\s#]+)""")
 
 
@@ -77,7 +79,7 @@ def stage(root: Path, source: Path) -> None:
         _write(source / path.relative_to(root), path.read_text(encoding="utf-8"))
     if (root / DECODER).exists():
         name = f"{DECODER_PAGE}.md"
-        _write(source / name, (HERE / name).read_text(encoding="utf-8"))
+        _write(source / name, _own_page(name))
     for name, text in api_pages(root):
         _write(source / name, text)
     for folder in sorted(set(_linked_folders(root, source))):
@@ -87,7 +89,7 @@ def stage(root: Path, source: Path) -> None:
 
 def _start_page(source: Path) -> str:
     """Return the start page, with contents that list the existing pages."""
-    lines = (HERE / "index.md").read_text(encoding="utf-8").splitlines(keepends=True)
+    lines = _own_page("index.md").splitlines(keepends=True)
     place = lines.index(CARDS)
     lines[place : place + 1] = cards(source)
     place = lines.index(FAMILIES)
@@ -95,6 +97,17 @@ def _start_page(source: Path) -> str:
     lines[place : place + 1] = [f"{path.relative_to(source).with_suffix('')}\n" for path in families]
     named = [(line, NAMED.match(line)) for line in lines]
     return "".join(line for line, name in named if name is None or (source / f"{name[1]}.md").exists())
+
+
+def _own_page(name: str) -> str:
+    """Return a page next to this script with its links moved to the top of the site, where the page is."""
+    folder = HERE.relative_to(ROOT).as_posix()
+
+    def moved(found: re.Match[str]) -> str:
+        target = posixpath.normpath(posixpath.join(folder, found[2])).removeprefix(f"{folder}/")
+        return found[1] + target
+
+    return _OWN_LINK.sub(moved, (HERE / name).read_text(encoding="utf-8"))
 
 
 def linked(source: Path) -> Iterator[Path]:

@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 
 from codewheel.loading.library import load_library
-from codewheel.model import Device, Flag, PlacedField, PlacedLayout, Variant
+from codewheel.model import Device, Flag, PlacedField, PlacedLayout, Variant, choices
 from codewheel.say.name import words
 
 #: Fields with fewer bits have room for a letter only, which the caption explains.
@@ -31,8 +31,19 @@ def _card(device: Device) -> Iterator[str]:
     title = device.interface(variant.interface).title
     letters = [f"{_letter(item)} {words(item.name)}" for item in _left_to_right(placed) if _size(item) < _TEXT]
     legend = f" {', '.join(letters)}." if letters else ""
-    frame = f"Frame of {variant.code} over {title}: {placed.bits} bits.{legend}"
-    yield f'<p class="facts">{escape(frame)}</p></div>\n'
+    frame = escape(f"Frame of {variant.code} over {title}: ")
+    yield f'<p class="facts">{frame}{_size_of(device, variant, placed)}.{escape(legend)}</p></div>\n'
+
+
+def _size_of(device: Device, variant: Variant, placed: PlacedLayout) -> str:
+    """Return the length of a frame, or each length that it can have, with a link to the open question."""
+    open_ = device.alternatives_of(placed.layout)
+    bits = [placed.layout.place({**variant.parameters, **sets}).bits for _, sets in choices(open_)]
+    if len(set(bits)) == 1:
+        return f"{placed.bits} bits"
+    page = f"generated/docs/{device.name}/{variant.interface}.md#alternative-{open_[0].name}"
+    others = " or ".join(str(item) for item in dict.fromkeys([placed.bits, *bits]))
+    return f'{others} bits (<a href="{page}">open question</a>), drawn with {placed.bits}'
 
 
 def _frame(device: Device) -> tuple[Variant, PlacedLayout]:

@@ -13,6 +13,7 @@ from typing import Any
 from sphinx.application import Sphinx
 
 _TABLE = re.compile(r"<table\b([^>]*)>(.*?)</table>", re.DOTALL)
+_HEAD = re.compile(r"<thead\b.*?</thead>", re.DOTALL)
 _HEADING = re.compile(r"<th\b[^>]*>(.*?)</th>", re.DOTALL)
 _ROW = re.compile(r"<tr\b[^>]*>(.*?)</tr>", re.DOTALL)
 _CELL = re.compile(r"<td\b([^>]*)>(.*?)</td>", re.DOTALL)
@@ -36,6 +37,9 @@ def _table(found: re.Match[str]) -> str:
     attributes, inside = found.groups()
     inside = _CODE.sub(lambda code: code[1] + _breakable(code[2]) + code[3], inside)
     headings = [_text(item) for item in _HEADING.findall(inside.partition("</thead>")[0])]
+    if not any(headings):
+        # Markdown has no table without a row of headings.
+        inside = _HEAD.sub("", inside)
     rows = [[cell for _, cell in _CELL.findall(row)] for row in _ROW.findall(inside)]
     least = _least_width([headings, *rows])
     longest = max((sum(len(_text(cell)) for cell in row) for row in rows), default=0)

@@ -14,7 +14,10 @@ function labelled(text, input, hint = "") {
 
 const option = (name, text = "") => element("option", { value: name }, text);
 
-/** A box in an element: ``data-code`` fills in an order code, ``data-link`` follows the address of the page. */
+/**
+ * A box in an element: ``data-code`` fills in an order code, ``data-link`` follows the address of the page.
+ * ``data-evidence-above`` says that the page around the box states the evidence.
+ */
 function box(root) {
   const known = new Set(TABLE.families.flatMap((family) => family.codes.map((row) => row[0])));
   const codes = element("datalist", { id: `${CLASS}-codes-${boxes}` }, [...known].map((one) => option(one)));
@@ -85,8 +88,8 @@ function box(root) {
     const layout = rows.find((one) => one.found?.at)?.found.at.layout ?? register();
     ask(layout);
     const missing = undecided(layout);
-    const evidence = part("p", "note", state.found.family.evidence);
-    result.replaceChildren(...notes(), ...(rows.length > 1 ? many(rows, missing) : rows.flatMap(single)), evidence);
+    const evidence = root.hasAttribute("data-evidence-above") ? [] : [part("p", "note", state.found.family.evidence)];
+    result.replaceChildren(...notes(), ...(rows.length > 1 ? many(rows, missing) : rows.flatMap(single)), ...evidence);
     if (rows.length === 1 && rows[0].found && !isForm && !missing.length) state.fill?.(rows[0].found);
   }
 
@@ -122,15 +125,17 @@ function box(root) {
   }
 
   function withoutCode() {
-    const start = code.value.trim() ? [part("div", "bad", element("p", {}, sentence(helpFor(code.value))))] : [];
-    const [first] = linesOf(text.value);
-    if (!first) return start;
-    return [...start, ...guessesOf(inferred(first.text), (picked, sender) => {
+    const pick = (picked, sender = state.what) => {
       code.value = picked;
       state.what = sender;
       codeChanged();
       code.focus();
-    })];
+    };
+    const help = code.value.trim() ? helpFor(code.value) : "";
+    const near = help.split(/[\s,;]+/).filter((one) => known.has(one));
+    const start = help ? [part("div", "bad", element("p", {}, sentence(help)), codeButtons(near, pick))] : [];
+    const [first] = linesOf(text.value);
+    return first ? [...start, ...guessesOf(inferred(first.text), pick)] : start;
   }
 
   /** How the label differs from the codes in the manual, and the origin of the family. */
@@ -171,7 +176,7 @@ function box(root) {
     labelled("Order code, as on the label", code, "Leave it empty to list the codes that match the frame."), codes,
     labelled("Type", what),
     labelled("Frames, one per line, or the bytes of a register", text,
-      "Hex bytes, or one number (0x… or 0b…), in any usual spelling. A line can begin with a time. "
+      "Hex bytes, or one number (0x… or 0b…), in any usual notation. A line can begin with a time. "
       + "Text after # is a comment."),
     asks, form, result, part("p", "link", link));
   code.addEventListener("input", codeChanged);

@@ -264,11 +264,24 @@ function refuseOutside(at, number, limits) {
   }
 }
 
+/** The fields that together hold the only number of a register, such as a position. */
+function partsOfNumber(at) {
+  const [join] = at.joins;
+  return join ? join.parts : at.fields.filter(isGiven).map((item) => ({ item, low: 0 }));
+}
+
 /** The bytes of a register that holds one number, such as a position, in hex. */
 function bytesOfNumber(at, number, limits) {
-  const [join] = at.joins;
-  const parts = join ? join.parts : at.fields.filter(isGiven).map((item) => ({ item, low: 0 }));
-  return bytesFor(at, named(Object.fromEntries(splitInto(parts, number))), limits);
+  return bytesFor(at, named(Object.fromEntries(splitInto(partsOfNumber(at), number))), limits);
+}
+
+/** The highest number that a register can hold within its limits. */
+function highestNumber(at, limits) {
+  const tops = partsOfNumber(at).filter((one) => one.item)
+    .map(({ item, low }) => low + item.width - (item.field.kind === "signed" ? 1 : 0));
+  const [fits, limit] = [ones(Math.max(...tops)), limits?.high ?? null];
+  const allowed = limit === null ? fits : value(limit, at.parameters);
+  return allowed < fits ? allowed : fits;
 }
 
 /** The bytes of a register with these values, in hex. */

@@ -207,6 +207,15 @@ function resultOf(found, measure, command, others) {
   ];
 }
 
+/** A button for each order code, which calls ``pick`` with it. */
+function codeButtons(codes, pick) {
+  return part("div", "codes", codes.map((code) => {
+    const button = element("button", { type: "button" }, code);
+    button.addEventListener("click", () => pick(code));
+    return button;
+  }));
+}
+
 /** The order codes that match a frame; ``pick`` selects one of them. */
 function guessesOf(groups, pick) {
   if (!groups.length) return [part("div", "bad", element("p", {}, "This frame is not valid for any order code."))];
@@ -215,13 +224,8 @@ function guessesOf(groups, pick) {
     const { at } = group.decoded;
     const size = at.layout.order ? counted(at.bits / 8, "byte") : counted(at.bits, "bit");
     const check = group.decoded.crc ? "with a correct CRC" : "without a CRC";
-    const codes = group.codes.map((code) => {
-      const button = element("button", { type: "button" }, code);
-      button.addEventListener("click", () => pick(code, group.sender));
-      return button;
-    });
     const text = `${group.over.title} from the ${group.sender}, ${at.layout.title}: ${size}, ${check}`;
-    return [element("p", {}, text), part("div", "codes", codes)];
+    return [element("p", {}, text), codeButtons(group.codes, (code) => pick(code, group.sender))];
   });
   return [element("p", {}, "Valid frame of these order codes. Select the one on the label:"), list(rows)];
 }

@@ -115,6 +115,7 @@ STEPS = """
   const [box, other] = boxes, [code, what, text] = box.querySelectorAll("input, select, textarea");
   const seen = {};
   seen.other = other.querySelector("input").value;
+  seen.otherEvidence = said(other);
   type(code, "AMM5A23/65KJP1-xyz"); type(text, "02 20 C7 D1 6A 5E"); seen.reports = said(box);
   type(text, "02 00 C7 D1 6A 7F"); seen.fault = said(box);
   type(code, ""); type(text, "02 00 C7 D1 6A 7E"); seen.inferred = said(box);
@@ -135,25 +136,35 @@ STEPS = """
   type(code, "AM3619/4096-I7"); type(text, "0x0"); seen.delivered = said(box);
   type(box.querySelector("details input"), "12"); seen.held = said(box);
   type(code, "nothing/1"); seen.unknown = said(box);
+  type(code, "AMM5A21/65KSC2"); type(text, "0xF4243D3");
+  const near = box.querySelectorAll(".codewheel-decode-bad button");
+  seen.near = [...near].map((one) => one.innerText); near[0].click(); seen.corrected = [code.value, said(box)];
   return seen;
 """
 
 
 @pytest.fixture(scope="session")
-def seen(chromium: str, page: Path) -> dict[str, str]:
+def seen(chromium: str, page: Path) -> dict[str, Any]:
     """Return everything that a user sees at each step, for one start of the browser."""
-    boxes = '<div class="codewheel-decode"></div><div class="codewheel-decode" data-code="SMA21-SC4-0050"></div>'
-    found: dict[str, str] = shown(chromium, page, STEPS, boxes)
+    other = '<div class="codewheel-decode" data-code="SMA21-SC4-0050" data-evidence-above></div>'
+    boxes = f'<div class="codewheel-decode"></div>{other}'
+    found: dict[str, Any] = shown(chromium, page, STEPS, boxes)
     return found
 
 
 @pytest.mark.slow
-def test_a_box_has_the_order_code_of_its_element(seen: dict[str, str]) -> None:
+def test_a_box_has_the_order_code_of_its_element(seen: dict[str, Any]) -> None:
     assert seen["other"] == "SMA21-SC4-0050"
 
 
 @pytest.mark.slow
-def test_fields_reports_and_verdict(seen: dict[str, str]) -> None:
+def test_the_evidence_is_not_repeated_below_a_box_on_a_page_that_states_it(seen: dict[str, Any]) -> None:
+    assert "Evidence:" not in seen["otherEvidence"]
+    assert "Evidence: manual" in seen["reports"]
+
+
+@pytest.mark.slow
+def test_fields_reports_and_verdict(seen: dict[str, Any]) -> None:
     """The published reply of an AMM5, and the manual's remedy."""
     assert "not_usable: the position is not usable." in seen["reports"]
     assert "status_other_error: BUSY flag, PS error, battery alarm or MT error" in seen["reports"]
@@ -163,7 +174,7 @@ def test_fields_reports_and_verdict(seen: dict[str, str]) -> None:
 
 
 @pytest.mark.slow
-def test_a_fault_in_the_words_of_the_command(seen: dict[str, str]) -> None:
+def test_a_fault_in_the_words_of_the_command(seen: dict[str, Any]) -> None:
     assert "crc error: expected CRC 0x7e, got 0x7f" in seen["fault"]
     assert 'codewheel decode AMM5A23/65KJP1 "02 00 C7 D1 6A 7F"' in seen["fault"]
     early = seen["why"].index("started one clock early: an extra bit such as CDS is in front")
@@ -174,7 +185,7 @@ def test_a_fault_in_the_words_of_the_command(seen: dict[str, str]) -> None:
 
 
 @pytest.mark.slow
-def test_an_order_code_that_is_left_out(seen: dict[str, str]) -> None:
+def test_an_order_code_that_is_left_out(seen: dict[str, Any]) -> None:
     assert "AMM5A23/65KJP1" in seen["inferred"]
     assert "with a correct CRC" in seen["inferred"]
     assert seen["code"] == "AMM5A23/1JP1"
@@ -183,7 +194,14 @@ def test_an_order_code_that_is_left_out(seen: dict[str, str]) -> None:
 
 
 @pytest.mark.slow
-def test_registers_both_ways(seen: dict[str, str]) -> None:
+def test_a_wrong_order_code_has_the_nearest_ones_as_buttons(seen: dict[str, Any]) -> None:
+    assert seen["near"] == ["AMM5A21/65KSC1", "AMM5A17/65KSC1", "AMM5A23/65KSC1"]
+    assert seen["corrected"][0] == "AMM5A21/65KSC1"
+    assert "1000003 counts" in seen["corrected"][1]
+
+
+@pytest.mark.slow
+def test_registers_both_ways(seen: dict[str, Any]) -> None:
     """1,000,003 in the preset: low byte first, and the singleturn position ends at bit 32."""
     assert "1000003" in seen["preset"]
     assert seen["position"] == "1000003"
@@ -194,7 +212,7 @@ def test_registers_both_ways(seen: dict[str, str]) -> None:
 
 
 @pytest.mark.slow
-def test_what_the_manual_leaves_open_is_asked_for(seen: dict[str, str]) -> None:
+def test_what_the_manual_leaves_open_is_asked_for(seen: dict[str, Any]) -> None:
     assert "The manual is ambiguous here" in seen["open"]
     assert "address" not in seen["open"]
     assert seen["chosen"] is False
@@ -202,7 +220,7 @@ def test_what_the_manual_leaves_open_is_asked_for(seen: dict[str, str]) -> None:
 
 
 @pytest.mark.slow
-def test_registers_that_change_a_frame(seen: dict[str, str]) -> None:
+def test_registers_that_change_a_frame(seen: dict[str, Any]) -> None:
     """By default, singleturn has 20 bits and multiturn 16. Then singleturn has 12."""
     assert "44 bits" in seen["delivered"]
     assert "36 bits" in seen["held"]

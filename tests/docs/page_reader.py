@@ -99,11 +99,11 @@ def _heading(row: str) -> tuple[int, str] | None:
 
 
 def _listed(line: str) -> set[str]:
-    """Return the contacts in a cell of a table of pins: ``7, 8 (1), 7 to 12 (2)``."""
+    """Return the contacts in a cell of a table of pins: ``7, 8 (8 pins), 7 to 12 (12 pins)``."""
     found = set[str]()
     if ":" in line:
         return found
-    for part in re.sub(r" \(\d\)", "", line).split(", "):
+    for part in re.sub(r" \([\w ]+\)", "", line).split(", "):
         first, _, last = part.partition(" to ")
         is_range = first.isdecimal() and last.isdecimal()
         found |= {f"{number}" for number in range(int(first), int(last) + 1)} if is_range else {part}

@@ -108,6 +108,39 @@ def test_a_field_without_bits_has_no_row(pages: Files) -> None:
     assert "`zero_below_multiturn`" not in page_of(pages, "AMM5A21/65KSC1")
 
 
+def test_a_width_is_that_of_the_order_code(pages: Files) -> None:
+    """AMM5 5.2 and 6.2.1: the position has 17 to 39 bits. That of AMM5A21/65K has 37."""
+    biss, ssi = (page_of(pages, f"AMM5A21/65K{kind}").partition("## Errata")[0] for kind in ("SC1", "BG1"))
+    assert "It has 37 bits, most significant" in biss
+    assert "The word has as many bits as the position, 37, and starts" in ssi
+    assert "| 37 bits | Width of the whole position, revolutions included. The manual calls it" in biss
+    for page in of_codes(pages).values():
+        assert not re.search(r"\b(?:17 to 39|20 to 25)\b", page.partition('<a id="errata">')[0])
+    assert "It has 17 to 39 bits" in pages["docs/amm5/biss.md"]
+
+
+def test_contacts_are_listed_by_the_name_of_their_connector(pages: Files) -> None:
+    """ASC85 4: M12 and M23. SMA21 4.1: M12 with 8 or 12 pins."""
+    assert "| M12 | M23 | Wire | Signal |" in page_of(pages, "ASC8525/SC1")
+    assert "| Pin | Wire | Signal |" in page_of(pages, "SMA21-JP1-0050")
+    assert "| 7, 8 (8 pins), 7 to 12 (12 pins) |" in page_of(pages, "SMA21-JP1-0050")
+
+
+def test_the_frame_links_to_the_question_that_it_depends_on(pages: Files) -> None:
+    frame = page_of(pages, "ASC8525/SC1").partition("## Frame")[2].partition("## What to send")[0]
+    assert "an [open question](#alternative-zero_bit) with the answers `as_printed` and `left_out`." in frame
+    assert "open question" not in page_of(pages, "ASC8525/BG1").partition("## Frame")[2].partition("- CRC")[0]
+
+
+def test_the_first_paragraph_states_the_evidence(pages: Files) -> None:
+    head = page_of(pages, "AMM5A21/65KSC1").partition("## Wiring")[0]
+    assert "Evidence: manual (all pages of the manufacturer's document were read)." in head
+
+
+def test_the_procedures_are_counted(pages: Files) -> None:
+    assert "<summary><b>Procedures</b>: 4 procedures, step by step</summary>" in page_of(pages, "AMM5A21/65KSC1")
+
+
 @pytest.mark.parametrize(
     ("codes", "names"),
     [

@@ -90,5 +90,12 @@ def test_the_warning_about_hardware_is_given_once() -> None:
     assert [name for name, text in prose.items() if repeated.search(text)] == []
 
 
+@pytest.mark.parametrize("page", sorted((ROOT / "docs" / "site").glob("*.md")), ids=lambda page: page.stem)
+def test_links_of_the_site_s_own_pages_work_in_the_repository_too(page: Path) -> None:
+    links = re.findall(r"""(?:\]\(|\bhref=")([^)"#\s]+)""", page.read_text(encoding="utf-8"))
+    assert links
+    assert [link for link in links if ":" not in link and not (page.parent / link).exists()] == []
+
+
 def test_there_is_one_for_each() -> None:
     assert [page.stem for page in PAGES] == ["start-bench", "start-firmware", "start-maintainer", "start-master"]

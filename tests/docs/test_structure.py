@@ -165,3 +165,22 @@ def test_a_battery_step_cannot_be_misread(pages: Files) -> None:
     """4.3.2, step 11: the disk is rotated. The supply is not switched on."""
     (step,) = [line for line in pages["docs/amm5/hardware.md"].splitlines() if line.startswith("11. ")]
     assert step.count("keep turning the disk") == 3
+
+
+def test_a_sentence_links_to_the_errata_that_it_names(pages: Files) -> None:
+    link = "[`position_under_error`]({}errata.md#erratum-position_under_error)"
+    assert f"(erratum {link.format('')})" in pages["docs/amm5/biss.md"]
+    assert f"(erratum {link.format('')})" in pages["docs/amm5/AMM5A21-65KSC1.md"]
+    cable = ", ".join(f"[`{name}`](amm5/errata.md#erratum-{name})" for name in ("ssi_cable_400_m", "ssi_cable_50_m"))
+    assert f"errata {cable}" in pages["docs/amm5-masters.md"]
+
+
+def test_one_sentence_is_not_a_list(pages: Files) -> None:
+    for name in ("docs/amm5.md", "docs/amm5/ssi.md"):
+        assert "\n\nDifferences from other editions of the manual are noted inline." in pages[name]
+
+
+def test_a_printed_name_in_a_sentence_has_quotes(pages: Files) -> None:
+    """AMM5 6.4: a register. ASC85 6.4: a bit of the status register."""
+    assert 'close the register again with "Preset setting enable"' in " ".join(pages["docs/amm5/biss.md"].split())
+    assert 'The status "Error message" is forced to 1.' in pages["docs/asc85/biss.md"]

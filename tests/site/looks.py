@@ -22,7 +22,7 @@ _TABLES = """(() => {
   document.querySelectorAll("details").forEach((item) => { item.open = true; });
   const tables = [...document.querySelectorAll("article table")];
   const isCut = (item) => item.scrollWidth > item.clientWidth + 2;
-  const wide = tables.filter((item) => item.scrollWidth > item.parentElement.clientWidth + 2
+  const wide = tables.filter((item) => item.scrollWidth > item.parentElement.clientWidth
     || [...item.querySelectorAll("td, th")].some((cell) => cell.clientWidth > 1 && isCut(cell)));
   return [tables.length, wide.map((item) => item.innerText.trim().slice(0, 60))];
 })()"""

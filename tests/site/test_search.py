@@ -108,6 +108,15 @@ mutants                         | Mutants             | docs/mutants.html
 """
 #: As a technician types them: whole questions, typos, plurals, numbers, and labels with and without separators.
 TYPED = """
+AMM5A21/65KSC1 S/N 1234         | AMM5A21/65KSC1      | amm5/AMM5A21-65KSC1.html
+Lika AMM5A21/65KSC1 SN1234      | AMM5A21/65KSC1      | amm5/AMM5A21-65KSC1.html
+SMA21-JP1-0050 No. 10/2019      | SMA21-JP1-0050      | sma21/SMA21-JP1-0050.html
+AMM5A21/65KSC1 1234             | AMM5A21/65KSC1      | amm5/AMM5A21-65KSC1.html
+AMM5A21/65KSC1 serial number    | 44h to 47h Serial number | amm5/AMM5A21-65KSC1.html#register-serial_number
+C2000                           | TI C2000 PM_bissc   | am36-masters.html#ti-c2000-pm_bissc
+AMM5 novanta                    | Novanta (Ingenia) drives | amm5-masters.html#novanta-ingenia-drives
+zero position                   | Input: Zero setting/Preset | am36/biss.html#input-zero-settingpreset
+AMM5A21/65KSC1 zero position    | What to send        | amm5/AMM5A21-65KSC1.html#what-to-send
 how do I set zero               | Input: Zero setting/Preset | am36/biss.html#input-zero-settingpreset
 m12 pinout                      | M12 8-pin connector, A coding, male | am36/biss.html#m12-8-pin-connector-a-coding-male
 led red blinking                | LEDs                | amm5/biss.html#leds

@@ -83,6 +83,38 @@ def test_every_page_leads_back_and_has_the_search(site: Path) -> None:
 
 
 @pytest.mark.slow
+def test_a_table_without_headings_has_no_row_for_them(site: Path) -> None:
+    empty = re.compile(r"<thead>(?:\s|</?(?:tr|th|p)\b[^>]*>)*</thead>")
+    assert [path.name for path in site.rglob("*.html") if empty.search(path.read_text(encoding="utf-8"))] == []
+
+
+@pytest.mark.slow
+def test_the_header_is_one_line_on_a_tablet(site: Path, browser: Browser) -> None:
+    browser.look(768)
+    browser.open((site / "README.html").as_uri())
+    tops = '[...document.querySelectorAll("header.top > *")].map((item) => item.getBoundingClientRect())'
+    assert browser.run(f"{tops}.every((box, _, all) => box.top < all[0].bottom)") is True
+
+
+@pytest.mark.slow
+def test_the_wiring_fits_into_its_column(site: Path, browser: Browser) -> None:
+    browser.look(1280)
+    box = 'document.querySelector("#wiring .table-wrapper")'
+    for page in ("sma21/SMA21-SC1-0050", "sma21/SMA21-BG1-0050", "asc85/ASC8525-SC1", "amm5/AMM5A21-65KSC1"):
+        browser.open((site / f"generated/docs/{page}.html").as_uri())
+        assert browser.run(f"{box}.scrollWidth <= {box}.clientWidth"), page
+
+
+@pytest.mark.slow
+def test_a_card_does_not_answer_an_open_question(site: Path) -> None:
+    """The frame of ASC85 has 33 or 34 bits. The manual and a public driver differ."""
+    start = (site / "index.html").read_text(encoding="utf-8")
+    question = '<a href="generated/docs/asc85/biss.html#alternative-zero_bit">open question</a>'
+    assert f"Frame of ASC8525/SC1 over BiSS C-mode: 34 or 33 bits ({question}), drawn with 34." in start
+    assert "Frame of AMM5A23/65KSC1 over BiSS C-mode: 47 bits." in start
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(("width", "dark"), [LOOKS[1], LOOKS[2]])
 def test_a_sample_in_the_browser(site: Path, browser: Browser, width: int, dark: bool) -> None:
     browser.look(width, dark)

@@ -285,30 +285,43 @@ _PRESET = """((typed) => {
   const first = input.value;
   input.value = typed;
   input.dispatchEvent(new Event("input"));
-  const rows = [...document.querySelectorAll("#what-to-send td code.chosen")].map((item) => item.textContent);
-  return [first, input.nextElementSibling.textContent, rows, input.getAttribute("aria-invalid")];
+  const textsOf = (found) => [...document.querySelectorAll(found)].map((item) => item.textContent);
+  return [first, input.nextElementSibling.textContent, textsOf("#what-to-send td code.chosen"),
+          input.getAttribute("aria-invalid"), textsOf("#what-to-send td code"),
+          document.getElementById("preset-of-rows").textContent];
 })(%s)"""
 
 
 @pytest.mark.parametrize(("page", "typed", "data"), PRESETS)
 def test_the_bytes_follow_the_typed_preset(site: Path, browser: Browser, page: str, typed: str, data: str) -> None:
     browser.open((site / f"generated/docs/{page}.html").as_uri())
-    first, shown, rows, invalid = browser.run(_PRESET % json.dumps(typed))
+    first, shown, rows, invalid, _, about = browser.run(_PRESET % json.dumps(typed))
     assert (first, shown, invalid) == ("0", data, "false")
     assert len(rows) >= 1
     assert set(rows) == {data}
+    assert about == f"The preset is {int(typed.replace(',', ''), 0):,} in these rows."
 
 
 @pytest.mark.parametrize(
-    ("typed", "words"), [("137438953472", ""), ("abc", "Type a whole number"), ("-1", "Type a whole number")]
+    ("page", "typed", "words"),
+    [
+        ("amm5/AMM5A21-65KSC1", "137438953472", "The highest preset is 137438953471."),
+        ("am36/AM3616-4096-I7", "68719476736", "The highest preset is 68719476735."),
+        ("amm5/AMM5A21-65KSC1", "abc", "Type a whole number, such as 1000 or 0x3E8."),
+        ("amm5/AMM5A21-65KSC1", "-1", "Type a whole number, such as 1000 or 0x3E8."),
+        ("amm5/AMM5A21-65KSC1", "", "Type a whole number, such as 1000 or 0x3E8."),
+    ],
 )
-def test_a_preset_that_does_not_fit_is_refused(site: Path, browser: Browser, typed: str, words: str) -> None:
-    """The position of AMM5A21/65KSC1 has 37 bits."""
-    browser.open((site / "generated/docs/amm5/AMM5A21-65KSC1.html").as_uri())
-    _, shown, rows, invalid = browser.run(_PRESET % json.dumps(typed))
-    assert invalid == "true"
-    assert words in shown
-    assert set(rows) == {"00 00 00 00 00 00 00"}
+def test_a_preset_that_does_not_fit_leaves_no_bytes(
+    site: Path, browser: Browser, page: str, typed: str, words: str
+) -> None:
+    """The position of AMM5A21/65KSC1 has 37 bits. No row keeps the bytes of an earlier preset."""
+    browser.open((site / f"generated/docs/{page}.html").as_uri())
+    _, _, earlier, _, before, _ = browser.run(_PRESET % json.dumps("1000"))
+    _, shown, chosen, invalid, rows, about = browser.run(_PRESET % json.dumps(typed))
+    assert (shown, chosen, invalid) == (words, [], "true")
+    assert rows == ["…" if item in earlier else item for item in before]
+    assert "The preset is 1,000" not in about
 
 
 #: A page with its frame, the field that is pointed at, and what is shown about it. The frame of AMM5 is the manual's

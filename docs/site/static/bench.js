@@ -69,27 +69,38 @@
     const register = found.interface.registers?.find((one) => `#register-${one.name}` === link?.getAttribute("href"));
     if (!register) return;
     const codes = bytesAt(spaced(link.textContent));
+    const [at, limits] = [wheel.placedFor(found, register, {}, {}), register.limits?.[0]];
+    const highest = wheel.highestNumber(at, limits);
+    const about = document.getElementById("preset-of-rows");
     const input = element("input", {
       type: "text", id: "preset-number", inputmode: "numeric", autocomplete: "off", spellcheck: "false", value: "0",
     });
     const output = element("output", {});
-    function follow() {
-      const typed = input.value.replace(/[\s,_']/g, "");
-      const isNumber = /^(?:\d{1,20}|0x[\da-f]{1,16})$/i.test(typed);
-      let bytes = "";
-      let help = "Type a whole number, such as 1000 or 0x3E8.";
+    /** The bytes of a number, or the reason why it is not a preset. */
+    function bytesOrHelp(typed) {
+      if (!/^(?:\d{1,20}|0x[\da-f]{1,16})$/i.test(typed)) return { help: "Type a whole number, such as 1000 or 0x3E8." };
+      if (BigInt(typed) > highest) return { help: `The highest preset is ${highest}.` };
       try {
-        if (isNumber) bytes = wheel.bytesOfNumber(wheel.placedFor(found, register, {}, {}), BigInt(typed), register.limits?.[0]);
+        return { bytes: wheel.bytesOfNumber(at, BigInt(typed), limits) };
       } catch (error) {
         if (!(error instanceof wheel.Refusal)) throw error;
-        help = `${error.message}.`;
+        return { help: `${error.message}.` };
       }
+    }
+    function follow() {
+      const typed = input.value.replace(/[\s,_']/g, "");
+      const { bytes, help } = bytesOrHelp(typed);
       input.setAttribute("aria-invalid", `${!bytes}`);
       output.className = bytes ? "" : "wrong";
       output.replaceChildren(...(bytes ? [element("code", { class: "literal" }, bytes)] : [help]));
-      if (bytes) codes.forEach((code) => { code.textContent = bytes; });
+      // Bytes of an earlier number would be copied by mistake.
+      for (const code of codes) {
+        code.textContent = bytes ?? "…";
+        code.classList.toggle("chosen", Boolean(bytes));
+      }
+      about.textContent = bytes ? `The preset is ${BigInt(typed).toLocaleString("en")} in these rows.`
+        : "The rows have no bytes, because the preset is not valid.";
     }
-    codes.forEach((code) => code.classList.add("chosen"));
     input.addEventListener("input", follow);
     const before = document.querySelector("#what-to-send .table-wrapper");
     before.before(setting("Preset", input, output));

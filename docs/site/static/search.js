@@ -114,6 +114,17 @@
 
   const squeezed = (text) => text.toUpperCase().replace(/[^A-Z0-9]/g, "");
 
+  /** A serial number after an order code on the label, with everything that follows it. */
+  const SERIAL_NUMBER = /\s(?:S\/N|SN|No\.?|Nr\.?)[\s:#]*(?:\S*\d.*)?$/i;
+  /** Phrases that mean a task by their first word. */
+  const TASK = /\b(zero|home|reference) (?:position|point)\b/gi;
+
+  /** What was typed, in the words that are searched for. */
+  function searched(text) {
+    const label = text.replace(SERIAL_NUMBER, "");
+    return (read(label).label ? label : text).replace(TASK, "$1");
+  }
+
   /** What was typed: a label or the beginning of one, a family, and the words besides. */
   function read(text) {
     const pieces = text.trim().split(/\s+/).filter(Boolean);
@@ -231,6 +242,10 @@
     return sum && (isTitle ? 1.3 : 1) * sum + 3 / section.titleWords.size;
   }
 
+  /** Whether the words are from the name of a master, of which a section lists the settings. */
+  const isNamedMaster = (section, words) => section.page.kind === "masters" && !interfaces.has(nameOf(section.title))
+    && words.every(({ word }) => section.titleWords.has(word));
+
   const WEIGHTS = { code: 1, interface: 1, family: 0.95, general: 0.8, aside: 0.35, masters: 0.4, project: 0.2 };
 
   /** The sections that answer the words, best first; pages of other order codes are left out. */
@@ -247,14 +262,15 @@
       .map((section) => {
         // The upper part of the page of an order code answers most questions at once.
         const isUpper = section.isInSight && section.page === page;
-        const weight = section.isExample ? WEIGHTS.aside : WEIGHTS[section.page.kind];
+        const weight = section.isExample ? WEIGHTS.aside : isNamedMaster(section, words) ? 1 : WEIGHTS[section.page.kind];
         const score = scoreOf(section, words, someAreEnough, isUpper) * weight;
         return { section, score: isUpper ? 2 * score : score };
       })
       .map((one) => (one.score ? { ...one, score: one.score * bonus(one.section) } : one))
       .filter((one) => one.score > 0).sort((one, other) => other.score - one.score);
     const all = rank(false);
-    if (all.every((one) => ["masters", "project"].includes(one.section.page.kind))) return rank(true);
+    const isAside = ({ section }) => ["masters", "project"].includes(section.page.kind) && !isNamedMaster(section, words);
+    if (all.every(isAside)) return rank(true);
     const isOwn = (one) => one.section.page === page;
     return page && !all.some(isOwn) ? [...rank(true).filter(isOwn), ...all] : all;
   }
@@ -349,7 +365,7 @@
   }
 
   function results(text, from) {
-    const asked = read(text);
+    const asked = read(searched(text));
     const context = contextOf(asked, from);
     const { words: plainWords, others } = withoutInterfaces(asked);
     const subject = plainWords.filter((word) => !FILLERS.has(word.toLowerCase()));
@@ -371,14 +387,15 @@
       const text = `${asked.label.code} has ${asked.label.interface.title}, not ${title}.`;
       made.push(element("p", { class: "help", role: "note" }, text));
     }
-    if (asked.label && !words.length && context.page) {
-      made.push(...group(context.page.title, labelHits(asked.label, context.page)));
-    }
     const whole = plainWords.map(corrected).join(" ");
     const names = whole ? namesFor(whole, context) : [];
     const nameHits = names.slice(0, 6).map((one) => hit(one.page, one.anchor, one.name,
       `${one.family.toUpperCase()} ${one.what}`));
     const hits = found(words, context.page, whole);
+    // The page of a label comes first, even if it says nothing about the other words.
+    if (asked.label && context.page && !hits.some((one) => one.section.page === context.page)) {
+      made.push(...group(context.page.title, labelHits(asked.label, context.page)));
+    }
     const isOf = {
       code: ({ page }) => page === context.page,
       over: ({ page }) => page.family === context.family && page.over === context.over && page.over !== "",

@@ -194,7 +194,7 @@ class Variant(Rotary, Wrapping):
         multiturn_bits: Number of bits for the revolutions given by the order code [5.2]. Unit: bits.
         ssi_gray: Position encoding over SSI, given by the order code: 1 Gray code, 0 binary code [5, 5.2].
         used_singleturn_bits: Width of the singleturn part of the BiSS position, as currently set: the base-2 logarithm
-            of Information per revolution [6.5 p.31]. Unit: bits. Read at run time from register 56h
+            of "Information per revolution" [6.5 p.31]. Unit: bits. Read at run time from register 56h
             (``singleturn_bits_used.bits``), 0 to 20. Applies only to BiSS C-mode. The value is the factory default
             unless set by with_registers().
         used_multiturn_bits: Width of the multiturn part of the BiSS position, as currently set [6.5 p.31]. Unit: bits.
@@ -516,7 +516,7 @@ def crc_biss_4(number: int, bits: int) -> int:
 
 class CountingDirection(IntEnum):
     """Counting direction: Direction of rotation in which the position counts up, seen from the shaft, while the
-    Counting direction input is at 0VDC.
+    "Counting direction" input is at 0VDC.
     """
 
     CW = 0
@@ -535,14 +535,14 @@ class OutputCode(IntEnum):
 
 
 class EnablePreset(IntEnum):
-    """Enable preset: Enables writing of the Preset registers and activation of the preset, by command or by the Zero
-    setting/Preset input.
+    """Enable preset: Enables writing of the Preset registers and activation of the preset, by command or by the
+    "Zero setting/Preset" input.
     """
 
     ENABLE = 0
     """Enable: Preset function enabled."""
     DISABLE = 1
-    """Disable: Preset function disabled, including the Zero setting/Preset input."""
+    """Disable: Preset function disabled, including the "Zero setting/Preset" input."""
 
 
 # SSI
@@ -920,7 +920,7 @@ class Command(IntEnum):
     after a write.
 
     After a command, the register automatically returns to 00. If a new resolution and a new preset are set together,
-    the command Save parameters and activate Preset stores the resolution but sets the preset to zero. The preset must
+    the command "Save parameters and activate Preset" stores the resolution but sets the preset to zero. The preset must
     then be written again.
 
     Errata (full text in ERRATA):
@@ -976,18 +976,18 @@ class Configuration(FixedRegister, _Configuration):
 
     Attributes:
         counting_direction: Counting direction: Direction of rotation in which the position counts up, seen from the
-            shaft, while the Counting direction input is at 0VDC. Default: 0. A high level at the Counting direction
+            shaft, while the "Counting direction" input is at 0VDC. Default: 0. A high level at the "Counting direction"
             input reverses the direction. After a change, a new preset must be set.
         output_code: Output code: Position encoding. Default: 1.
         enable_preset: Enable preset: Enables writing of the Preset registers and activation of the preset, by command
-            or by the Zero setting/Preset input. Default: 0.
+            or by the "Zero setting/Preset" input. Default: 0.
 
     Preset function, output code and counting direction.
 
     Default: ``20``. Save the parameters after a write, or the encoder loses the value at power-off.
 
-    A new value takes effect immediately. The command Save parameters on EEPROM saves it. Bits 0, 1, 3, 4 and 7 are not
-    used. According to the list of defaults they are 0.
+    A new value takes effect immediately. The command "Save parameters on EEPROM" saves it. Bits 0, 1, 3, 4 and 7 are
+    not used. According to the list of defaults they are 0.
 
     Errata (full text in ERRATA):
         enable_preset_polarity (settled, wrong data): 0 enables the preset function. 1 disables it.
@@ -1049,8 +1049,8 @@ class InformationPerRevolution(FixedRegister, _InformationPerRevolution):
     with the default. A write sets ``preset`` to zero.
 
     A new value takes effect immediately, which can change the length of the frame, and sets the preset to zero. The
-    command Save parameters on EEPROM saves it. Only powers of two are accepted. Register 56h shows the resulting number
-    of bits.
+    command "Save parameters on EEPROM" saves it. Only powers of two are accepted. Register 56h shows the resulting
+    number of bits.
 
     Errata (full text in ERRATA):
         biss_singleturn_resolution (open, wrong data): The widths come from registers 56h and 57h, with their printed
@@ -1102,8 +1102,8 @@ class NumberOfRevolutions(FixedRegister, _NumberOfRevolutions):
     parameters after a write, or the encoder loses the value at power-off. A write sets ``preset`` to zero.
 
     Any number from 1 to 65,536 is allowed, including numbers that are not powers of two. A new value takes effect
-    immediately, which can change the length of the frame, and sets the preset to zero. The command Save parameters on
-    EEPROM saves it. Register 57h shows the resulting number of bits. With more than 4,096 revolutions set, the shaft
+    immediately, which can change the length of the frame, and sets the preset to zero. The command "Save parameters on
+    EEPROM" saves it. Register 57h shows the resulting number of bits. With more than 4,096 revolutions set, the shaft
     must not turn by more than 2,047 revolutions in either direction while the encoder is off. Otherwise the absolute
     position is lost.
 
@@ -1158,11 +1158,11 @@ class Preset(RegisterOf["BissEncoder"], _Preset):
     - 1`` for ``position``. Can be written only while ``configuration.enable_preset`` is 0 (``enable``). Save the
     parameters after a write, or the encoder loses the value at power-off.
 
-    The printed maximum, 0F FF FF FF FF, applies to the default resolution. Set the Enable preset bit to 0 (enable)
-    before writing. The command Save parameters on EEPROM saves the value without activating it. The command Save
-    parameters and activate Preset saves and activates it. The Zero setting/Preset input activates it as well. The
+    The printed maximum, 0F FF FF FF FF, applies to the default resolution. Set the "Enable preset" bit to 0 (enable)
+    before writing. The command "Save parameters on EEPROM" saves the value without activating it. The command "Save
+    parameters and activate Preset" saves and activates it. The "Zero setting/Preset" input activates it as well. The
     manual suggests activating it at a standstill. Set the preset again after a change of the counting direction, of
-    Information per revolution or of Number of revolutions. The preset can be used, for instance, to align the zero
+    "Information per revolution" or of "Number of revolutions". The preset can be used, for instance, to align the zero
     points of encoder and application.
 
     Errata (full text in ERRATA):
@@ -1263,7 +1263,7 @@ class SingleturnBitsUsed(FixedRegister, _SingleturnBitsUsed):
     Attributes:
         bits: Width of the singleturn part of the position. Unit: bits.
 
-    Singleturn resolution in bits, as set by Information per revolution.
+    Singleturn resolution in bits, as set by "Information per revolution".
 
     Default: ``14``.
 
@@ -1303,7 +1303,7 @@ class MultiturnBitsUsed(FixedRegister, _MultiturnBitsUsed):
     Attributes:
         bits: Width of the multiturn part of the position. Unit: bits.
 
-    Bits of the multiturn resolution, as set by Number of revolutions.
+    Bits of the multiturn resolution, as set by "Number of revolutions".
 
     Default: ``10``.
 
@@ -1628,7 +1628,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """Set and save a preset without activating it [6.5 p.29, 4.4 p.15].
 
-    Result: The preset is saved. The position is the same as before. The Zero setting/Preset input or activate_preset
+    Result: The preset is saved. The position is the same as before. The "Zero setting/Preset" input or activate_preset
     activates the preset.
 
     Errata (full text in ERRATA):
@@ -1689,8 +1689,8 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Save the parameters and activate the current preset [6.5 p.24, 6.5 p.25].
 
-    Before: The Enable preset bit is 0 (enable), the factory default. The manual suggests activating the preset with the
-    shaft at a standstill.
+    Before: The "Enable preset" bit is 0 (enable), the factory default. The manual suggests activating the preset with
+    the shaft at a standstill.
 
     Result: The position at the moment of the command becomes the preset value.
 

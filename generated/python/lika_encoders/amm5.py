@@ -2186,10 +2186,10 @@ class Preset(RegisterOf["BissEncoder"], _Preset):
     ``position``. Can be written only while ``preset_setting_enable`` is 01h (``enable``). Save the parameters after a
     write, or the encoder loses the value at power-off.
 
-    Bits 55:49, bits 9:8 and all of byte 11h are always 0. After writing the value, close the register again with Preset
-    setting enable and save the value. Then activate it, if it should take effect immediately. The manual suggests
-    activating it at a standstill. The preset can be used, for instance, to align the zero points of encoder and
-    application.
+    Bits 55:49, bits 9:8 and all of byte 11h are always 0. After writing the value, close the register again with
+    "Preset setting enable" and save the value. Then activate it, if it should take effect immediately. The manual
+    suggests activating it at a standstill. The preset can be used, for instance, to align the zero points of encoder
+    and application.
 
     Errata (full text in ERRATA):
         preset_limit (settled, wrong limit): The maximum is 2^position_bits − 1.

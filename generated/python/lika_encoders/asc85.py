@@ -832,32 +832,32 @@ class DiagnosticData(FixedRegister, _DiagnosticData):
     """Diagnostic data, register 5Ah, read only, over BiSS C-mode [6.4 p.24].
 
     Attributes:
-        amplitude_control_maximum_current: Amplitude control maximum current: Set together with Control error. Detected
-            by monitoring the amplitude control's output current. True when 1: the output current of the amplitude
-            control has reached its upper threshold. False when 0: no active error.
-        signal_level_maximum_amplitude: Signal level maximum amplitude: Set together with Control error. Detected by the
-            signal level monitoring. True when 1: the signal level has reached its upper threshold. False when 0: no
+        amplitude_control_maximum_current: Amplitude control maximum current: Set together with "Control error".
+            Detected by monitoring the amplitude control's output current. True when 1: the output current of the
+            amplitude control has reached its upper threshold. False when 0: no active error.
+        signal_level_maximum_amplitude: Signal level maximum amplitude: Set together with "Control error". Detected by
+            the signal level monitoring. True when 1: the signal level has reached its upper threshold. False when 0: no
             active error.
-        dc_maximum_offset: DC maximum offset: Set together with Signal error. The signal monitoring checks the DC
+        dc_maximum_offset: DC maximum offset: Set together with "Signal error". The signal monitoring checks the DC
             voltage of all analogue signal lines. True when 1: an analogue signal line has reached the upper threshold
             of its DC voltage. False when 0: no active error.
-        ac_maximum_amplitude: AC maximum amplitude: Set together with Signal error. The signal monitoring checks the AC
-            amplitude of the differential signals. True when 1: a differential signal has reached the upper threshold of
-            its AC amplitude. False when 0: no active error.
-        amplitude_control_minimum_current: Amplitude control minimum current: Set together with Control error. Detected
-            by monitoring the amplitude control's output current. True when 1: the output current of the amplitude
-            control has fallen to its lower threshold. False when 0: no active error.
-        signal_level_minimum_amplitude: Signal level minimum amplitude: Set together with Control error. Detected by the
-            signal level monitoring. True when 1: the signal level has fallen to its lower threshold. False when 0: no
-            active error.
-        dc_minimum_offset: DC minimum offset: Set together with Signal error. The signal monitoring checks the DC
+        ac_maximum_amplitude: AC maximum amplitude: Set together with "Signal error". The signal monitoring checks the
+            AC amplitude of the differential signals. True when 1: a differential signal has reached the upper threshold
+            of its AC amplitude. False when 0: no active error.
+        amplitude_control_minimum_current: Amplitude control minimum current: Set together with "Control error".
+            Detected by monitoring the amplitude control's output current. True when 1: the output current of the
+            amplitude control has fallen to its lower threshold. False when 0: no active error.
+        signal_level_minimum_amplitude: Signal level minimum amplitude: Set together with "Control error". Detected by
+            the signal level monitoring. True when 1: the signal level has fallen to its lower threshold. False when 0:
+            no active error.
+        dc_minimum_offset: DC minimum offset: Set together with "Signal error". The signal monitoring checks the DC
             voltage of all analogue signal lines. True when 1: an analogue signal line has fallen to the lower threshold
             of its DC voltage. False when 0: no active error.
-        ac_minimum_amplitude: AC minimum amplitude: Set together with Signal error. The signal monitoring checks the AC
-            amplitude of the differential signals. True when 1: a differential signal has fallen to the lower threshold
-            of its AC amplitude. False when 0: no active error.
+        ac_minimum_amplitude: AC minimum amplitude: Set together with "Signal error". The signal monitoring checks the
+            AC amplitude of the differential signals. True when 1: a differential signal has fallen to the lower
+            threshold of its AC amplitude. False when 0: no active error.
 
-    Cause of a Control error or Signal error in the error register.
+    Cause of a "Control error" or "Signal error" in the error register.
     """
 
     __slots__ = ()
@@ -901,36 +901,36 @@ class Command(IntEnum):
     """
 
     REQUEST_POSITION = 0
-    """Request of new position data: Requests new position data. Until they are available, the status Position data
-    valid is 0. They are read from the position register.
+    """Request of new position data: Requests new position data. Until they are available, the status "Position data
+    valid" is 0. They are read from the position register.
     """
     SAVE_CONFIGURATION = 1
     """Write current configuration to EEPROM: Writes the configuration registers, 00h to 2Dh, and a new checksum to
-    the EEPROM. These registers are reserved for the manufacturer. During the write, the status Internal data bus
-    busy and the error Configuration error are 1. The error remains if the write failed. Without an EEPROM connected
-    at power-on, the command has no effect.
+    the EEPROM. These registers are reserved for the manufacturer. During the write, the status "Internal data bus
+    busy" and the error "Configuration error" are 1. The error remains if the write failed. Without an EEPROM
+    connected at power-on, the command has no effect.
     """
     READ_ABSOLUTE_DATA = 2
     """Read new data via absolute data interface: Makes the absolute data interface read absolute data again. If this
-    succeeds, the cycle counter is set. Otherwise it becomes 0. The status Absolute data valid and the error Absolute
-    data error are set accordingly.
+    succeeds, the cycle counter is set. Otherwise it becomes 0. The status "Absolute data valid" and the error
+    "Absolute data error" are set accordingly.
     """
     SOFTWARE_RESET = 3
     """Trigger software reset: Restarts the encoder and reads the configuration, which a CRC protects, from the
     EEPROM. If the CRC check fails at the first attempt, for example because the EEPROM was never programmed, all
-    configuration registers become 0, Configuration error becomes 1, and the serial interface starts with the SSI
-    protocol. Without an EEPROM, the internal registers become 0, Configuration error becomes 1, and the interface
+    configuration registers become 0, "Configuration error" becomes 1, and the serial interface starts with the SSI
+    protocol. Without an EEPROM, the internal registers become 0, "Configuration error" becomes 1, and the interface
     starts as configured.
     """
     VERIFY_CONFIGURATION = 4
     """Verify CRC of internal configuration: Checks all configuration registers against the checksum. During the
-    check, the status Internal data bus busy and the error Configuration error are 1. The error remains if the check
-    failed.
+    check, the status "Internal data bus busy" and the error "Configuration error" are 1. The error remains if the
+    check failed.
     """
     SIMULATE_ERROR = 5
-    """Error simulation: activate Error message status: Forces the status Error message to 1."""
+    """Error simulation: activate Error message status: Forces the status "Error message" to 1."""
     CLEAR_SIMULATED_ERROR = 6
-    """Error simulation: delete Error message status: Forces the status Error message to 0."""
+    """Error simulation: delete Error message status: Forces the status "Error message" to 0."""
 
     @classmethod
     def decode(cls, data: Data) -> Command:
@@ -993,8 +993,8 @@ class Status(FixedRegister, _Status):
 
     The register is read separately, not together with a position. It shows the status at the time of reading. It
     therefore gives no verdict on a position in a frame, which has its own Error and Warning bits, or on a position read
-    from the position register at another time. Before reading the position register, wait until Position data valid is
-    1, as in the procedure request_position.
+    from the position register at another time. Before reading the position register, wait until "Position data valid"
+    is 1, as in the procedure request_position.
 
     Errata (full text in ERRATA):
         absolute_data_valid_bit (settled, wrong data): Absolute data valid is bit 1.
@@ -1127,7 +1127,7 @@ class ErrorRegister(FixedRegister, _ErrorRegister):
 
     Currently active error and warning messages.
 
-    Bits 2 and 7 are not used. A fault also sets the status Warning message or Error message, or both. Reading the
+    Bits 2 and 7 are not used. A fault also sets the status "Warning message" or "Error message", or both. Reading the
     position clears a message. The message appears again while its cause persists.
 
     Errata (full text in ERRATA):
@@ -1363,7 +1363,7 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
     Result: The cycle counter is set from the absolute data. If the read failed, it is 0.
 
-    The manual does not say how long the read takes, or whether Absolute data valid goes to 0 first. After a failed
+    The manual does not say how long the read takes, or whether "Absolute data valid" goes to 0 first. After a failed
     read, the bit does not become 1. Stop after a while and read the error register.
 
     Errata (full text in ERRATA):
@@ -1452,7 +1452,7 @@ def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]
 def simulate_error(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """Simulate an error [6.4 p.27].
 
-    Result: The status Error message is forced to 1.
+    Result: The status "Error message" is forced to 1.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1475,7 +1475,7 @@ def simulate_error(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 def clear_simulated_error(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     """End the simulation of an error [6.4 p.27].
 
-    Result: The status Error message is forced to 0.
+    Result: The status "Error message" is forced to 0.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1517,7 +1517,12 @@ def reset_errors(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         Read(Address.ERROR_REGISTER, 1, "error_register", "shows the active messages"),
-        Read(Address.DIAGNOSTIC_DATA, 1, "diagnostic_data", "shows the cause of Control error and Signal error"),
+        Read(
+            Address.DIAGNOSTIC_DATA,
+            1,
+            "diagnostic_data",
+            "shows the cause of \"Control error\" and \"Signal error\"",
+        ),
         Read(Address.POSITION, 4, "position", "reading out position data resets the messages"),
         Read(Address.ERROR_REGISTER, 1, "error_register", "a message that is still set has a persistent cause"),
     )

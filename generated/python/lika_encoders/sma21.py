@@ -39,7 +39,7 @@ Differences from other editions of the manual are noted inline. For the files of
 generate --edition sma21=1.0``.
 
 Before edition 1.1 [Release table]:
-    Not known: The cause of Encoder inharmonious error, whether it is kept, and how it is cleared.
+    Not known: The cause of "Encoder inharmonious error", whether it is kept, and how it is cleared.
     Why: The description of the alarm was removed with the alarm.
 
 BiSS is a trademark of iC-Haus GmbH. The encoders described here are products of Lika Electronic s.r.l. This project is
@@ -2423,7 +2423,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 
     The ten requests must follow one another directly. Stop polling the position during the reset. Send no request until
     the initialization, which is the same as after power-on, is complete. The manual does not say how long it takes.
-    Reset an Initialization error only after the initialization is complete and normal operation has started again.
+    Reset an "Initialization error" only after the initialization is complete and normal operation has started again.
 
     Errata (full text in ERRATA):
         reset_interval (open, omission): No other request is sent in between.

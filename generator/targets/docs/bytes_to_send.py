@@ -62,7 +62,9 @@ def sending(family: Device, device: Device, interface: Interface, variant: Varia
             elif preset is None:
                 facts.append(f"The {document(device)} describes no preset over BiSS.")
             else:
-                facts.append("Addresses and bytes are in hexadecimal. The preset is 0 in these rows.")
+                # The script of the site changes this sentence together with the bytes.
+                zero = '<span id="preset-of-rows">The preset is 0 in these rows.</span>'
+                facts.append(f"Addresses and bytes are in hexadecimal. {zero}")
         case Rs485():
             if interface.exchanges:
                 facts.append("The frames of the master are requests. The frames of the encoder answer them.")

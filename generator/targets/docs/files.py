@@ -82,8 +82,12 @@ def _family(device: Device, library: Library, options: Options) -> _Part:
         raise TargetError(str(error)) from None
     codes = order_code_page.Codes(device)
     files = {f"docs/{device.name}/{name}": picture for name, picture in _pictures(codes)}
+    pages = _rendered(dict(_pages(codes, masters)), library)
+    linked = {
+        name: page_links.with_errata_linked(device, name.removeprefix("docs/"), made) for name, made in pages.items()
+    }
     return {
-        "files": files | _rendered(dict(_pages(codes, masters)), library),
+        "files": files | linked,
         "order_codes": list(_order_codes(codes)),
     }
 

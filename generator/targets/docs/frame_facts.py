@@ -16,7 +16,7 @@ from ...plan.reports import reportings
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Only, Speaks
 from ...say.crc import inverted
-from ...say.markdown import STYLE, code, text
+from ...say.markdown import STYLE, code, link, text
 from ...say.place import bits, frame_bytes
 from ...say.report import deciding
 from ...say.text import said
@@ -35,6 +35,14 @@ def position_frame(family: Device, here: Interface) -> Layout | None:
         return len(of & {field.name for field in item.fields}), flags, -item.widest
 
     return max((item for item in here.layouts if item.name in telling), key=worth, default=None)
+
+
+def questions(device: Device, layout: Layout) -> Iterator[str]:
+    """Yield a sentence for each question about a frame that the manual leaves open, with a link to it."""
+    for item in device.alternatives_of(layout):
+        asked = link("open question", f"#alternative-{item.name}")
+        answers = " and ".join(code(answer.name) for answer in item.answers)
+        yield f"This frame depends on an {asked} with the answers {answers}."
 
 
 def frame_facts(family: Device, layout: Layout, variant: Variant) -> Iterator[tuple[str, str]]:

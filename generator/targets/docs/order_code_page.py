@@ -11,13 +11,14 @@ from ...model.record import dataclass
 from ...order_codes.narrowing import for_codes
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.with_numbers import applied
+from ...say.evidence import grade
 from ...say.layout import size
 from ...say.markdown import STYLE, cited, code, link, text
 from ...say.measurement import measurement
 from ...say.name import title
 from ...say.parameter import value
 from ...say.place import field_at, hexadecimal
-from ...say.text import said
+from ...say.text import Said, said
 from ...say.words import counted, sentence, with_unit
 from ..file_names import names_of_codes
 from . import bytes_to_send, clock_and_cable, frame_facts, pin_tables, short_tables, wide_pictures
@@ -26,6 +27,7 @@ from .inline_errata import Badges
 from .interface_page import OverValues, over_values
 from .interface_sections import Section, Sections, sections
 from .order_code_patterns import patterns
+from .own_widths import own_meaning, with_own_widths
 from .page_pictures import Pictures, of_codes, of_family
 
 Row = tuple[str, ...]
@@ -41,13 +43,15 @@ class CodePage(Sections, OverValues):
     codes: Annotated[Sequence[str], "the order codes, which differ only in mechanics or supply"]
     lead: Annotated[str, "first sentences of the note on the interface"]
     position: Annotated[str, "unit and range of the position"]
+    evidence: Annotated[Said, "grade of the evidence"]
     wiring: Annotated[pin_tables.Wiring, "contacts and signals: head, rows, about, notes, errata"]
     supply: Annotated[list[str], "supply, with order codes if it differs between them"]
     speed: Annotated[clock_and_cable.Speed, "clock or baud rate by cable length: title, facts, head, rows"]
-    frame: Annotated[Section | None, "frame with the position: title, name, size, wide, narrow, facts"]
+    frame: Annotated[Section | None, "frame with the position: title, name, size, questions, wide, narrow, facts"]
     sending: Annotated[bytes_to_send.Sending, "bytes to send: facts, requests, commands, other_value"]
     frames_summary: Annotated[str, "number of frames and CRCs"]
     registers_summary: Annotated[str, "number of registers and their addresses"]
+    procedures_summary: Annotated[str, "number of procedures"]
     setting_lines: Annotated[list[str], "settings of the interface"]
     time_rows: Annotated[list[Row], "duration and meaning of each time"]
     by_hand: Annotated[list[ByHand], "procedures carried out by hand"]
@@ -105,7 +109,8 @@ class Codes:
 
     def _alike(self, variants: tuple[Variant, ...], name: str) -> Alike:
         only = for_codes(self.device, [item.code for item in variants])
-        return Alike(self.device, variants, only, applied(only, variants[0]), name)
+        here = with_own_widths(self.device, applied(only, variants[0]), variants[0])
+        return Alike(self.device, variants, only, here, name)
 
     @cached_property
     def pictures(self) -> Pictures:
@@ -151,6 +156,7 @@ def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage
         # The notes on SSI and RS-485 begin with the line, those on BiSS with limits that users must keep.
         "lead": lead(interface.note) if isinstance(interface, Biss) else "",
         "position": STYLE.phrase(measurement(measured)) if measured is not None else "",
+        "evidence": grade(here),
         "wiring": pin_tables.wiring(here),
         "supply": pin_tables.supply(here, alike.variants),
         "speed": clock_and_cable.speed(here, interface, alike.frame),
@@ -170,6 +176,7 @@ def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage
         "procedures": [
             {**item, "steps": list(short_tables.steps(here, item["procedure"]))} for item in found["procedures"]
         ],
+        "procedures_summary": f"{counted(len(here.procedures), 'procedure')}, step by step",
         "setting_lines": list(short_tables.setting_lines(here, interface)),
         "frames_summary": counted(len(interface.layouts), "frame") + (" with CRC" if here.crcs else ""),
         "registers_summary": _summary(here),
@@ -200,6 +207,7 @@ def _frame(alike: Alike, layout: Layout, pictures: Pictures) -> Section:
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
         "narrower": wide_pictures.SCREEN - 1,
+        "questions": list(frame_facts.questions(alike.here, layout)),
         "facts": list(frame_facts.frame_facts(alike.family, layout, alike.variants[0])),
         "crc_path": [f"crcs.{checked.name}"] if checked is not None else [],
     }
@@ -233,5 +241,5 @@ def _quantity(alike: Alike, item: Parameter, is_held: bool) -> Row:
     kind = "Value of the order code" if by_code else "Factory default"
     held = f" {kind}, held in {text(field_at(alike.family, item.read_from))}." if item.read_from else ""
     held = held or (" Factory default, set by registers." if is_held else "")
-    about = f"{text(sentence(item.meaning))}{held} <small>{code(item.name)}</small>"
+    about = f"{text(sentence(own_meaning(alike.family, item)))}{held} <small>{code(item.name)}</small>"
     return with_unit(shown, text(item.unit)), f"{about} <small>{cited(item.source)}</small>"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import replace
 
@@ -38,6 +39,19 @@ def to_procedure(device: Device, item: Procedure) -> str:
 
 def to_erratum(device: Device, name: str) -> str:
     return link(code(name), f"{device.name}/{ERRATA}#erratum-{name}")
+
+
+def with_errata_linked(device: Device, page: str, made: str) -> str:
+    """Return a page of a family with links to the errata that its sentences name, as in ``See erratum crc_start.``"""
+    if not device.errata:
+        return made
+    folder = "" if page.startswith(f"{device.name}/") else f"{device.name}/"
+    name = f"(?:{'|'.join(sorted((item.name for item in device.errata), key=len, reverse=True))})\\b"
+
+    def linked(found: re.Match[str]) -> str:
+        return re.sub(name, lambda one: link(code(one[0]), f"{folder}{ERRATA}#erratum-{one[0]}"), found[0])
+
+    return re.sub(rf"\berrat(?:um|a)\s(?:{name}(?:, (?={name}))?)+", linked, made)
 
 
 def to_steps(folder: str, names: Iterable[str]) -> list[str]:

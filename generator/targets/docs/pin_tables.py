@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import TypeVar
+from collections.abc import Sequence
 
 from ...model import (
     Connector,
@@ -15,7 +14,6 @@ from ...say.markdown import anchor, cited, code, text
 from ...say.words import sentence, volts
 
 Row = tuple[str, ...]
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,12 +36,10 @@ def wiring(device: Device) -> Wiring:
     columns = _columns(device.connectors)
     signals = dict.fromkeys(item.signal for connector in device.connectors for item in connector.contacts)
     kinds = ["Wire" if column[0].kind == "cable" else "Pin" for column in columns]
-    head = [
-        kind if kinds.count(kind) == 1 else f"{kind} {kinds[: index + 1].count(kind)}"
-        for index, kind in enumerate(kinds)
-    ]
+    names = _short_names([column[0].title for column in columns])
+    head = [kind if kinds.count(kind) == 1 else name for kind, name in zip(kinds, names, strict=True)]
     rows = [(*(_contacts(column, signal) for column in columns), text(signal)) for signal in signals]
-    about = [f"{name}: {', '.join(_marked(column, _named))}" for name, column in zip(head, columns, strict=True)]
+    about = [f"{name}: {', or '.join(map(_named, column))}" for name, column in zip(head, columns, strict=True)]
     sentences = [item.note.rstrip(".").split(". ") for item in device.connectors]
     notes = [text(sentence(one)) for one in (sentences or [[]])[0] if one and all(one in other for other in sentences)]
     errata = tuple(f"connectors.{item.name}" for item in device.connectors)
@@ -73,16 +69,21 @@ def _by_signal(connector: Connector) -> dict[str, list[str]]:
 
 
 def _contacts(column: Sequence[Connector], signal: str) -> str:
-    """Return the contacts of a signal, marked with the number of their connector if they differ."""
+    """Return the contacts of a signal, marked with the name of their connector if they differ."""
     found = [_in_short(_by_signal(item).get(signal, [])) for item in column]
-    return text(found[0] if len(set(found)) == 1 else ", ".join(_marked(found, str)))
+    names = _short_names([item.title for item in column])
+    marked = [f"{contacts} ({name})" for contacts, name in zip(found, names, strict=True) if contacts]
+    return text(found[0] if len(set(found)) == 1 else ", ".join(marked))
 
 
-def _marked(items: Sequence[T], written: Callable[[T], str]) -> list[str]:
-    """Return the items that are not empty, followed by their number if there are several in a column."""
-    return [
-        f"{written(item)} ({index})" if len(items) > 1 else written(item) for index, item in enumerate(items, 1) if item
-    ]
+def _short_names(titles: Sequence[str]) -> list[str]:
+    """Return the first words by which titles differ, such as M12 and M23, or 8 pins and 12 pins."""
+    for pieces in zip(*(title.split(", ") for title in titles), strict=False):
+        for count in range(1, max(len(piece.split()) for piece in pieces) + 1):
+            names = [" ".join(piece.split()[:count]) for piece in pieces]
+            if len(set(names)) == len(names) and not any(name.isdecimal() for name in names):
+                return names
+    return [f"connector {index}" for index, _ in enumerate(titles, 1)]
 
 
 def _in_short(contacts: Sequence[str]) -> str:

@@ -129,7 +129,7 @@ extern "C" {
 typedef struct lika_am36_biss {
     /**
      * Width of the singleturn part of the BiSS position, as currently set: the base-2 logarithm of
-     * Information per revolution [6.5 p.31]. Unit: bits. Read at run time from register 56h (Bits
+     * "Information per revolution" [6.5 p.31]. Unit: bits. Read at run time from register 56h (Bits
      * in No. of bits used for singleturn resolution), 0 to 20.
      * lika_am36_biss_take_singleturn_bits_used() updates it.
      */

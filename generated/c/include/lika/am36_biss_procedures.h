@@ -193,8 +193,8 @@ static inline cw_result lika_am36_biss_store_preset_steps(
 
 /**
  * Set and save a preset without activating it [6.5 p.29, 4.4 p.15].
- * Result: The preset is saved. The position is the same as before. The Zero setting/Preset input or
- * activate_preset activates the preset.
+ * Result: The preset is saved. The position is the same as before. The "Zero setting/Preset" input
+ * or activate_preset activates the preset.
  * Erratum preset_example_bit (settled, wrong data).
  * Set and save a preset without activating it, over BiSS C-mode. The transport needs
  * read_registers, write_registers and wait_us.
@@ -266,8 +266,8 @@ static inline const cw_step *lika_am36_biss_activate_preset_steps(size_t *count)
 
 /**
  * Save the parameters and activate the current preset [6.5 p.24, 6.5 p.25].
- * Before: The Enable preset bit is 0 (enable), the factory default. The manual suggests activating
- * the preset with the shaft at a standstill.
+ * Before: The "Enable preset" bit is 0 (enable), the factory default. The manual suggests
+ * activating the preset with the shaft at a standstill.
  * Result: The position at the moment of the command becomes the preset value.
  * Save the parameters and activate the current preset, over BiSS C-mode. The transport needs
  * write_registers and wait_us.

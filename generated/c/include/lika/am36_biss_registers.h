@@ -204,8 +204,8 @@ static inline cw_result lika_am36_biss_read_serial_number(
  * Wait at least 30 ms between a write and the next command.
  * Automatically returns to its default after a write.
  * After a command, the register automatically returns to 00. If a new resolution and a new preset
- * are set together, the command Save parameters and activate Preset stores the resolution but sets
- * the preset to zero. The preset must then be written again.
+ * are set together, the command "Save parameters and activate Preset" stores the resolution but
+ * sets the preset to zero. The preset must then be written again.
  * Erratum preset_cleared_when (open, omission).
  * In edition 1.1: may differ. See the encoder's page.
  * Function.
@@ -265,7 +265,7 @@ static inline cw_result lika_am36_biss_write_command(
 
 /**
  * Counting direction: Direction of rotation in which the position counts up, seen from the shaft,
- * while the Counting direction input is at 0VDC.
+ * while the "Counting direction" input is at 0VDC.
  */
 typedef enum lika_am36_biss_counting_direction {
     LIKA_AM36_BISS_COUNTING_DIRECTION_CW = 0x0, /**< Counts up with clockwise rotation. */
@@ -280,11 +280,11 @@ typedef enum lika_am36_biss_output_code {
 
 /**
  * Enable preset: Enables writing of the Preset registers and activation of the preset, by command
- * or by the Zero setting/Preset input.
+ * or by the "Zero setting/Preset" input.
  */
 typedef enum lika_am36_biss_enable_preset {
     LIKA_AM36_BISS_ENABLE_PRESET_ENABLE = 0x0, /**< Preset function enabled. */
-    /** Preset function disabled, including the Zero setting/Preset input. */
+    /** Preset function disabled, including the "Zero setting/Preset" input. */
     LIKA_AM36_BISS_ENABLE_PRESET_DISABLE = 0x1
 } lika_am36_biss_enable_preset;
 
@@ -301,8 +301,8 @@ typedef enum lika_am36_biss_enable_preset {
  * Configuration, register 49h, read and write, over BiSS C-mode [6.5 p.25, 7 p.33].
  * Preset function, output code and counting direction.
  * Save the parameters after a write, or the encoder loses the value at power-off.
- * A new value takes effect immediately. The command Save parameters on EEPROM saves it. Bits 0, 1,
- * 3, 4 and 7 are not used. According to the list of defaults they are 0.
+ * A new value takes effect immediately. The command "Save parameters on EEPROM" saves it. Bits 0,
+ * 1, 3, 4 and 7 are not used. According to the list of defaults they are 0.
  * Erratum enable_preset_polarity (settled, wrong data).
  * Erratum example_bit_8 (settled, wrong data).
  * Erratum preset_example_bit (settled, wrong data).
@@ -316,7 +316,7 @@ typedef enum lika_am36_biss_enable_preset {
  */
 typedef struct lika_am36_biss_reg_configuration {
     /**
-     * Default: 0. A high level at the Counting direction input reverses the direction. After a
+     * Default: 0. A high level at the "Counting direction" input reverses the direction. After a
      * change, a new preset must be set.
      */
     lika_am36_biss_counting_direction counting_direction;
@@ -431,8 +431,8 @@ static inline cw_result lika_am36_biss_write_configuration(
  * The encoder replaces a value above the limit with the default.
  * A write sets Preset to zero.
  * A new value takes effect immediately, which can change the length of the frame, and sets the
- * preset to zero. The command Save parameters on EEPROM saves it. Only powers of two are accepted.
- * Register 56h shows the resulting number of bits.
+ * preset to zero. The command "Save parameters on EEPROM" saves it. Only powers of two are
+ * accepted. Register 56h shows the resulting number of bits.
  * Erratum biss_singleturn_resolution (open, wrong data): Used: The widths come from registers 56h
  * and 57h, with their printed defaults, regardless of the order code.
  * Erratum scd_length_at_run_time (open, omission).
@@ -544,9 +544,10 @@ static inline cw_result lika_am36_biss_write_information_per_revolution(
  * A write sets Preset to zero.
  * Any number from 1 to 65,536 is allowed, including numbers that are not powers of two. A new value
  * takes effect immediately, which can change the length of the frame, and sets the preset to zero.
- * The command Save parameters on EEPROM saves it. Register 57h shows the resulting number of bits.
- * With more than 4,096 revolutions set, the shaft must not turn by more than 2,047 revolutions in
- * either direction while the encoder is off. Otherwise the absolute position is lost.
+ * The command "Save parameters on EEPROM" saves it. Register 57h shows the resulting number of
+ * bits. With more than 4,096 revolutions set, the shaft must not turn by more than 2,047
+ * revolutions in either direction while the encoder is off. Otherwise the absolute position is
+ * lost.
  * Erratum revolutions_4096 (open, wrong limit).
  * Erratum scd_length_at_run_time (open, omission).
  * Erratum resolution_byte_order (open, omission).
@@ -657,13 +658,13 @@ static inline uint64_t lika_am36_biss_reg_preset_max(const lika_am36_biss *varia
  * Byte order: high byte first, at 50h.
  * Can be written only while Enable preset in Configuration is 0 (enable).
  * Save the parameters after a write, or the encoder loses the value at power-off.
- * The printed maximum, 0F FF FF FF FF, applies to the default resolution. Set the Enable preset bit
- * to 0 (enable) before writing. The command Save parameters on EEPROM saves the value without
- * activating it. The command Save parameters and activate Preset saves and activates it. The Zero
- * setting/Preset input activates it as well. The manual suggests activating it at a standstill. Set
- * the preset again after a change of the counting direction, of Information per revolution or of
- * Number of revolutions. The preset can be used, for instance, to align the zero points of encoder
- * and application.
+ * The printed maximum, 0F FF FF FF FF, applies to the default resolution. Set the "Enable preset"
+ * bit to 0 (enable) before writing. The command "Save parameters on EEPROM" saves the value without
+ * activating it. The command "Save parameters and activate Preset" saves and activates it. The
+ * "Zero setting/Preset" input activates it as well. The manual suggests activating it at a
+ * standstill. Set the preset again after a change of the counting direction, of "Information per
+ * revolution" or of "Number of revolutions". The preset can be used, for instance, to align the
+ * zero points of encoder and application.
  * Erratum preset_cleared_when (open, omission).
  * Erratum enable_preset_polarity (settled, wrong data).
  * Erratum preset_default_length (settled, wrong data).
@@ -786,7 +787,7 @@ static inline cw_result lika_am36_biss_read_device_type(
 
 /**
  * No. of bits used for singleturn resolution, register 56h, read only, over BiSS C-mode [6.5 p.31].
- * Singleturn resolution in bits, as set by Information per revolution.
+ * Singleturn resolution in bits, as set by "Information per revolution".
  * Erratum biss_singleturn_resolution (open, wrong data): Used: The widths come from registers 56h
  * and 57h, with their printed defaults, regardless of the order code.
  * Erratum scd_length_at_run_time (open, omission).
@@ -818,7 +819,7 @@ static inline cw_result lika_am36_biss_read_singleturn_bits_used(
 
 /**
  * No. of bits used for multiturn resolution, register 57h, read only, over BiSS C-mode [6.5 p.31].
- * Bits of the multiturn resolution, as set by Number of revolutions.
+ * Bits of the multiturn resolution, as set by "Number of revolutions".
  * Erratum revolutions_4096 (open, wrong limit).
  * Erratum scd_length_at_run_time (open, omission).
  * Erratum revolution_bits_rounding (open, omission).

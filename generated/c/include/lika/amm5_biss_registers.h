@@ -72,9 +72,9 @@ static inline uint64_t lika_amm5_biss_reg_preset_max(const lika_amm5_biss *varia
  * Can be written only while Preset setting enable is 01h (enable).
  * Save the parameters after a write, or the encoder loses the value at power-off.
  * Bits 55:49, bits 9:8 and all of byte 11h are always 0. After writing the value, close the
- * register again with Preset setting enable and save the value. Then activate it, if it should take
- * effect immediately. The manual suggests activating it at a standstill. The preset can be used,
- * for instance, to align the zero points of encoder and application.
+ * register again with "Preset setting enable" and save the value. Then activate it, if it should
+ * take effect immediately. The manual suggests activating it at a standstill. The preset can be
+ * used, for instance, to align the zero points of encoder and application.
  * Erratum preset_limit (settled, wrong limit).
  * Erratum preset_revolutions (settled, wrong limit).
  * Erratum preset_bits_below_lsb (open, omission).

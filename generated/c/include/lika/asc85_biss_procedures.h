@@ -156,8 +156,9 @@ typedef struct lika_asc85_biss_read_absolute_data_read {
 /**
  * Read absolute data again [6.4 p.26].
  * Result: The cycle counter is set from the absolute data. If the read failed, it is 0.
- * The manual does not say how long the read takes, or whether Absolute data valid goes to 0 first.
- * After a failed read, the bit does not become 1. Stop after a while and read the error register.
+ * The manual does not say how long the read takes, or whether "Absolute data valid" goes to 0
+ * first. After a failed read, the bit does not become 1. Stop after a while and read the error
+ * register.
  * Erratum cycle_counter (open, omission).
  * Erratum absolute_data_valid_bit (settled, wrong data).
  * Read absolute data again, over BiSS C-mode. The transport needs read_registers, write_registers
@@ -318,7 +319,7 @@ typedef struct lika_asc85_biss_simulate_error_read {
 
 /**
  * Simulate an error [6.4 p.27].
- * Result: The status Error message is forced to 1.
+ * Result: The status "Error message" is forced to 1.
  * Simulate an error, over BiSS C-mode. The transport needs read_registers and write_registers.
  */
 CW_NODISCARD
@@ -364,7 +365,7 @@ typedef struct lika_asc85_biss_clear_simulated_error_read {
 
 /**
  * End the simulation of an error [6.4 p.27].
- * Result: The status Error message is forced to 0.
+ * Result: The status "Error message" is forced to 0.
  * End the simulation of an error, over BiSS C-mode. The transport needs read_registers and
  * write_registers.
  */
@@ -394,7 +395,7 @@ static inline const cw_step *lika_asc85_biss_reset_errors_steps(size_t *count)
 {
     static const cw_step steps[LIKA_ASC85_BISS_RESET_ERRORS_STEPS_COUNT] = {
         { CW_STEP_READ, 0x69U, 0xFFU, 0U, 1U, 0U }, /* Error register: shows the active messages */
-        /* Diagnostic data: shows the cause of Control error and Signal error */
+        /* Diagnostic data: shows the cause of "Control error" and "Signal error" */
         { CW_STEP_READ, 0x5AU, 0xFFU, 0U, 1U, 0U },
         /* Position: reading out position data resets the messages */
         { CW_STEP_READ, 0x61U, 0xFFU, 0U, 1U, 0U },
@@ -413,7 +414,7 @@ static inline const cw_step *lika_asc85_biss_reset_errors_steps(size_t *count)
  */
 typedef struct lika_asc85_biss_reset_errors_read {
     uint8_t error_register[1]; /**< Error register: shows the active messages */
-    /** Diagnostic data: shows the cause of Control error and Signal error */
+    /** Diagnostic data: shows the cause of "Control error" and "Signal error" */
     uint8_t diagnostic_data[1];
     uint8_t position[4]; /**< Position: reading out position data resets the messages */
     /** Error register: a message that is still set has a persistent cause */

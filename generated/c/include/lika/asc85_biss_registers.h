@@ -219,53 +219,53 @@ static inline cw_result lika_asc85_biss_read_serial_number(
 
 /**
  * Diagnostic data, register 5Ah, read only, over BiSS C-mode [6.4 p.24].
- * Cause of a Control error or Signal error in the error register.
+ * Cause of a "Control error" or "Signal error" in the error register.
  */
 typedef struct lika_asc85_biss_reg_diagnostic_data {
     /**
-     * Amplitude control maximum current: Set together with Control error. Detected by monitoring
+     * Amplitude control maximum current: Set together with "Control error". Detected by monitoring
      * the amplitude control's output current. Active when 1: the output current of the amplitude
      * control has reached its upper threshold. Inactive when 0: no active error.
      */
     bool amplitude_control_maximum_current;
     /**
-     * Signal level maximum amplitude: Set together with Control error. Detected by the signal level
-     * monitoring. Active when 1: the signal level has reached its upper threshold. Inactive when 0:
-     * no active error.
+     * Signal level maximum amplitude: Set together with "Control error". Detected by the signal
+     * level monitoring. Active when 1: the signal level has reached its upper threshold. Inactive
+     * when 0: no active error.
      */
     bool signal_level_maximum_amplitude;
     /**
-     * DC maximum offset: Set together with Signal error. The signal monitoring checks the DC
+     * DC maximum offset: Set together with "Signal error". The signal monitoring checks the DC
      * voltage of all analogue signal lines. Active when 1: an analogue signal line has reached the
      * upper threshold of its DC voltage. Inactive when 0: no active error.
      */
     bool dc_maximum_offset;
     /**
-     * AC maximum amplitude: Set together with Signal error. The signal monitoring checks the AC
+     * AC maximum amplitude: Set together with "Signal error". The signal monitoring checks the AC
      * amplitude of the differential signals. Active when 1: a differential signal has reached the
      * upper threshold of its AC amplitude. Inactive when 0: no active error.
      */
     bool ac_maximum_amplitude;
     /**
-     * Amplitude control minimum current: Set together with Control error. Detected by monitoring
+     * Amplitude control minimum current: Set together with "Control error". Detected by monitoring
      * the amplitude control's output current. Active when 1: the output current of the amplitude
      * control has fallen to its lower threshold. Inactive when 0: no active error.
      */
     bool amplitude_control_minimum_current;
     /**
-     * Signal level minimum amplitude: Set together with Control error. Detected by the signal level
-     * monitoring. Active when 1: the signal level has fallen to its lower threshold. Inactive when
-     * 0: no active error.
+     * Signal level minimum amplitude: Set together with "Control error". Detected by the signal
+     * level monitoring. Active when 1: the signal level has fallen to its lower threshold. Inactive
+     * when 0: no active error.
      */
     bool signal_level_minimum_amplitude;
     /**
-     * DC minimum offset: Set together with Signal error. The signal monitoring checks the DC
+     * DC minimum offset: Set together with "Signal error". The signal monitoring checks the DC
      * voltage of all analogue signal lines. Active when 1: an analogue signal line has fallen to
      * the lower threshold of its DC voltage. Inactive when 0: no active error.
      */
     bool dc_minimum_offset;
     /**
-     * AC minimum amplitude: Set together with Signal error. The signal monitoring checks the AC
+     * AC minimum amplitude: Set together with "Signal error". The signal monitoring checks the AC
      * amplitude of the differential signals. Active when 1: a differential signal has fallen to the
      * lower threshold of its AC amplitude. Inactive when 0: no active error.
      */
@@ -350,45 +350,45 @@ static inline cw_result lika_asc85_biss_read_diagnostic_data(
 typedef enum lika_asc85_biss_command {
     /**
      * Request of new position data: Requests new position data. Until they are available, the
-     * status Position data valid is 0. They are read from the position register. [6.4 p.26]
+     * status "Position data valid" is 0. They are read from the position register. [6.4 p.26]
      */
     LIKA_ASC85_BISS_COMMAND_REQUEST_POSITION = 0x00,
     /**
      * Write current configuration to EEPROM: Writes the configuration registers, 00h to 2Dh, and a
      * new checksum to the EEPROM. These registers are reserved for the manufacturer. During the
-     * write, the status Internal data bus busy and the error Configuration error are 1. The error
-     * remains if the write failed. Without an EEPROM connected at power-on, the command has no
-     * effect. [6.4 p.26]
+     * write, the status "Internal data bus busy" and the error "Configuration error" are 1. The
+     * error remains if the write failed. Without an EEPROM connected at power-on, the command has
+     * no effect. [6.4 p.26]
      */
     LIKA_ASC85_BISS_COMMAND_SAVE_CONFIGURATION = 0x01,
     /**
      * Read new data via absolute data interface: Makes the absolute data interface read absolute
      * data again. If this succeeds, the cycle counter is set. Otherwise it becomes 0. The status
-     * Absolute data valid and the error Absolute data error are set accordingly. [6.4 p.26]
+     * "Absolute data valid" and the error "Absolute data error" are set accordingly. [6.4 p.26]
      */
     LIKA_ASC85_BISS_COMMAND_READ_ABSOLUTE_DATA = 0x02,
     /**
      * Trigger software reset: Restarts the encoder and reads the configuration, which a CRC
      * protects, from the EEPROM. If the CRC check fails at the first attempt, for example because
-     * the EEPROM was never programmed, all configuration registers become 0, Configuration error
+     * the EEPROM was never programmed, all configuration registers become 0, "Configuration error"
      * becomes 1, and the serial interface starts with the SSI protocol. Without an EEPROM, the
-     * internal registers become 0, Configuration error becomes 1, and the interface starts as
+     * internal registers become 0, "Configuration error" becomes 1, and the interface starts as
      * configured. [6.4 p.26]
      */
     LIKA_ASC85_BISS_COMMAND_SOFTWARE_RESET = 0x03,
     /**
      * Verify CRC of internal configuration: Checks all configuration registers against the
-     * checksum. During the check, the status Internal data bus busy and the error Configuration
-     * error are 1. The error remains if the check failed. [6.4 p.27]
+     * checksum. During the check, the status "Internal data bus busy" and the error "Configuration
+     * error" are 1. The error remains if the check failed. [6.4 p.27]
      */
     LIKA_ASC85_BISS_COMMAND_VERIFY_CONFIGURATION = 0x04,
     /**
-     * Error simulation: activate Error message status: Forces the status Error message to 1 [6.4
+     * Error simulation: activate Error message status: Forces the status "Error message" to 1 [6.4
      * p.27].
      */
     LIKA_ASC85_BISS_COMMAND_SIMULATE_ERROR = 0x05,
     /**
-     * Error simulation: delete Error message status: Forces the status Error message to 0 [6.4
+     * Error simulation: delete Error message status: Forces the status "Error message" to 0 [6.4
      * p.27].
      */
     LIKA_ASC85_BISS_COMMAND_CLEAR_SIMULATED_ERROR = 0x06
@@ -436,7 +436,8 @@ static inline cw_result lika_asc85_biss_write_command(
  * The register is read separately, not together with a position. It shows the status at the time of
  * reading. It therefore gives no verdict on a position in a frame, which has its own Error and
  * Warning bits, or on a position read from the position register at another time. Before reading
- * the position register, wait until Position data valid is 1, as in the procedure request_position.
+ * the position register, wait until "Position data valid" is 1, as in the procedure
+ * request_position.
  * Erratum absolute_data_valid_bit (settled, wrong data).
  * Erratum internal_data_bus_busy_bit (settled, wrong data).
  * Erratum warning_sources (open, omission).
@@ -657,7 +658,7 @@ static inline cw_result lika_asc85_biss_read_position(
 /**
  * Error register, register 69h, read only, over BiSS C-mode [6.4 p.29].
  * Currently active error and warning messages.
- * Bits 2 and 7 are not used. A fault also sets the status Warning message or Error message, or
+ * Bits 2 and 7 are not used. A fault also sets the status "Warning message" or "Error message", or
  * both. Reading the position clears a message. The message appears again while its cause persists.
  * Erratum cycle_counter (open, omission).
  * Erratum warning_sources (open, omission).

@@ -38,7 +38,7 @@ static inline const cw_step *lika_sma21_rs485_reset_errors_steps(size_t *count)
  * Result: All errors are reset and the encoder initializes itself.
  * The ten requests must follow one another directly. Stop polling the position during the reset.
  * Send no request until the initialization, which is the same as after power-on, is complete. The
- * manual does not say how long it takes. Reset an Initialization error only after the
+ * manual does not say how long it takes. Reset an "Initialization error" only after the
  * initialization is complete and normal operation has started again.
  * Erratum reset_interval (open, omission).
  * Erratum rs485_reset_duration (open, omission).

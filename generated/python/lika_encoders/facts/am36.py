@@ -444,7 +444,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             meaning="Saves the parameters, activates the preset, or restores the defaults",
             note=(
                 "After a command, the register automatically returns to 00. If a new resolution and a new preset are "
-                "set together, the command Save parameters and activate Preset stores the resolution but sets the "
+                "set together, the command \"Save parameters and activate Preset\" stores the resolution but sets the "
                 "preset to zero. The preset must then be written again."
             ),
             source="6.5 p.24, 7 p.33",
@@ -470,12 +470,12 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     printed_name="Counting direction",
                     meaning=(
                         "Direction of rotation in which the position counts up, seen from the shaft, while the "
-                        "Counting direction input is at 0VDC"
+                        "\"Counting direction\" input is at 0VDC"
                     ),
                     default=0,
                     note=(
-                        "A high level at the Counting direction input reverses the direction. After a change, a new "
-                        "preset must be set."
+                        "A high level at the \"Counting direction\" input reverses the direction. After a change, a "
+                        "new preset must be set."
                     ),
                     source="6.5 p.26, 4.5 p.15, 7 p.33",
                 ),
@@ -492,7 +492,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     printed_name="Enable preset",
                     meaning=(
                         "Enables writing of the Preset registers and activation of the preset, by command or by the "
-                        "Zero setting/Preset input"
+                        "\"Zero setting/Preset\" input"
                     ),
                     default=0,
                     source="6.5 p.25, 4.4 p.15, 7 p.33",
@@ -506,8 +506,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             ),
             meaning="Preset function, output code and counting direction",
             note=(
-                "A new value takes effect immediately. The command Save parameters on EEPROM saves it. Bits 0, 1, 3, "
-                "4 and 7 are not used. According to the list of defaults they are 0."
+                "A new value takes effect immediately. The command \"Save parameters on EEPROM\" saves it. Bits 0, 1, "
+                "3, 4 and 7 are not used. According to the list of defaults they are 0."
             ),
             source="6.5 p.25, 7 p.33",
         ),
@@ -526,8 +526,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             meaning="Singleturn resolution",
             note=(
                 "A new value takes effect immediately, which can change the length of the frame, and sets the preset "
-                "to zero. The command Save parameters on EEPROM saves it. Only powers of two are accepted. Register "
-                "56h shows the resulting number of bits."
+                "to zero. The command \"Save parameters on EEPROM\" saves it. Only powers of two are accepted. "
+                "Register 56h shows the resulting number of bits."
             ),
             source="6.5 p.27, 7 p.33",
         ),
@@ -553,9 +553,9 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             note=(
                 "Any number from 1 to 65,536 is allowed, including numbers that are not powers of two. A new value "
                 "takes effect immediately, which can change the length of the frame, and sets the preset to zero. The "
-                "command Save parameters on EEPROM saves it. Register 57h shows the resulting number of bits. With "
-                "more than 4,096 revolutions set, the shaft must not turn by more than 2,047 revolutions in either "
-                "direction while the encoder is off. Otherwise the absolute position is lost."
+                "command \"Save parameters on EEPROM\" saves it. Register 57h shows the resulting number of bits. "
+                "With more than 4,096 revolutions set, the shaft must not turn by more than 2,047 revolutions in "
+                "either direction while the encoder is off. Otherwise the absolute position is lost."
             ),
             source="6.5 p.28, 7 p.33",
         ),
@@ -581,12 +581,13 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             ),
             meaning="Value that the encoder reports at the current shaft position once the preset is activated",
             note=(
-                "The printed maximum, 0F FF FF FF FF, applies to the default resolution. Set the Enable preset bit to "
-                "0 (enable) before writing. The command Save parameters on EEPROM saves the value without activating "
-                "it. The command Save parameters and activate Preset saves and activates it. The Zero setting/Preset "
-                "input activates it as well. The manual suggests activating it at a standstill. Set the preset again "
-                "after a change of the counting direction, of Information per revolution or of Number of revolutions. "
-                "The preset can be used, for instance, to align the zero points of encoder and application."
+                "The printed maximum, 0F FF FF FF FF, applies to the default resolution. Set the \"Enable preset\" "
+                "bit to 0 (enable) before writing. The command \"Save parameters on EEPROM\" saves the value without "
+                "activating it. The command \"Save parameters and activate Preset\" saves and activates it. The "
+                "\"Zero setting/Preset\" input activates it as well. The manual suggests activating it at a "
+                "standstill. Set the preset again after a change of the counting direction, of \"Information per "
+                "revolution\" or of \"Number of revolutions\". The preset can be used, for instance, to align the "
+                "zero points of encoder and application."
             ),
             source="6.5 p.29, 7 p.33",
         ),
@@ -610,7 +611,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
             default=b"\x14",
             fields=(FieldFacts(name="bits", meaning="Width of the singleturn part of the position", unit="bits"),),
-            meaning="Singleturn resolution in bits, as set by Information per revolution",
+            meaning="Singleturn resolution in bits, as set by \"Information per revolution\"",
             source="6.5 p.31",
         ),
         "multiturn_bits_used": Register(
@@ -622,7 +623,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             byte_order=ByteOrder.HIGH_BYTE_FIRST,
             default=b"\x10",
             fields=(FieldFacts(name="bits", meaning="Width of the multiturn part of the position", unit="bits"),),
-            meaning="Bits of the multiturn resolution, as set by Number of revolutions",
+            meaning="Bits of the multiturn resolution, as set by \"Number of revolutions\"",
             source="6.5 p.31",
         ),
         "device_id": Register(
@@ -723,9 +724,9 @@ INPUTS: Final[tuple[Input, ...]] = (
         needs="configuration.enable_preset",
         when_unused="0VDC",
         note=(
-            "Connect the input to +VDC for at least 100 µs, then disconnect it. Over BiSS, the Enable preset bit must "
-            "be 0 (enable), or the input has no effect. Activate it after the counting direction is set, preferably "
-            "with the shaft at a standstill. Over BiSS, the Command register does the same."
+            "Connect the input to +VDC for at least 100 µs, then disconnect it. Over BiSS, the \"Enable preset\" bit "
+            "must be 0 (enable), or the input has no effect. Activate it after the counting direction is set, "
+            "preferably with the shaft at a standstill. Over BiSS, the Command register does the same."
         ),
         source="4.4 p.15, Electrical safety p.8",
     ),
@@ -736,10 +737,10 @@ INPUTS: Final[tuple[Input, ...]] = (
             "from the shaft end"
         ),
         printed_name="Counting direction (Complementary input)",
-        low="0VDC: counts up clockwise (CW). Over BiSS, the direction is the one set by the Counting direction bit",
+        low="0VDC: counts up clockwise (CW). Over BiSS, the direction is the one set by the \"Counting direction\" bit",
         high=(
             "+VDC: counts up counter-clockwise (CCW). Over BiSS, the direction is the opposite of the one set by the "
-            "Counting direction bit"
+            "\"Counting direction\" bit"
         ),
         inverts="configuration.counting_direction",
         when_unused="0VDC",
@@ -1139,8 +1140,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "word."
         ),
         why=(
-            "The preset, which becomes the position, is one number from 0 to Information per revolution × Number of "
-            "revolutions − 1. Figures that might show the order are lost."
+            "The preset, which becomes the position, is one number from 0 to \"Information per revolution\" × "
+            "\"Number of revolutions\" − 1. Figures that might show the order are lost."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1326,8 +1327,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="set_resolution saves the resolution first, and only then writes and activates the preset.",
         why=(
             "According to 4Bh and 4Eh, a preset written after the resolution would remain. According to 48h and 50h, "
-            "the command clears it. The manual does not say what the command Save parameters on EEPROM does to such a "
-            "preset."
+            "the command clears it. The manual does not say what the command \"Save parameters on EEPROM\" does to "
+            "such a preset."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1429,7 +1430,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The default is five bytes of 00.",
         why=(
             "The register has five bytes, 50h to 54h. The default in the list and both limits also have five bytes. "
-            "The next byte is the Device type register."
+            "The next byte is the \"Device type\" register."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,

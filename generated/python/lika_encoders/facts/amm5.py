@@ -1144,7 +1144,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             meaning="Value that the encoder reports at the current shaft position once the preset is activated",
             note=(
                 "Bits 55:49, bits 9:8 and all of byte 11h are always 0. After writing the value, close the register "
-                "again with Preset setting enable and save the value. Then activate it, if it should take effect "
+                "again with \"Preset setting enable\" and save the value. Then activate it, if it should take effect "
                 "immediately. The manual suggests activating it at a standstill. The preset can be used, for "
                 "instance, to align the zero points of encoder and application."
             ),
@@ -1448,7 +1448,7 @@ LEDS: Final[tuple[Led, ...]] = (
             LedState("red in operation", "There is an error in the magnetic multiturn system", only=".../65K..."),
             LedState(
                 "red with a low battery",
-                "Replace the battery as soon as possible. Over RS-485 this is the Battery alarm.",
+                "Replace the battery as soon as possible. Over RS-485 this is the \"Battery alarm\".",
                 only=".../65K...",
                 by_hand=("battery_replacement_without_error",),
             ),

@@ -374,7 +374,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     name="amplitude_control_maximum_current",
                     printed_name="Amplitude control maximum current",
                     meaning=(
-                        "Set together with Control error. Detected by monitoring the amplitude control's output "
+                        "Set together with \"Control error\". Detected by monitoring the amplitude control's output "
                         "current."
                     ),
                     active="high",
@@ -385,7 +385,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 FieldFacts(
                     name="signal_level_maximum_amplitude",
                     printed_name="Signal level maximum amplitude",
-                    meaning="Set together with Control error. Detected by the signal level monitoring.",
+                    meaning="Set together with \"Control error\". Detected by the signal level monitoring.",
                     active="high",
                     when_active="the signal level has reached its upper threshold",
                     when_inactive="no active error",
@@ -395,8 +395,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     name="dc_maximum_offset",
                     printed_name="DC maximum offset",
                     meaning=(
-                        "Set together with Signal error. The signal monitoring checks the DC voltage of all analogue "
-                        "signal lines."
+                        "Set together with \"Signal error\". The signal monitoring checks the DC voltage of all "
+                        "analogue signal lines."
                     ),
                     active="high",
                     when_active="an analogue signal line has reached the upper threshold of its DC voltage",
@@ -407,7 +407,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     name="ac_maximum_amplitude",
                     printed_name="AC maximum amplitude",
                     meaning=(
-                        "Set together with Signal error. The signal monitoring checks the AC amplitude of the "
+                        "Set together with \"Signal error\". The signal monitoring checks the AC amplitude of the "
                         "differential signals."
                     ),
                     active="high",
@@ -419,7 +419,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     name="amplitude_control_minimum_current",
                     printed_name="Amplitude control minimum current",
                     meaning=(
-                        "Set together with Control error. Detected by monitoring the amplitude control's output "
+                        "Set together with \"Control error\". Detected by monitoring the amplitude control's output "
                         "current."
                     ),
                     active="high",
@@ -430,7 +430,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 FieldFacts(
                     name="signal_level_minimum_amplitude",
                     printed_name="Signal level minimum amplitude",
-                    meaning="Set together with Control error. Detected by the signal level monitoring.",
+                    meaning="Set together with \"Control error\". Detected by the signal level monitoring.",
                     active="high",
                     when_active="the signal level has fallen to its lower threshold",
                     when_inactive="no active error",
@@ -440,8 +440,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     name="dc_minimum_offset",
                     printed_name="DC minimum offset",
                     meaning=(
-                        "Set together with Signal error. The signal monitoring checks the DC voltage of all analogue "
-                        "signal lines."
+                        "Set together with \"Signal error\". The signal monitoring checks the DC voltage of all "
+                        "analogue signal lines."
                     ),
                     active="high",
                     when_active="an analogue signal line has fallen to the lower threshold of its DC voltage",
@@ -452,7 +452,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     name="ac_minimum_amplitude",
                     printed_name="AC minimum amplitude",
                     meaning=(
-                        "Set together with Signal error. The signal monitoring checks the AC amplitude of the "
+                        "Set together with \"Signal error\". The signal monitoring checks the AC amplitude of the "
                         "differential signals."
                     ),
                     active="high",
@@ -461,7 +461,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     source="6.4 p.24",
                 ),
             ),
-            meaning="Cause of a Control error or Signal error in the error register",
+            meaning="Cause of a \"Control error\" or \"Signal error\" in the error register",
             source="6.4 p.24",
         ),
         "command": Register(
@@ -565,7 +565,7 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                 "The register is read separately, not together with a position. It shows the status at the time of "
                 "reading. It therefore gives no verdict on a position in a frame, which has its own Error and Warning "
                 "bits, or on a position read from the position register at another time. Before reading the position "
-                "register, wait until Position data valid is 1, as in the procedure request_position."
+                "register, wait until \"Position data valid\" is 1, as in the procedure request_position."
             ),
             source="6.4 p.25, 6.4 p.27",
         ),
@@ -656,8 +656,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
             ),
             meaning="Currently active error and warning messages",
             note=(
-                "Bits 2 and 7 are not used. A fault also sets the status Warning message or Error message, or both. "
-                "Reading the position clears a message. The message appears again while its cause persists."
+                "Bits 2 and 7 are not used. A fault also sets the status \"Warning message\" or \"Error message\", or "
+                "both. Reading the position clears a message. The message appears again while its cause persists."
             ),
             source="6.4 p.29",
         ),
@@ -1413,8 +1413,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Command 02: the status bit 2 Absolute data valid. List of status bits: bit 1",
         used="Absolute data valid is bit 1.",
         why=(
-            "The list gives each of the eight bits once, with Internal data bus busy at bit 2. A public controller "
-            "with the same commands lists its status byte in the same order."
+            "The list gives each of the eight bits once, with \"Internal data bus busy\" at bit 2. A public "
+            "controller with the same commands lists its status byte in the same order."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -1443,9 +1443,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="For the active warning refer to the Error register. Its six bits are all called errors.",
         used="No bit of the error register is interpreted as a warning. All are active errors.",
         why=(
-            "The manual does not say which of them make nE active and set Error message, and which set nW and Warning "
-            "message. A public controller with the same registers has two masks for this, which the manufacturer "
-            "sets."
+            "The manual does not say which of them make nE active and set \"Error message\", and which set nW and "
+            "\"Warning message\". A public controller with the same registers has two masks for this, which the "
+            "manufacturer sets."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,

@@ -2762,7 +2762,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_1_4",
-        printed="The cause of Encoder inharmonious error, whether it is kept, and how it is cleared",
+        printed="The cause of \"Encoder inharmonious error\", whether it is kept, and how it is cleared",
         used="not known",
         why="The description of the alarm was removed with the alarm.",
         status=Status.OPEN,
