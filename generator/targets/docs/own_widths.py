@@ -21,11 +21,10 @@ def own_meaning(family: Device, item: Parameter) -> str:
 
 def with_own_widths(family: Device, device: Device, variant: Variant) -> Device:
     """Return the device with the width of the order code in the notes of its frames, in place of the range."""
-    widths = {
-        written: str(variant.parameters[item.name])
-        for item in family.parameters
-        if item.name in variant.parameters and (written := range_of(family, item))
-    }
+    ranges = [(range_of(family, item), item) for item in family.parameters if item.name in variant.parameters]
+    written = [text for text, _ in ranges]
+    # Two quantities with the same range cannot be told apart in a text.
+    widths = {text: str(variant.parameters[item.name]) for text, item in ranges if text and written.count(text) == 1}
     return replace(device, interfaces=tuple(_interface(item, widths) for item in device.interfaces))
 
 
