@@ -40,13 +40,15 @@ class Change:
 class Thing:
     """Subject of a change: its path in the spec, its name in a sentence, and its old names in outputs.
 
-    ``interface`` is empty if it concerns all order codes.
+    ``interface`` is empty if it concerns all order codes. ``scope`` is the frame or register in which to look up the
+    names of fields.
     """
 
     path: str
     label: str
     interface: str = ""
     names: Mapping[str, str] = field(default_factory=dict)
+    scope: str = ""
 
     def inside(self, path: str, label: str) -> Thing:
         """Return a thing inside it."""
