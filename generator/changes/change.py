@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from .impact import OUTPUTS, Impact, Rule
+from .impact import Impact, Rule
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,10 +30,6 @@ class Change:
     @property
     def impact(self) -> Impact:
         return self.rule.impact
-
-    def reached(self, impact: Impact) -> list[str]:
-        """Return the outputs in which it has this impact."""
-        return [name for name, found in zip(OUTPUTS, self.rule.impacts, strict=True) if found is impact]
 
 
 @dataclass(frozen=True, slots=True)

@@ -64,8 +64,8 @@ def differing(old: Expression | None, new: Expression | None, points: Sequence[P
     if old == new:
         return None
     if not points:
-        same = (old is None) == (new is None) and (old is None or new is None or old.render() == new.render())
-        return None if same else Differing((), _constants(old, new))
+        is_same = old is not None and new is not None and old.render() == new.render()
+        return None if is_same else Differing((), _constants(old, new))
     found: dict[str, list[tuple[int | None, int | None]]] = {}
     for point in points:
         values = _number(old, point.compared), _number(new, point.new)
