@@ -18,11 +18,10 @@ from codewheel.loading.library import Family, families_of
 from codewheel.loading.shipped import packaged_masters, packaged_specs
 from codewheel.readings.collect import facts_of
 from codewheel.readings.compare import compare
-from codewheel.readings.coverage import coverage_of
+from codewheel.readings.coverage import Coverage
 from codewheel.readings.fact import Facts
 from codewheel.readings.reading import Reading
 from codewheel.readings.second_readings import (
-    Readings,
     Second,
     compare_readings,
     explain,
@@ -146,7 +145,7 @@ class Trial:
         explain(family.document, changed, outcome, report)
         if report:
             return _refused(report)
-        (covered,) = coverage_of([Readings(family, changed, outcome, facts.derived)])
+        covered = Coverage(family, outcome, facts.derived)
         if covered.lacking or family.device.times_read not in (None, covered.total):
             return Verdict((READ_ONCE,), Effect.NOTHING)
         return Verdict((), Effect.READING)

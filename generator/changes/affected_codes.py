@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 
 from ..model import Device, Variant
 from ..say.numbers import counted, first_of
@@ -30,7 +30,8 @@ def pattern(device: Device, codes: Collection[str]) -> str:
     """Return the order codes as a pattern with some parts left open, such as ``TV62-…20-B1``, or "" if that fails."""
     chosen = [item for item in device.variants if item.code in codes]
     used = {part.name: _used(chosen, part.name) for part in device.order_code.parts}
-    if len(chosen) < 2 or [item for item in device.variants if _fits(item, used)] != chosen:
+    fitting = (item for item in device.variants if all(item.parts[name] in texts for name, texts in used.items()))
+    if len(chosen) < 2 or list(fitting) != chosen:
         return ""
     every = {part.name: _used(device.variants, part.name) for part in device.order_code.parts}
     pieces = _BRACES.split(device.order_code.pattern)
@@ -42,10 +43,6 @@ def pattern(device: Device, codes: Collection[str]) -> str:
 
 def _used(variants: Sequence[Variant], part: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(item.parts[part] for item in variants))
-
-
-def _fits(variant: Variant, used: Mapping[str, Collection[str]]) -> bool:
-    return all(variant.parts[name] in texts for name, texts in used.items())
 
 
 def _part(used: tuple[str, ...], every: tuple[str, ...]) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from .impact import OUTPUTS, Impact, Rule
+from .impact import Impact, Rule
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,22 +31,20 @@ class Change:
     def impact(self) -> Impact:
         return self.rule.impact
 
-    def reached(self, impact: Impact) -> list[str]:
-        """Return the outputs in which it has this impact."""
-        return [name for name, found in zip(OUTPUTS, self.rule.impacts, strict=True) if found is impact]
-
 
 @dataclass(frozen=True, slots=True)
 class Thing:
     """Subject of a change: its path in the spec, its name in a sentence, and its old names in outputs.
 
-    ``interface`` is empty if it concerns all order codes.
+    ``interface`` is empty if it concerns all order codes. ``scope`` is the frame or register in which to look up the
+    names of fields.
     """
 
     path: str
     label: str
     interface: str = ""
     names: Mapping[str, str] = field(default_factory=dict)
+    scope: str = ""
 
     def inside(self, path: str, label: str) -> Thing:
         """Return a thing inside it."""

@@ -7,9 +7,10 @@ from dataclasses import fields, replace
 from types import MappingProxyType
 from typing import Any, TypeVar
 
-from ..model import Alarm, Alternative, Biss, Connector, Crc, CrcValue, Device, Interface
+from ..model import Alarm, Alternative, Connector, Crc, Device
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, WIDER, Member
+from ..order_codes.narrowing import sent_crcs
 from ..say.numbers import first_of
 from ..say.place import register_at
 from .change import Change, Thing
@@ -54,23 +55,22 @@ _NAMES: Mapping[str, tuple[str, str]] = MappingProxyType(
 Inside = Callable[[FamilyPair, Thing, Any, Any], Iterator[Change]]
 
 
-def members(both: FamilyPair, thing: Thing, old: Any, new: Any, scope: str = "") -> Iterator[Change]:
-    """Yield every changed member. ``scope`` is the frame or register in which to look up the names of fields."""
+def members(both: FamilyPair, thing: Thing, old: Any, new: Any) -> Iterator[Change]:
+    """Yield every changed member."""
+    old = both.in_new(old, thing.scope)
     known = {"source": _SOURCE, **PARTS_BY_CLASS[type(new).__name__].by_attribute}
     for item in fields(new):
         member = known.get(item.name) or Member(item.name, rule="unforeseen")
         if member.rule:
             values = getattr(old, item.name), getattr(new, item.name)
-            yield from _member(both, thing.inside(item.name, thing.label), member, *values, scope)
+            yield from _member(both, thing.inside(item.name, thing.label), member, *values)
 
 
-def _member(both: FamilyPair, place: Thing, member: Member, old: Any, new: Any, scope: str) -> Iterator[Change]:
+def _member(both: FamilyPair, place: Thing, member: Member, old: Any, new: Any) -> Iterator[Change]:
     kinds = {type(old), type(new)}
     if member.is_limit or (Expression in kinds and str not in kinds):
         yield from _number(both, place, member, old, new)
         return
-    if member.refers_to:
-        old = both.to_new(member.refers_to, old, scope)
     if old == new:
         return
     rule = "source" if plain(old) == plain(new) else "words"
@@ -117,7 +117,6 @@ def things(
     news: Sequence[_Item],
     place: Thing,
     inside: Inside | None = None,
-    scope: str = "",
 ) -> Iterator[Change]:
     """Yield the changes of several things: new, gone and renamed ones, and the members of the others.
 
@@ -128,19 +127,18 @@ def things(
         news: The new things.
         place: The section that contains them. Its label has the words that precede the name of a thing.
         inside: Compare the content of a thing that the table of members does not compare.
-        scope: Frame or register in which to look up the names of fields, if that is not the thing itself.
     """
-    for pair in recognised(both, olds, news, place.interface, scope):
-        yield from compared(both, kind, _named_in_code(both, pair, place), pair, inside, scope)
+    for pair in recognised(both, olds, news, place.interface, place.scope):
+        yield from compared(both, kind, _named_in_code(both, pair, place), pair, inside)
 
 
 def compared(
-    both: FamilyPair, kind: str, thing: Thing, pair: Pair[Any], inside: Inside | None = None, scope: str = ""
+    both: FamilyPair, kind: str, thing: Thing, pair: Pair[Any], inside: Inside | None = None
 ) -> Iterator[Change]:
     """Yield the changes of one thing, like ``things``."""
     yield from both.presence(kind, thing, pair.old, pair.new)
     if pair.old is not None and pair.new is not None:
-        yield from members(both, thing.unnamed, pair.old, pair.new, scope or pair.new.name)
+        yield from members(both, thing.unnamed, pair.old, pair.new)
         if inside is not None:
             yield from inside(both, thing, pair.old, pair.new)
 
@@ -168,22 +166,16 @@ def _interface_of(device: Device, item: Any) -> str:
         case Connector():
             found = set(item.interfaces)
         case Crc(name):
-            found = {each.name for each in device.interfaces if name in _crcs_of(each)}
+            found = {each.name for each in device.interfaces if name in sent_crcs((each,))}
         case _:
             found = {getattr(item, "interface", "")}
     return found.pop() if len(found) == 1 else ""
 
 
-def _crcs_of(interface: Interface) -> set[str]:
-    kinds = (field.kind for layout in interface.layouts for field in layout.fields)
-    controls = interface.control_data if isinstance(interface, Biss) else ()
-    return {kind.crc for kind in kinds if isinstance(kind, CrcValue)} | {item.crc for item in controls}
-
-
 def _named_in_code(both: FamilyPair, pair: Pair[Any], place: Thing) -> Thing:
     """Return a thing in a section, with its names in code if users already know it by them."""
-    kind, interface = place.path.rpartition(".")[2], place.interface
-    thing = Thing(f"{place.path}.{pair.item.name}", f"{place.label} {pair.item.name}", interface)
+    kind, interface, name = place.path.rpartition(".")[2], place.interface, pair.item.name
+    thing = Thing(f"{place.path}.{name}", f"{place.label} {name}", interface, scope=place.scope or name)
     # A new data ID is a new member of an enumeration that users already have.
     if kind not in _NAMES or (pair.old is None and kind != "data_ids"):
         return thing

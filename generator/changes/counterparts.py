@@ -8,8 +8,8 @@ from functools import partial
 from operator import attrgetter
 from typing import Any, TypeVar
 
-from ..model import Field, Layout, Parameter, Procedure, Register, RegisterStep, Rs485, Step
-from ..model.members import PARTS_BY_CLASS, Member
+from ..model import Field, Layout, ModifyStep, Parameter, Procedure, Register, Rs485, Step, WriteStep
+from ..model.members import PARTS_BY_CLASS
 from .family_pair import FamilyPair
 from .pairs import Pair, both_of, paired
 
@@ -89,15 +89,15 @@ def _identity(both: FamilyPair, is_old: bool, interface: str, scope: str, item: 
             numbers = tuple(each.parameters[item.name] for each in device.variants if each.code in codes)
             return (item.unit, bool(item.read_from), item.alternative, numbers) if numbers else None
 
-    def value(member: Member, found: Any) -> Any:
+    def value(found: Any) -> Any:
         if isinstance(found, Mapping):
             return tuple(sorted(found.values()))
         if isinstance(found, tuple) and any(map(is_dataclass, found)):
             return tuple(_identity(both, is_old, interface, scope, each) for each in found)
-        return both.to_new(member.refers_to, found, scope) if is_old and member.refers_to else found
+        return found
 
-    part = PARTS_BY_CLASS[type(item).__name__]
-    values = [value(part.by_attribute[name], getattr(item, name)) for name in part.identity]
+    item = both.in_new(item, scope) if is_old else item
+    values = [value(getattr(item, name)) for name in PARTS_BY_CLASS[type(item).__name__].identity]
     layout = item.layout if isinstance(item, Register) else item
     if isinstance(layout, Layout):
         values.append(tuple(both.place(each, interface or item.interface, is_old) for each in layout.fields))
@@ -111,13 +111,7 @@ def bare(step: Step) -> Step:
 
 def step_in_new(both: FamilyPair, step: Step) -> Step:
     """Return an old step without its words and with the new names of the things that it uses."""
-    made = bare(step)
-    if isinstance(made, RegisterStep):
-        register = both.to_new("register", made.register)
-        changed: dict[str, Any] = {"register": register}
-        if hasattr(made, "field"):
-            changed["field"] = both.to_new("field", made.field, register)
-        if getattr(made, "value", 0) is not None and hasattr(made, "value_name"):
-            changed["value_name"] = both.to_new("any-value", made.value_name)
-        return replace(made, **changed)
-    return replace(made, data_id=both.to_new("data-id", made.data_id)) if hasattr(made, "data_id") else made
+    made = both.in_new(bare(step), both.to_new("register", getattr(step, "register", "")))
+    if isinstance(step, (WriteStep, ModifyStep)) and isinstance(made, (WriteStep, ModifyStep)) and step.value is None:
+        return replace(made, value_name=step.value_name)  # the name of an argument, not of a value
+    return made

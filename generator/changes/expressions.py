@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from ..model import Device, Variant
@@ -22,7 +22,6 @@ class Point:
     """
 
     code: str
-    interface: str
     old: Parameters
     new: Parameters
     compared: Parameters
@@ -40,46 +39,23 @@ class Differing:
     everywhere: bool = True
 
 
-def points_of(old: Device, new: Device, shared: Mapping[str, str], renamed: Mapping[str, str]) -> tuple[Point, ...]:
-    """Return all points at which to compare expressions of the two families.
-
-    Args:
-        old: The old family.
-        new: The new family.
-        shared: The common order codes, the new by the old.
-        renamed: The renamed parameters, the new by the old.
-    """
-    variants = {item.code: item for item in new.variants}
-    settings: list[dict[str, int]] = [{}, *_settings(new)]
-    back = {name: before for before, name in renamed.items()}
-    found = []
-    for variant in old.variants:
-        if variant.code not in shared:
-            continue
-        other = variants[shared[variant.code]]
-        for setting in settings:
-            before = {back.get(name, name): value for name, value in setting.items()}
-            was, now = _at(old, variant, before), _at(new, other, setting)
-            compared = {name: now.get(name, number) for name, number in was.items()}
-            found.append(Point(other.code, other.interface, was, now, compared))
-    return tuple(found)
-
-
-def _settings(device: Device) -> Iterator[dict[str, int]]:
-    """Yield settings of registers and answers: each at the ends of its range, one after the other."""
+def settings_of(device: Device) -> Iterator[Parameters]:
+    """Yield settings of registers and answers: the defaults, then each at the ends of its range, one by one."""
+    yield {}
     for item in device.run_time_parameters:
         highest = item.max if item.max is not None else item.largest
         yield from ({item.name: value} for value in (item.min or 0, highest))
     for alternative in device.alternatives:
-        yield from (dict(answer.sets) for answer in alternative.answers)
+        yield from (answer.sets for answer in alternative.answers)
 
 
-def _at(device: Device, variant: Variant, setting: Parameters) -> Parameters:
+def with_setting(device: Device, variant: Variant, setting: Parameters) -> Parameters:
+    """Return the parameters of an order code under a setting, without parameters that it does not have."""
     known = {name: value for name, value in setting.items() if name in variant.parameters.keys() - device.definitions}
     return with_changed(device, variant, known) if known else variant.parameters
 
 
-def differing(old: Expression | None, new: Expression | None, points: tuple[Point, ...]) -> Differing | None:
+def differing(old: Expression | None, new: Expression | None, points: Sequence[Point]) -> Differing | None:
     """Return the differences of two expressions, or None if they are equal everywhere.
 
     Without a common order code, their texts are compared.
@@ -88,8 +64,8 @@ def differing(old: Expression | None, new: Expression | None, points: tuple[Poin
     if old == new:
         return None
     if not points:
-        same = (old is None) == (new is None) and (old is None or new is None or old.render() == new.render())
-        return None if same else Differing((), _constants(old, new))
+        is_same = old is not None and new is not None and old.render() == new.render()
+        return None if is_same else Differing((), _constants(old, new))
     found: dict[str, list[tuple[int | None, int | None]]] = {}
     for point in points:
         values = _number(old, point.compared), _number(new, point.new)

@@ -24,12 +24,14 @@ def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
     A missing family was renamed if a new one has the same order codes, or if there is only one of each.
     """
     found: list[Change] = []
-    for pair in sorted(_pairs(old, new), key=lambda pair: pair.item.name):
+    pairs = paired(old, new, lambda item: frozenset(variant.code for variant in item.variants))
+    if len(old) == len(new) == 1:
+        pairs = [Pair(old[0], new[0])]
+    for pair in sorted(pairs, key=lambda pair: pair.item.name):
         if pair.old is None or pair.new is None:
-            rule, how = ("family-new", " is new") if pair.old is None else ("family-gone", " is gone")
-            before, after = (each and each.name for each in (pair.old, pair.new))
-            both, thing = FamilyPair(pair.item, pair.item), Thing("", f"family {pair.item.name}")
-            found.append(both.change(rule, thing, how, before, after))
+            names = (each and each.name for each in (pair.old, pair.new))
+            thing = Thing("", f"family {pair.item.name}")
+            found += FamilyPair(pair.item, pair.item).presence("family", thing, *names)
         else:
             found += compare_family(pair.old, pair.new)
     return found
@@ -68,12 +70,6 @@ def _bare(device: Device) -> Device:
     """Return a family without data about the spec itself: number of readings, history and version."""
     maker = replace(device.manufacturer, version="")
     return replace(device, times_read=None, releases=(), manufacturer=maker)
-
-
-def _pairs(old: Sequence[Device], new: Sequence[Device]) -> list[Pair[Device]]:
-    if len(old) == len(new) == 1:
-        return [Pair(old[0], new[0])]
-    return paired(old, new, lambda item: frozenset(variant.code for variant in item.variants))
 
 
 def _merged(changes: Iterable[Change]) -> Iterator[Change]:

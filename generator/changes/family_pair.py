@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 from ..model import Device, Field
 from ..model.expressions import Expression
+from ..model.members import PARTS_BY_CLASS
 from .affected_codes import reach
 from .change import Change, Thing
-from .expressions import Differing, Point, differing, points_of
+from .expressions import Differing, Point, differing, settings_of, with_setting
 from .pairs import Pair, both_of
 from .rules import RULES, SAME
 from .value_text import plain
 
+_Part = TypeVar("_Part", bound=Any)
 #: Rules whose values are interfaces, both of which are affected.
 _MOVES = ("register-interface", "procedure-interface")
 
@@ -49,12 +51,26 @@ class FamilyPair:
             if old.name != new.name:
                 self.names.setdefault(kind, {})[old.name] = new.name
 
+    def in_new(self, part: _Part, scope: str = "") -> _Part:
+        """Return an old part of the model with the new names of the things that it refers to.
+
+        ``scope`` is the frame or register in which to look up the names of fields.
+        """
+        known = PARTS_BY_CLASS[type(part).__name__].by_attribute
+        kinds = {item.name: known[item.name].refers_to for item in fields(part) if item.name in known}
+        own = {name: self.to_new(kind, getattr(part, name), scope) for name, kind in kinds.items() if kind}
+        return replace(part, **own) if own else part
+
     def to_new(self, kind: str, value: Any, scope: str = "") -> Any:
         """Return an old value with the new names of the things in it."""
         if isinstance(value, tuple):
             return tuple(self.to_new(kind.removesuffix("s"), item, scope) for item in value)
         if not isinstance(value, str):
             return {self.to_new("parameter", key): item for key, item in value.items()} if value else value
+        if kind == "pattern":
+            for before, after in self.names.get("part", {}).items():
+                value = value.replace(f"{{{before}}}", f"{{{after}}}")
+            return value
         if kind == "dotted":
             head, dot, tail = value.partition(".")
             register = self.to_new("register", head)
@@ -68,11 +84,20 @@ class FamilyPair:
         return self.names.get(kind, {}).get(value, value)
 
     @cached_property
-    def _points(self) -> dict[str, tuple[Point, ...]]:
+    def _points(self) -> dict[str, list[Point]]:
         """The points for comparing expressions of each interface, and under an empty name those of all interfaces."""
-        points = points_of(self.old, self.new, self.shared, self.names.get("parameter", {}))
-        names = {"", *(item.interface for item in points)}
-        return {name: tuple(item for item in points if name in ("", item.interface)) for name in names}
+        variants = {item.code: item for item in self.new.variants}
+        back = {name: before for before, name in self.names.get("parameter", {}).items()}
+        found: dict[str, list[Point]] = {}
+        for variant in (item for item in self.old.variants if item.code in self.shared):
+            other = variants[self.shared[variant.code]]
+            for setting in settings_of(self.new):
+                before = {back.get(name, name): value for name, value in setting.items()}
+                was, now = with_setting(self.old, variant, before), with_setting(self.new, other, setting)
+                point = Point(other.code, was, now, {name: now.get(name, number) for name, number in was.items()})
+                for name in ("", other.interface):
+                    found.setdefault(name, []).append(point)
+        return found
 
     def differing(self, interface: str, old: Expression | None, new: Expression | None) -> Differing | None:
         """Return the differences of two expressions for an interface, or for all, or None if they are equal."""

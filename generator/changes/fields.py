@@ -5,23 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from ..model import (
-    Choice,
-    Constant,
-    CrcValue,
-    Decimal,
-    Device,
-    Field,
-    Flag,
-    Kind,
-    Layout,
-    Number,
-    Parity,
-    Rs485,
-    Text,
-    Unused,
-    assert_never,
-)
+from ..model import Choice, Constant, Decimal, Device, Field, Layout, Number, Rs485, Text, Unused
 from .change import Change, Thing
 from .compare import members, things
 from .counterparts import fields
@@ -33,28 +17,26 @@ from .value_text import shown
 _PLAIN = (Number, Decimal, Text)
 
 
-def layout(both: FamilyPair, thing: Thing, old: Layout, new: Layout, scope: str) -> Iterator[Change]:
-    """Yield the differences in the fields of a frame or register, which ``scope`` names."""
-    # The bare name of a frame or register, as used for its fields.
-    short = thing.label.rpartition(" ")[2]
+def layout(both: FamilyPair, thing: Thing, old: Layout, new: Layout) -> Iterator[Change]:
+    """Yield the differences in the fields of a frame or register."""
     for pair in fields(both, old, new, thing.interface):
-        yield from _field(both, thing, pair, scope, short)
-    yield from things(both, "joined", old.joins, new.joins, replace(thing, label=f"{short}: number"), scope=scope)
+        yield from _field(both, thing, pair)
+    yield from things(both, "joined", old.joins, new.joins, replace(thing, label=f"{thing.scope}: number"))
 
 
-def _field(both: FamilyPair, thing: Thing, pair: Pair[Field], scope: str, short: str) -> Iterator[Change]:
+def _field(both: FamilyPair, thing: Thing, pair: Pair[Field]) -> Iterator[Change]:
     item = pair.item
     # A field of a group is in many frames, but its change is reported once, for the group.
     path = f"field_groups.{item.group}.{item.name}" if item.group else f"{thing.path}.{item.name}"
-    place = Thing(path, f"{item.group or short}: field {item.name}", thing.interface)
+    place = replace(thing, path=path, label=f"{item.group or thing.scope}: field {item.name}")
     # The only field of a plain register has the register's name.
-    if not (item.name == scope and pair.old and both.to_new("register", pair.old.name) == scope):
+    if not (item.name == thing.scope and pair.old and both.to_new("register", pair.old.name) == thing.scope):
         yield from both.presence("field", place, pair.old, pair.new)
     if pair.old is None or pair.new is None:
         return
     old, new = pair.old, pair.new
-    yield from members(both, place, old, new, scope)
-    yield from _kind(both, place, old, new, scope)
+    yield from members(both, place, old, new)
+    yield from _kind(both, place, old, new)
     if isinstance(old.kind, Choice) and isinstance(new.kind, Choice) and not _of_data_ids(both.new, new):
         label = place.label.replace(": field ", ".")
         yield from things(both, "value", old.values, new.values, replace(place, label=f"{label}: value"))
@@ -66,44 +48,20 @@ def _of_data_ids(device: Device, field: Field) -> bool:
     return any({value.name for value in field.values} == {data_id.name for data_id in each} for each in found)
 
 
-def _kind(both: FamilyPair, place: Thing, old: Field, new: Field, scope: str) -> Iterator[Change]:
+def _kind(both: FamilyPair, place: Thing, old: Field, new: Field) -> Iterator[Change]:
     """Compare the conversion of bits to a value."""
     before, after = old.kind, new.kind
     if isinstance(before, Decimal) and isinstance(after, Decimal):
         yield from _runs(both, place.inside("runs", place.label), before, after)
     elif type(before) is type(after):
-        yield from members(both, place, before, after, scope)
+        yield from members(both, place, before, after)
     else:
         rule = "field-kind"
         if isinstance(before, _PLAIN) and isinstance(after, _PLAIN):
             rule = "field-reads-otherwise"
         elif isinstance(before, Constant) and isinstance(after, Unused):
             rule = "field-constant"
-        yield both.change(rule, place, f": {_words(before)} → {_words(after)}", before, after)
-
-
-def _words(kind: Kind) -> str:
-    match kind:
-        case Number():
-            return "number"
-        case Flag():
-            return "flag"
-        case Choice():
-            return "named values"
-        case Constant():
-            return "fixed bits"
-        case Unused():
-            return "unused bits"
-        case CrcValue():
-            return "CRC"
-        case Parity():
-            return "parity"
-        case Decimal():
-            return "decimal digits"
-        case Text():
-            return "text"
-        case _:
-            assert_never(kind)
+        yield both.change(rule, place, f": {before.word} → {after.word}", before, after)
 
 
 def _runs(both: FamilyPair, place: Thing, old: Decimal, new: Decimal) -> Iterator[Change]:

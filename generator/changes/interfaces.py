@@ -34,7 +34,7 @@ def _interface(both: FamilyPair, thing: Thing, old: Interface, new: Interface) -
 
 def _frame(both: FamilyPair, thing: Thing, old: Layout, new: Layout) -> Iterator[Change]:
     place = thing.unnamed
-    yield from layout(both, place, old, new, new.name)
+    yield from layout(both, place, old, new)
     was = {both.to_new("decision", item.name) for item in both.old.alternatives_of(old)}
     needed = {item.name for item in both.new.alternatives_of(new)}
     inner = place.inside("alternatives", place.label)

@@ -6,7 +6,7 @@ from collections.abc import Hashable, Iterator
 from dataclasses import replace
 from operator import attrgetter
 
-from ..model import Alternative, CodePart, Measurement, Parameter, Spelling, Supply, Variant
+from ..model import Alternative, CodePart, Parameter, Spelling, Supply, Variant
 from ..say.numbers import first_of
 from .affected_codes import pattern
 from .change import Change, Thing
@@ -50,18 +50,10 @@ def order_codes(both: FamilyPair) -> Iterator[Change]:
         label = f"order code{'s' * (len(renamed) > 1)} {said} (the same parts)"
         yield both.change("order-code-renamed", Thing("order_codes", label), "", list(renamed), list(renamed.values()))
     yield from _same_codes(both)
-    before = old.order_code if renamed else replace(old.order_code, pattern=_in_new(both, old.order_code.pattern))
-    after = replace(new.order_code, pattern=before.pattern) if renamed else new.order_code
-    yield from members(both, Thing("order_code", "order codes"), before, after)
+    before = replace(old.order_code, pattern=new.order_code.pattern) if renamed else old.order_code
+    yield from members(both, Thing("order_code", "order codes"), before, new.order_code)
     yield from section(both, "part", _part)
     yield from _spellings(both)
-
-
-def _in_new(both: FamilyPair, text: str) -> str:
-    """Return an old pattern with the new names of its parts."""
-    for before, after in both.names.get("part", {}).items():
-        text = text.replace(f"{{{before}}}", f"{{{after}}}")
-    return text
 
 
 def _codes(both: FamilyPair, word: str, found: list[Variant]) -> Iterator[Change]:
@@ -113,7 +105,7 @@ def _part(both: FamilyPair, thing: Thing, old: CodePart, new: CodePart) -> Itera
 
 def _spellings(both: FamilyPair) -> Iterator[Change]:
     def same(item: Spelling) -> Hashable:
-        return _in_new(both, item.pattern), item.values, item.then
+        return replace(both.in_new(item), where="", source=())
 
     olds, news = both.old.order_code.also_written, both.new.order_code.also_written
     for pair in paired(olds, news, same, name=attrgetter("where")):
@@ -124,7 +116,7 @@ def _spellings(both: FamilyPair) -> Iterator[Change]:
             said = f"spelling by {pair.old.where} → {pair.new.where} (the same texts)"
             yield both.change("spelling-renamed", Thing(thing.path, said), "", pair.old.where, pair.new.where)
         else:
-            yield from members(both, thing, replace(pair.old, pattern=_in_new(both, pair.old.pattern)), pair.new)
+            yield from members(both, thing, pair.old, pair.new)
 
 
 def supply(
@@ -144,18 +136,15 @@ def quantities(both: FamilyPair) -> Iterator[Change]:
     """Compare parameters, decisions and the measurement."""
     yield from section(both, "parameter")
     yield from section(both, "decision", _answers)
-    thing = Thing("measurement", "measurement")
-    yield from _measurement(both, thing, both.old.measurement, both.new.measurement)
+    measured = [(Thing("measurement", "measurement"), both.old.measurement, both.new.measurement)]
     for old, new in both_of(paired(both.old.interfaces, both.new.interfaces)):
         thing = Thing(f"interfaces.{new.name}.measurement", f"{new.short} measurement", new.name)
-        yield from _measurement(both, thing, old.measurement, new.measurement)
-
-
-def _measurement(both: FamilyPair, thing: Thing, old: Measurement | None, new: Measurement | None) -> Iterator[Change]:
-    if old is not None and new is not None:
-        yield from members(both, thing, old, new)
-    elif old is not new:
-        yield from both.presence("measurement", thing, old, new)
+        measured.append((thing, old.measurement, new.measurement))
+    for thing, before, after in measured:
+        if before is not None and after is not None:
+            yield from members(both, thing, before, after)
+        elif before is not after:
+            yield from both.presence("measurement", thing, before, after)
 
 
 def _answers(both: FamilyPair, thing: Thing, old: Alternative, new: Alternative) -> Iterator[Change]:

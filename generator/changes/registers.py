@@ -29,12 +29,12 @@ def register(both: FamilyPair, place: Thing, old: Register, new: Register) -> It
     # Everything else in the layout of a register follows from the register, which is compared separately.
     own = {name: getattr(old.layout, name) for name in ("fields", "joins", "gaps")}
     before = replace(new.layout, **own)
-    yield from members(both, unnamed, before, new.layout, new.name)
-    yield from layout(both, unnamed, before, new.layout, new.name)
+    yield from members(both, unnamed, before, new.layout)
+    yield from layout(both, unnamed, before, new.layout)
 
 
 def procedure(both: FamilyPair, place: Thing, old: Procedure, new: Procedure) -> Iterator[Change]:
-    was = [(item.name, both.to_new("register", item.of), item.meant_as) for item in old.arguments]
+    was = [(item.name, item.of, item.meant_as) for item in map(both.in_new, old.arguments)]
     now = [(item.name, item.of, item.meant_as) for item in new.arguments]
     inner = place.inside("arguments", place.label)
     if was != now:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from ..loading.history import history_beside, history_text, with_release
@@ -21,23 +20,15 @@ class NotRecorded(ValueError):
     """A file cannot be updated. The message says which one."""
 
 
-@dataclass(frozen=True, slots=True)
-class Recorded:
-    """A file and its new text."""
-
-    place: Path
-    text: str
-
-
-def records(found: Found, families: Sequence[Family]) -> Iterator[Recorded]:
-    """Yield the files to write, except for manufacturers without changes.
+def records(found: Found, families: Sequence[Family]) -> Iterator[tuple[Path, str]]:
+    """Yield the files to write with their new texts, except for manufacturers without changes.
 
     Raises:
         NotRecorded: A manufacturer's file has no version to replace.
     """
     for package in found.packages:
         own = [item for item in families if item.device.manufacturer.name == package.maker]
-        changed = [(item, _of(found.changes, item.device.name)) for item in own]
+        changed = [(item, [each for each in found.changes if each.family == item.device.name]) for item in own]
         if not any(changes for _, changes in changed):
             continue
         yield from _version(package, {name for item in own for name in item.files - {item.document.file}})
@@ -45,21 +36,17 @@ def records(found: Found, families: Sequence[Family]) -> Iterator[Recorded]:
             if changes:
                 release = _release(package, item.device.manual, changes)
                 text = history_text(with_release(item.device.releases, release))
-                yield Recorded(history_beside(Path(item.document.file)), text)
+                yield history_beside(Path(item.document.file)), text
 
 
-def _of(changes: Sequence[Change], family: str) -> list[Change]:
-    return [change for change in changes if change.family == family]
-
-
-def _version(package: Package, files: set[str]) -> Iterator[Recorded]:
+def _version(package: Package, files: set[str]) -> Iterator[tuple[Path, str]]:
     if package.new == package.stated:
         return
     for place in map(Path, sorted(files)):
         text, count = _VERSION.subn(rf'\g<1>"{package.new}"', place.read_text(encoding="utf-8"))
         if count != 1:
             raise NotRecorded(f'{place} has no line like version: "{package.stated}"; set it to {package.new} by hand')
-        yield Recorded(place, text)
+        yield place, text
 
 
 def _release(package: Package, manual: Manual, changes: Sequence[Change]) -> Release:

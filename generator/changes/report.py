@@ -39,11 +39,11 @@ class Found:
 
 def outputs(change: Change, code: str = "{}") -> str:
     """Return the outputs that a change affects, most affected first. ``code`` is the format of a name."""
-    texts = []
-    for impact in sorted(set(change.rule.impacts), reverse=True):
+    texts, own = [], dict(zip(OUTPUTS, change.rule.impacts, strict=True))
+    for impact in sorted(set(own.values()), reverse=True):
         if impact is Impact.NONE or (impact is Impact.DOCUMENTATION and change.impact is not impact):
             continue
-        called = [_output(change, name, code) for name in OUTPUTS if name in change.reached(impact)]
+        called = [_output(change, name, code) for name, found in own.items() if found is impact]
         # Every change affects the pages. They are named only if no other output is.
         texts.append(", ".join(called) + ("" if impact is change.impact else f" ({impact.word})"))
     return "; ".join(texts)

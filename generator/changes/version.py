@@ -9,7 +9,7 @@ manufacturer's file can move a package to 1.0.0.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from ..model import Device
@@ -51,21 +51,17 @@ def due(version: str, impact: Impact) -> str:
     return ".".join(map(str, raised))
 
 
-def packages(old: Sequence[Device], new: Sequence[Device], changes: Iterable[Change]) -> list[Package]:
+def packages(old: Sequence[Device], new: Sequence[Device], changes: Collection[Change]) -> list[Package]:
     """Return the packages of manufacturers on both sides, with the versions that follow from the changes."""
-    found = list(changes)
-    makers = {device.manufacturer.name: device.manufacturer for device in old}
-    made = {}
-    for device in new:
-        maker = device.manufacturer
-        before = makers.get(maker.name)
-        if before is None or maker.name in made:
-            continue
-        families = {item.name for item in (*old, *new) if item.manufacturer.name == maker.name}
-        impact = max((change.impact for change in found if change.family in families), default=Impact.NONE)
-        needed = due(before.version, impact)
-        made[maker.name] = Package(maker.name, maker.python_package, before.version, maker.version, needed)
-    return list(made.values())
+    before, after = ({item.manufacturer.name: item.manufacturer for item in devices} for devices in (old, new))
+    found = []
+    for name, maker in after.items():
+        if name in before:
+            families = {item.name for item in (*old, *new) if item.manufacturer.name == name}
+            impact = max((item.impact for item in changes if item.family in families), default=Impact.NONE)
+            version = before[name].version
+            found.append(Package(name, maker.python_package, version, maker.version, due(version, impact)))
+    return found
 
 
 def _numbers(version: str) -> tuple[int, ...]:

@@ -12,7 +12,8 @@ from ..language.problems import Report
 from ..language.second_reading import beside
 from ..loading.family_files import family_files
 from ..loading.library import Family, contents, is_clean, load_families
-from ..readings.second_readings import Reader, Readings, Second, compare_readings, read_beside, sound_specs
+from ..readings.coverage import Coverage
+from ..readings.second_readings import Reader, Second, compare_readings, read_beside, sound_specs
 from ..targets import Target
 from .editions import check_all
 from .outputs import tell_unfit
@@ -26,7 +27,7 @@ class Checked:
     """Families and second readings that were checked, with their problems."""
 
     families: Sequence[Family]
-    readings: Sequence[Readings]
+    readings: Sequence[Coverage]
     report: Report
 
 

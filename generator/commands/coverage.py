@@ -15,7 +15,7 @@ from ..loading.family_files import family_files
 from ..loading.library import Family
 from ..loading.reading_counts import RULE, counts_text
 from ..model import TimesRead
-from ..readings.coverage import Coverage, added, coverage_of
+from ..readings.coverage import Coverage, added
 from ..readings.fact import Sort
 from ..say.words import counted
 from .check import Checked, look_at
@@ -28,16 +28,15 @@ _HEADINGS = ("twice", "explained", "decided", "once", "derived")
 _OLD = "the counts do not match the readings; update them with codewheel check --coverage --write"
 
 
-def cover(found: Checked, write: bool) -> list[Coverage]:
+def cover(found: Checked, write: bool) -> Sequence[Coverage]:
     """Return the coverage. Write the counts next to the specs, or report those that are out of date."""
-    covered = coverage_of(found.readings)
-    for item in covered:
+    for item in found.readings:
         place = counts_beside(Path(item.spec.file))
         if write:
             place.write_text(counts_text(item.total), encoding="utf-8")
         elif place.is_file() and place.read_text(encoding="utf-8") != counts_text(item.total):
             found.report.add_at(str(place), 1, 1, RULE, _OLD)
-    return covered
+    return found.readings
 
 
 def refuse_unproved(families: Sequence[Family], what: str, cache: Cache | None = None) -> None:
@@ -95,7 +94,7 @@ def _family_data(item: Coverage) -> dict[str, Any]:
         for sort, place in item.once
     ]
     classes = {sort.value: asdict(count) | {"needed": sort.is_needed} for sort, count in item.counts.items()}
-    return {"family": item.family, "classes": classes, "total": asdict(item.total), "once": once}
+    return {"family": item.family.device.name, "classes": classes, "total": asdict(item.total), "once": once}
 
 
 def as_text(covered: Sequence[Coverage], found: Checked) -> str:
@@ -105,7 +104,7 @@ def as_text(covered: Sequence[Coverage], found: Checked) -> str:
     if not covered:
         return "\n".join(without)
     rows = [(f"{sort.value}{' *' if sort.is_needed else ''}", count) for sort, count in _by_class(covered).items()]
-    rows += [(item.family, item.total) for item in covered]
+    rows += [(item.family.device.name, item.total) for item in covered]
     rows += [("total", added(item.total for item in covered))] if len(covered) > 1 else []
     lines = ["facts by number of readings (*: two are required)", _line("", _HEADINGS)]
     lines += [_line(name, astuple(count)) for name, count in rows]
@@ -113,7 +112,7 @@ def as_text(covered: Sequence[Coverage], found: Checked) -> str:
 
 
 def _names(covered: Sequence[Coverage]) -> set[str]:
-    return {item.family for item in covered}
+    return {item.family.device.name for item in covered}
 
 
 def _by_class(covered: Sequence[Coverage]) -> Mapping[Sort, TimesRead]:

@@ -179,11 +179,11 @@ def _record(found: Found, after: _Side) -> Found:
     try:
         # Compose all texts before touching the first file.
         kept = list(records(found, after.families))
-        for item in kept:
-            item.place.write_text(item.text, encoding="utf-8")
+        for place, text in kept:
+            place.write_text(text, encoding="utf-8")
     except NotRecorded as error:
         raise Stop(str(error), 1) from None
-    notices = tuple(f"recorded in {item.place.as_posix()}" for item in kept)
+    notices = tuple(f"recorded in {place.as_posix()}" for place, _ in kept)
     packages = [replace(item, stated=item.new) for item in found.packages]
     return replace(found, packages=packages, notices=notices)
 

@@ -1,9 +1,13 @@
-"""Kinds of fields. The kind defines how bits are converted to a value. Each kind has only its own facts."""
+"""Kinds of fields. The kind defines how bits are converted to a value. Each kind has only its own facts.
+
+``word`` names a kind in sentences about a change of the kind.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import Enum
+from typing import ClassVar
 
 from .facts import Sources
 from .record import dataclass
@@ -52,6 +56,7 @@ class Digits:
 class Number:
     """An integer, in two's complement if ``signed``. If all bits are 0, the value is ``zero_means``."""
 
+    word: ClassVar[str] = "number"
     signed: bool = False
     zero_means: int = 0
     power_of_two: bool = False
@@ -66,6 +71,7 @@ class Flag:
     the parameter ``only_while`` is not 0. For all others, the flag is ``unexplained``.
     """
 
+    word: ClassVar[str] = "flag"
     active_low: bool = False
     when_active: str = ""
     when_inactive: str = ""
@@ -85,6 +91,7 @@ class Flag:
 class Choice:
     """One of several named values."""
 
+    word: ClassVar[str] = "named values"
     values: tuple[Value, ...]
 
 
@@ -97,6 +104,7 @@ class Constant:
     fields. Zeros that fill the first byte of a frame of bits are not on the line either.
     """
 
+    word: ClassVar[str] = "fixed bits"
     value: int = 0
     padding_of: str = ""
     fills_gap: bool = False
@@ -110,6 +118,7 @@ class Unused:
     Other values are reported, not rejected. ``makes_position`` is the verdict on the position in that case.
     """
 
+    word: ClassVar[str] = "unused bits"
     value: int = 0
     makes_position: Verdict = Verdict.USABLE_WITH_WARNING
 
@@ -118,6 +127,7 @@ class Unused:
 class CrcValue:
     """The bits of the named CRC. It covers the adjacent fields ``of`` or, without them, everything sent before it."""
 
+    word: ClassVar[str] = "CRC"
     crc: str
     of: tuple[str, ...] = ()
 
@@ -131,6 +141,7 @@ class Parity:
     and ``turned`` is true if they are an odd number.
     """
 
+    word: ClassVar[str] = "parity"
     of: tuple[str, ...]
     odd: bool = False
     over: str = ""
@@ -157,6 +168,7 @@ class Parity:
 class Decimal:
     """A number made of runs of decimal digits, most significant run first."""
 
+    word: ClassVar[str] = "decimal digits"
     runs: tuple[Digits, ...]
 
     @property
@@ -173,6 +185,8 @@ class Decimal:
 @dataclass(frozen=True, slots=True)
 class Text:
     """Characters, one per byte."""
+
+    word: ClassVar[str] = "text"
 
 
 Kind = Number | Flag | Choice | Constant | Unused | CrcValue | Parity | Decimal | Text

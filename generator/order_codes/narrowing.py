@@ -15,6 +15,7 @@ from ..model import (
     Example,
     FrameExample,
     Input,
+    Interface,
     MeasureExample,
     ProcedureExample,
     RegisterExample,
@@ -55,7 +56,7 @@ def for_interface(device: Device, kind: str) -> Device:
 
 def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
     """Return the device with only some of its interfaces, and without parts that belong only to the others."""
-    part = _with_used(_with_own(device, kinds), _sent_crcs(device))
+    part = _with_used(_with_own(device, kinds), sent_crcs(device.interfaces))
     kept = {
         "interfaces": _names(part.interfaces),
         "registers": _names(part.registers),
@@ -87,27 +88,27 @@ def _with_own(device: Device, kinds: Collection[str]) -> Device:
     )
 
 
-def _sent_crcs(device: Device) -> set[str]:
-    """Return the names of the CRCs that are in a frame of an interface."""
-    sent = (field for item in device.interfaces for layout in item.layouts for field in layout.fields)
+def sent_crcs(interfaces: Collection[Interface]) -> set[str]:
+    """Return the names of the CRCs that are in a frame of one of the interfaces."""
+    sent = (field for item in interfaces for layout in item.layouts for field in layout.fields)
     crcs = {field.kind.crc for field in sent if isinstance(field.kind, CrcValue)}
-    return crcs | {part.crc for item in device.interfaces if isinstance(item, Biss) for part in item.control_data}
+    return crcs | {part.crc for item in interfaces if isinstance(item, Biss) for part in item.control_data}
 
 
-def _with_used(device: Device, sent_crcs: Collection[str]) -> Device:
+def _with_used(device: Device, crcs_sent: Collection[str]) -> Device:
     """Return the device with only the CRCs, groups, alarms and alternatives that its frames and registers use.
 
-    A CRC that is in no frame, such as that of a memory, belongs to all interfaces. ``sent_crcs`` are the others.
+    A CRC that is in no frame, such as that of a memory, belongs to all interfaces. ``crcs_sent`` are the others.
     """
     sent = [field for item in device.interfaces for layout in item.layouts for field in layout.fields]
-    crcs = _sent_crcs(device)
+    crcs = sent_crcs(device.interfaces)
     groups, registers = {"", *(field.group for field in sent)}, {"", *_names(device.registers)}
     layouts = [layout for item in device.interfaces for layout in item.layouts]
     layouts += [item.layout for item in device.registers]
     decisions = {item.name for layout in layouts for item in device.alternatives_of(layout)}
     return replace(
         device,
-        crcs=tuple(item for item in device.crcs if item.name in crcs or item.name not in sent_crcs),
+        crcs=tuple(item for item in device.crcs if item.name in crcs or item.name not in crcs_sent),
         field_groups=tuple(item for item in device.field_groups if item.name in groups),
         alarms=tuple(item for item in device.alarms if item.group in groups and item.register in registers),
         alternatives=tuple(item for item in device.alternatives if item.name in decisions),

@@ -36,9 +36,13 @@ def run_time_names(device: Device) -> frozenset[str]:
 
 def follows_registers(device: Device, layout: Layout) -> bool:
     """Return whether registers determine the positions or the code of a layout's fields at run time."""
-    return not run_time_names(device).isdisjoint(
-        {layout.gray_when, *(name for item in _of_layout(layout) for name in item.parameters)}
-    )
+    return not run_time_names(device).isdisjoint(deciding_parameters(layout))
+
+
+def deciding_parameters(layout: Layout) -> frozenset[str]:
+    """Return the parameters that determine the positions, documented values or code of a layout's fields."""
+    names = (name for item in _of_layout(layout) for name in item.parameters)
+    return frozenset((layout.gray_when, *names)) - {""}
 
 
 def run_time_widths(device: Device, layout: Layout) -> tuple[str, ...]:

@@ -168,7 +168,7 @@ def _lacking(fact: Fact, near: Path) -> Disagreement:
 def _compare_names(made: Comparison, spec: Mapping[Key, Names], second: Mapping[Key, Names]) -> Iterator[Disagreement]:
     for kind, names in spec.items():
         for own, other in mistaken(names, second.get(kind, {}), made.settled):
-            yield Disagreement(own.sort, own.what, f"'{own.name}'", f"'{other.name}'", own.place, other.place)
+            yield Disagreement(own.sort, own.what, f"'{own.value}'", f"'{other.value}'", own.place, other.place)
 
 
 def _shown(value: Value) -> str:
@@ -228,26 +228,25 @@ def _compare_words(made: Comparison, word: Word, other: Word | None) -> None:
     """Compare a frame or register in every case. Each difference is reported for the first case that shows it."""
     others = other.cases if other is not None else {}
     whole = other.everywhere if other is not None and word.everywhere is not None else None
-    alike: dict[tuple[int, int], tuple[list[Disagreement], list[Case]]] = {}
-    for case, placed in word.cases.items():
-        theirs = whole or others.get(case)
-        if theirs is not None:
-            same = id(placed), id(theirs)
-            if same not in alike:
-                alike[same] = list(_in_case(made, word, placed, theirs)), []
-            alike[same][1].append(case)
-        elif not case[1] or placed is not word.cases.get((case[0], "")):
-            _note_all(made, placed)
+    alike: dict[tuple[int, int], list[Disagreement]] = {}
     # A disagreement is the same in other cases if it has the same places, class, and number among those with these.
     told: dict[tuple[Path, Path, Sort, int], tuple[Disagreement, list[Case]]] = {}
-    for differing, cases in alike.values():
+    for case, placed in word.cases.items():
+        theirs = whole or others.get(case)
+        if theirs is None:
+            if not case[1] or placed is not word.cases.get((case[0], "")):
+                _note_all(made, placed)
+            continue
+        same = id(placed), id(theirs)
+        if same not in alike:
+            alike[same] = list(_in_case(made, word, placed, theirs))
         counts: Counter[tuple[Path, Path, Sort]] = Counter()
-        for found in differing:
+        for found in alike[same]:
             kind = found.place, found.second, found.sort
             counts[kind] += 1
-            told.setdefault((*kind, counts[kind]), (found, []))[1].extend(cases)
+            told.setdefault((*kind, counts[kind]), (found, []))[1].append(case)
     for found, cases in told.values():
-        is_everywhere = len(set(cases)) == len(word.cases)
+        is_everywhere = len(cases) == len(word.cases)
         made.differ(found if is_everywhere else replace(found, what=found.what + _with(cases)))
 
 

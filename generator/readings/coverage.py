@@ -4,31 +4,49 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import astuple
+from functools import cached_property
 
 from ..language.document import Document
 from ..language.problems import Path
+from ..loading.library import Family
 from ..model import TimesRead
 from ..model.record import dataclass
 from .compare import Comparison, Read
 from .fact import Sort
-from .second_readings import Readings
-
-NOT_READ = TimesRead(0, 0, 0, 0, 0)
 
 
 @dataclass(frozen=True)
 class Coverage:
-    """Readings of the facts of one family. ``once`` lists the facts that were read once, in the order of the file."""
+    """Readings of the facts of a family: the comparison with its second reading, and the number of derived facts."""
 
-    family: str
-    spec: Document
-    counts: Mapping[Sort, TimesRead]
-    once: Sequence[tuple[Sort, Path]]
+    family: Family
+    outcome: Comparison
+    derived: Mapping[Sort, int]
+
+    @property
+    def spec(self) -> Document:
+        return self.family.document
+
+    @cached_property
+    def counts(self) -> Mapping[Sort, TimesRead]:
+        """Counts of each class."""
+        return {sort: self._count(sort) for sort in Sort}
+
+    def _count(self, sort: Sort) -> TimesRead:
+        found = [read for (other, _), read in self.outcome.read.items() if other is sort]
+        twice, explained, decided, once = map(found.count, (Read.TWICE, Read.EXPLAINED, Read.DECIDED, Read.ONCE))
+        return TimesRead(twice, explained, decided, once, self.derived.get(sort, 0))
 
     @property
     def total(self) -> TimesRead:
         """Counts of all classes together."""
         return added(self.counts.values())
+
+    @cached_property
+    def once(self) -> Sequence[tuple[Sort, Path]]:
+        """Facts that were read once, in the order of the file."""
+        found = [item for item, read in self.outcome.read.items() if read is Read.ONCE]
+        return sorted(found, key=lambda item: (self.spec.position(item[1]), item[0].value))
 
     @property
     def lacking(self) -> list[tuple[Sort, Path]]:
@@ -36,25 +54,6 @@ class Coverage:
         return [item for item in self.once if item[0].is_needed]
 
 
-def coverage_of(readings: Iterable[Readings]) -> list[Coverage]:
-    """Return the coverage of each family whose readings could be compared."""
-    return [_of_family(item, item.outcome) for item in readings if item.outcome is not None]
-
-
 def added(counts: Iterable[TimesRead]) -> TimesRead:
     """Return the sum of several counts."""
-    return TimesRead(*map(sum, zip(*map(astuple, (NOT_READ, *counts)), strict=True)))
-
-
-def _of_family(readings: Readings, outcome: Comparison) -> Coverage:
-    spec = readings.family.document
-    counts = {sort: _count(sort, outcome, readings.derived.get(sort, 0)) for sort in Sort}
-    once = [item for item, read in outcome.read.items() if read is Read.ONCE]
-    once.sort(key=lambda item: (spec.position(item[1]), item[0].value))
-    return Coverage(readings.family.device.name, spec, counts, once)
-
-
-def _count(sort: Sort, outcome: Comparison, derived: int) -> TimesRead:
-    found = [read for (other, _), read in outcome.read.items() if other is sort]
-    twice, explained, decided, once = map(found.count, (Read.TWICE, Read.EXPLAINED, Read.DECIDED, Read.ONCE))
-    return TimesRead(twice, explained, decided, once, derived)
+    return TimesRead(*map(sum, zip(*map(astuple, (TimesRead(0, 0, 0, 0, 0), *counts)), strict=True)))

@@ -63,20 +63,6 @@ Value = str | Mapping[Case, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Name:
-    """The name given by a reader. ``what`` describes the item in messages, ``place`` is the place of the name."""
-
-    sort: Sort
-    name: str
-    what: str
-    place: Path
-
-
-#: Names of items of one kind, by keys without names.
-Names = dict[Key, Name]
-
-
-@dataclass(frozen=True, slots=True)
 class Fact:
     """A fact. ``what`` is its name in messages, ``place`` its place in the spec.
 
@@ -95,6 +81,10 @@ class Fact:
     mild: bool = False
     name: str = ""
     implied: bool = False
+
+
+#: Facts about the names that a reader gives to items of one kind.
+Names = dict[Key, Fact]
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,16 +151,15 @@ class Facts:
             self.facts[key] = item
             if item.name:
                 owner = item.place[: item.place.index(item.name) + 1]
-                self.call(_kind(key), key, Name(item.sort, item.name, f"name of {item.what}", (*owner, "name")))
+                self.call(
+                    key[: 2 if key[0] in _BY_INTERFACE else 1],
+                    Fact(item.sort, key, item.name, f"name of {item.what}", (*owner, "name")),
+                )
 
-    def call(self, kind: Key, key: Key, name: Name) -> None:
+    def call(self, kind: Key, name: Fact) -> None:
         """Add the name of an item."""
-        self.names.setdefault(kind, {}).setdefault(key, name)
+        self.names.setdefault(kind, {}).setdefault(name.key, name)
 
 
 #: Items with separate names for each interface, which is the second element of their keys.
 _BY_INTERFACE = frozenset(("connector", "frame", "procedure", "register", "time"))
-
-
-def _kind(key: Key) -> Key:
-    return key[:2] if key[0] in _BY_INTERFACE else key[:1]

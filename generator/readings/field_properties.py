@@ -5,24 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from ..model import Choice, CrcValue, Field, PlacedField, Register, Unused
+from ..model import CrcValue, Field, PlacedField, Register, Unused
 from ..say.place import bits
-from .fact import Fact, Key, Name, Names, Sort
+from .fact import Fact, Facts, Sort
 from .reading import Parameters, as_delivered, in_hex, over
 from .stated import Subject
 
 
-def add_names(subject: Subject, item: PlacedField, owner: str | int, names: dict[Key, Names]) -> None:
+def add_names(subject: Subject, item: PlacedField, owner: str | int, facts: Facts) -> None:
     """Add the names of a field of the frame or register ``owner``, and of the field's values."""
-    field, place, where = item.field, subject.place, f"{bits(item.high, item.low)} of '{owner}'"
-    if place[-2:] == ("fields", field.name):
-        name = Name(Sort.POSITION, field.name, f"name of {where}", (*place, "name"))
-        names.setdefault(("field",), {})[item.low, item.width] = name
-    if isinstance(field.kind, Choice):
-        values = names.setdefault(("value", item.low, item.width), {})
-        for value in field.values:
-            what, at = f"name of value {in_hex(value.value)} of {where}", (*place, "values", value.name)
-            values[value.value,] = Name(Sort.VALUE, value.name, what, subject.reading.first(at, place))
+    name, place, where = item.name, subject.place, f"{bits(item.high, item.low)} of '{owner}'"
+    span = item.low, item.width
+    if place[-2:] == ("fields", name):
+        facts.call(("field",), Fact(Sort.POSITION, span, name, f"name of {where}", (*place, "name")))
+    for value in item.field.values:
+        what, at = f"name of value {in_hex(value.value)} of {where}", (*place, "values", value.name)
+        fact = Fact(Sort.VALUE, (value.value,), value.name, what, subject.reading.first(at, place))
+        facts.call(("value", *span), fact)
 
 
 def properties(
@@ -60,7 +59,7 @@ def _of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
 
 def _default(item: PlacedField, register: Register) -> tuple[int | None, bool]:
     """Return the default of a field, and True if the register's default implies it. None if both are the same."""
-    own, whole = item.field.default, as_delivered(register)[0]
+    own, whole = item.field.default, as_delivered(register)
     if whole is None:
         return own, False
     if item.width == 8 * register.length or not item.field.carries_data:

@@ -23,8 +23,9 @@ from ..model import (
     Unused,
     assert_never,
 )
+from ..order_codes.parameters import deciding_parameters
 from ..say.place import bits
-from .fact import Bit, Case, Key, Names, Placed, Word
+from .fact import Bit, Case, Facts, Placed, Word
 from .field_properties import add_names, properties
 from .reading import Parameters
 from .stated import Subject
@@ -33,7 +34,7 @@ from .stated import Subject
 def word(owner: Subject, layout: Layout, register: Register | None = None) -> Word:
     """Return a frame or register, which ``owner`` describes, in each case of its interface."""
     made: dict[tuple[int, ...], Placed] = {}
-    sources = owner.reading.sources_of(layout)
+    sources = deciding_parameters(layout)
     cases: dict[Case, Placed] = {}
     for case, parameters in owner.reading.cases(owner.interface).items():
         same = tuple(parameters[name] for name in sources)
@@ -46,7 +47,7 @@ def word(owner: Subject, layout: Layout, register: Register | None = None) -> Wo
 def _placed(owner: Subject, placed: PlacedLayout, parameters: Parameters, register: Register | None) -> Placed:
     found = [Bit("unspecified", None, None, (*owner.place, "other_bits"))] * placed.bits
     fields = {}
-    names: dict[Key, Names] = {}
+    names = Facts()
     for item in placed.fields:
         place, what = owner.reading.field_place(owner.place, item.field), f"{bits(item.high, item.low)} of {owner.what}"
         for index, bit in enumerate(_bits(item, placed, place), item.low):
@@ -55,7 +56,7 @@ def _placed(owner: Subject, placed: PlacedLayout, parameters: Parameters, regist
         facts = properties(subject, item, parameters, register)
         fields[item.low, item.width] = {fact.key: fact for fact in facts}
         add_names(subject, item, owner.place[-1], names)
-    return Placed(tuple(found), fields, names)
+    return Placed(tuple(found), fields, names.names)
 
 
 def _bits(item: PlacedField, placed: PlacedLayout, place: Path) -> Iterator[Bit]:
@@ -105,8 +106,7 @@ def _part(kind: Kind, item: PlacedField, placed: PlacedLayout) -> str:
 
 
 def _gray(item: PlacedField, placed: PlacedLayout) -> str:
-    names = next((join.fields for join in placed.layout.joins if join.name == placed.layout.gray_of), ())
-    return " in Gray code" if placed.gray and item.name in (placed.layout.gray_of, *names) else ""
+    return " in Gray code" if placed.gray and item.name in placed.layout.names_in(placed.layout.gray_of) else ""
 
 
 def _joined(item: PlacedField, placed: PlacedLayout) -> int | None:

@@ -8,13 +8,20 @@ from itertools import accumulate
 
 from ..language.problems import Path
 from ..model import Biss, Constant, ControlField, Interface, Layout, Rs485, Spi, Ssi, Timing
-from .fact import Fact, Facts, Key, Name, Sort
+from .fact import Fact, Facts, Key, Sort
 from .frame_bits import word
 from .reading import Reading, in_hex, over, plain
 from .stated import Subject
 
 #: Width of a frame without byte order, even if a reader states one.
 _BYTE = 8
+#: Parts of interfaces, with the words between a fact about them and the name of the interface.
+_PARTS = {
+    "clock": " over ",
+    "network": " of the network over ",
+    "timeout": " of the time-out over ",
+    "port": " of the port over ",
+}
 
 
 def add_interfaces(reading: Reading, facts: Facts) -> None:
@@ -54,12 +61,12 @@ def _add_frames(reading: Reading, interface: Interface, layout: Layout, mark: st
             if item.group:
                 bits = reading.bits_of(interface.name, item)
                 what, place = f"group of {bits} of {frame.what}", reading.field_place(owner, item)
-                facts.call(("group", interface.name), (*key, bits), Name(Sort.POSITION, item.group, what, place))
+                facts.call(("group", interface.name), Fact(Sort.POSITION, (*key, bits), item.group, what, place))
 
 
 def _of_frame(frame: Subject, layout: Layout) -> Iterator[Fact]:
     reading, owner = frame.reading, frame.place
-    yield frame.first(Sort.POSITION, f"sent by the {layout.sender}", at="name", name=layout.name)
+    yield from frame.present(Sort.POSITION, layout, f"sent by the {layout.sender}", at="name")
     place = reading.first((*owner, "carried_as"), owner)
     yield frame.fact(Sort.POSITION, "carried", layout.carried_as, "units", place)
     several, is_stated = layout.widest > _BYTE, reading.document.has((*owner, "byte_order"))
@@ -68,39 +75,29 @@ def _of_frame(frame: Subject, layout: Layout) -> Iterator[Fact]:
         yield frame.fact(Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", place, mild=not several)
     lengths = {case: str(layout.bits.value(each)) for case, each in reading.cases(frame.interface).items()}
     yield frame.fact(Sort.POSITION, "length", lengths, "bits", owner)
-    yield from frame.stated(layout)
 
 
 def _of_interface(reading: Reading, interface: Interface) -> Iterator[Fact]:
-    def part(key: str, name: str = "", joint: str = " over ") -> Subject:
-        place = ("interfaces", interface.name, name) if name else ("interfaces", interface.name)
-        return Subject(reading, (key, interface.name), place, interface.short, interface.name, (), joint)
-
-    yield from part("interface").stated(interface)
-    if not isinstance(interface, Rs485):
-        yield from part("clock", "clock").stated(interface.clock)
+    owner: Path = ("interfaces", interface.name)
+    whole = Subject(reading, ("interface", interface.name), owner, interface.short, interface.name, (), " over ")
+    yield from whole.stated(interface)
+    for name, joint in _PARTS.items():
+        if part := getattr(interface, name, None):
+            yield from replace(whole, key=(name, interface.name), place=(*owner, name), joint=joint).stated(part)
     match interface:
         case Ssi():
             for index, cable in enumerate(interface.cable_lengths):
                 what = f"clock for a cable shorter than {cable.shorter_than_m} m"
-                place: Path = ("interfaces", interface.name, "cable_lengths", index, "below_hz")
-                key: Key = ("cable", interface.name, cable.shorter_than_m)
+                place, key = (*owner, "cable_lengths", index, "below_hz"), ("cable", "ssi", cable.shorter_than_m)
                 yield Fact(Sort.CLOCK, key, f"below {cable.below_hz} Hz", what, place)
         case Biss():
-            if interface.network is not None:
-                yield from part("network", "network", " of the network over ").stated(interface.network)
-            if interface.timeout is not None:
-                timeout = part("timeout", "timeout", " of the time-out over ")
-                yield from timeout.stated(interface.timeout)
-                for index, item in enumerate(interface.timeout.printed):
-                    what = f"time-out over BiSS at {item.clock_hz} Hz"
-                    place = (*timeout.place, "printed", index, "timeout_ns")
-                    yield Fact(Sort.TIME, ("timeout", "at", item.clock_hz), f"{item.timeout_ns} ns", what, place)
+            for index, item in enumerate(interface.timeout.printed if interface.timeout is not None else ()):
+                place, key = (*owner, "timeout", "printed", index, "timeout_ns"), ("timeout", "at", item.clock_hz)
+                yield Fact(Sort.TIME, key, f"{item.timeout_ns} ns", f"time-out over BiSS at {item.clock_hz} Hz", place)
             offsets = accumulate((item.bits for item in interface.control_data), initial=0)
             for field, offset in zip(interface.control_data, offsets, strict=False):
                 yield from _control(reading, field, offset)
         case Rs485():
-            yield from part("port", "port", " of the port over ").stated(interface.port)
             yield from _rs485(reading, interface)
             yield from _exchanges(interface)
         case Spi():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from .fact import Facts, Name, Names
+from .fact import Fact, Facts, Names
 
 #: Share of equal names from which the second reading is assumed to use the names of the spec.
 _SETTLED = 0.9
@@ -13,7 +13,7 @@ _SETTLED = 0.9
 def are_settled(spec: Facts, second: Facts) -> bool:
     """Return True if the second reading uses the names of the spec, so that any different name is a mistake."""
     pairs = [
-        (own[key].name, theirs[key].name) for own, theirs in _both(spec, second) for key in own.keys() & theirs.keys()
+        (own[key].value, theirs[key].value) for own, theirs in _both(spec, second) for key in own.keys() & theirs.keys()
     ]
     return sum(one == other for one, other in pairs) >= _SETTLED * len(pairs)
 
@@ -30,18 +30,18 @@ def _both(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
             yield from ((own[case].names[kind], theirs[case].names[kind]) for kind in kinds)
 
 
-def mistaken(own: Names, theirs: Names, settled: bool) -> Iterator[tuple[Name, Name]]:
+def mistaken(own: Names, theirs: Names, settled: bool) -> Iterator[tuple[Fact, Fact]]:
     """Yield pairs of different names of one item if one must be a mistake.
 
     This is the case if the other reader uses the name for another item, if the two differ in one letter, or if all
     names are ``settled``.
     """
-    used = {item.name for item in theirs.values()}
+    used = {item.value for item in theirs.values()}
     for key, mine in own.items():
         other = theirs.get(key)
-        if other is None or other.name == mine.name:
+        if other is None or other.value == mine.value:
             continue
-        if settled or mine.name in used or _is_slip(mine.name, other.name):
+        if settled or mine.value in used or _is_slip(str(mine.value), str(other.value)):
             yield mine, other
 
 

@@ -9,7 +9,7 @@ from ..language.problems import Path
 from ..model import Interface, Parameter
 from ..order_codes.labels import spelled
 from ..say.place import bits
-from .fact import Fact, Facts, Name, Sort
+from .fact import Fact, Facts, Sort
 from .reading import Reading, short
 from .stated import Subject
 
@@ -69,12 +69,11 @@ def _add_alternatives(reading: Reading, facts: Facts) -> None:
     """Add the names of the alternatives and of their answers."""
     for number, item in enumerate(reading.device.alternatives, 1):
         place: Path = ("alternatives", item.name)
-        name = Name(Sort.ORDER_CODE, item.name, f"name of alternative {number}", (*place, "name"))
-        facts.call(("alternative",), (number,), name)
+        what = f"name of alternative {number}"
+        facts.call(("alternative",), Fact(Sort.ORDER_CODE, (number,), item.name, what, (*place, "name")))
         for index, answer in enumerate(item.answers, 1):
-            what = f"name of answer {index} of alternative {number}"
-            name = Name(Sort.ORDER_CODE, answer.name, what, (*place, "values", answer.name))
-            facts.call(("answer", number), (index,), name)
+            what, at = f"name of answer {index} of alternative {number}", (*place, "values", answer.name)
+            facts.call(("answer", number), Fact(Sort.ORDER_CODE, (index,), answer.name, what, at))
 
 
 def _spellings(reading: Reading) -> Iterator[Fact]:

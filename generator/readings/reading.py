@@ -61,14 +61,6 @@ class Reading:
             for index, answer in enumerate(alternative.answers[1:], 2):
                 yield f"answer {index} of alternative {number}", answer.sets
 
-    def sources_of(self, layout: Layout) -> tuple[str, ...]:
-        """Return the parameters that determine places, contents and code of the fields of a layout."""
-        found = {layout.gray_when, *layout.bits.parameters} - {""}
-        for item in layout.fields:
-            found |= {*item.low.parameters, *item.width.parameters}
-            found |= set(item.equals.parameters) if isinstance(item.equals, Expression) else set()
-        return tuple(sorted(found))
-
     def bits_at(self, path: str) -> str:
         """Return the bits of a register given by ``register.field``, in words without names."""
         register, field = self._field_at(path)
@@ -164,21 +156,19 @@ def short(value: int) -> str:
     return str(value) if value < _LONG else f"0x{value:X}"
 
 
-def as_delivered(register: Register) -> tuple[int | None, bool]:
-    """Return the factory default of the register, and True if the spec states it explicitly."""
+def as_delivered(register: Register) -> int | None:
+    """Return the factory default of the register, as stated or from the documented values of all its fields."""
     if register.default is not None:
-        return register.default, True
+        return register.default
     found = 0
     for item in register.layout.fields:
-        if not item.carries_data:
-            return None, False
         number = int.from_bytes(item.equals.encode("ascii"), "big") if isinstance(item.equals, str) else item.equals
         if isinstance(number, Expression):
             number = number.constant if number.is_constant else None
-        if number is None or not item.low.is_constant:
-            return None, False
+        if number is None or not item.carries_data or not item.low.is_constant:
+            return None
         found |= number << item.low.constant
-    return found, False
+    return found
 
 
 def same_name(one: str, other: str) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from decimal import Decimal
 from pathlib import Path as File
 
@@ -18,7 +18,8 @@ from ..loading.library import Family
 from ..model import Manufacturer
 from ..model.record import dataclass
 from .collect import facts_of
-from .compare import Comparison, Disagreement, Read, compare
+from .compare import Comparison, Read, compare
+from .coverage import Coverage
 from .fact import NOTHING, Facts, Sort
 from .reading import Reading
 
@@ -35,16 +36,6 @@ class Second:
 
     document: Document
     facts: Facts | None
-
-
-@dataclass(frozen=True)
-class Readings:
-    """A family with its second reading and the result of the comparison, or no result if a file has problems."""
-
-    family: Family
-    second: Document
-    outcome: Comparison | None
-    derived: Mapping[Sort, int]
 
 
 #: Function that reads the second reading of a family, if there is one, and adds its problems to the report.
@@ -76,36 +67,40 @@ def sound_specs(families: Iterable[Family], report: Report) -> frozenset[str]:
 
 def compare_readings(
     families: Iterable[Family], sound: Collection[str], report: Report, read: Reader = read_beside
-) -> list[Readings]:
-    """Compare each family with its second reading, if it has one, and report the differences.
+) -> list[Coverage]:
+    """Compare each family with its second reading, report the differences, and return the coverage.
 
-    A second reading is checked even if its spec is not ``sound``, but not compared.
+    Families without a second reading are left out. So are those in which one of the two files has problems, but a
+    second reading is checked even if its spec is not ``sound``.
     """
     found = []
     for made in families:
         # A reader reads only the manual, so the family is compared without overlays.
         family = made.plain or made
         second = read(family, report) if not family.device.base else None
-        if second is None:
-            continue
-        if second.facts is None or family.document.file not in sound:
-            found.append(Readings(family, second.document, None, {}))
+        if second is None or second.facts is None or family.document.file not in sound:
             continue
         facts = facts_of(Reading(family.device, family.document))
         outcome = compare(facts, second.facts)
         explain(family.document, second.document, outcome, report)
-        found.append(Readings(family, second.document, outcome, facts.derived))
+        found.append(Coverage(family, outcome, facts.derived))
     return found
 
 
 def explain(spec: Document, second: Document, outcome: Comparison, report: Report) -> None:
-    """Count the disagreements explained by errata of the spec, and report the others at both places."""
-    errata = Errata(spec)
+    """Count the disagreements explained by errata of the spec, and report the others at both places.
+
+    An erratum that affects the place of a disagreement explains it by exactly its two values.
+    """
+    said, used = list(_explanations(spec)), set[Path]()
     for item in outcome.disagreements:
-        if errata.explain(item):
+        place, values = item.place or item.near, (item.other, item.used)
+        alike = (each for each in said if each[2:] == values)
+        found = {at for at, affected, *_ in alike if any(touches(path, place) for path in affected)}
+        used |= found
+        if found:
             outcome.read[item.sort, item.place or ("second", *item.second)] = Read.EXPLAINED
             continue
-        place = item.place or item.near
         line, _ = second.position(item.second)
         here = f"{item.what}: {item.used} here, {item.other} in {File(second.file).name}:{line}; {_MEND}"
         report.add(RULE, spec, place, here)
@@ -114,41 +109,20 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Repor
         line, _ = spec.position(place)
         there = f"{item.what}: {item.other} here, {item.used} in {File(spec.file).name}:{line}; {_MEND}"
         report.add(RULE, second, item.second, there)
-    errata.tell_unused(spec, report)
+    for at, _, other, own in said:
+        if at not in used:
+            wrong = f"no fact affected by this erratum is {quoted(other)} in the second reading and {quoted(own)} here"
+            report.add("readings-unused", spec, at, f"{wrong}; correct or remove it")
+        elif _lacks(spec.data["errata"][at[1]]["printed"], other):
+            wrong = f"the printed text has other values than {other}, which the second reading has; correct it"
+            report.add("readings-unused", spec, (*at[:2], "printed"), wrong)
 
 
-class Errata:
-    """The errata of a spec that explain differences of a second reading."""
-
-    def __init__(self, spec: Document) -> None:
-        self._said: list[tuple[Path, Sequence[str], str, str]] = []
-        self._used: set[Path] = set()
-        for number, item in enumerate(spec.data.get("errata", ())):
-            for index, reading in enumerate(item.get("readings", ())):
-                place: Path = ("errata", number, "readings", index)
-                self._said.append((place, item.get("affects", ()), reading["second"], reading["used"]))
-
-    def explain(self, item: Disagreement) -> bool:
-        """Return True if an erratum that affects the place has exactly these two values."""
-        found = [
-            place
-            for place, affected, second, used in self._said
-            if (second, used) == (item.other, item.used)
-            and any(touches(path, item.place or item.near) for path in affected)
-        ]
-        self._used |= set(found)
-        return bool(found)
-
-    def tell_unused(self, spec: Document, report: Report) -> None:
-        """Report pairs of values that explain nothing, or that the printed text contradicts."""
-        for place, _, second, used in self._said:
-            if place in self._used and _lacks(spec.data["errata"][place[1]]["printed"], second):
-                wrong = f"the printed text has other values than {second}, which the second reading has; correct it"
-                report.add("readings-unused", spec, (*place[:2], "printed"), wrong)
-            if place not in self._used:
-                values = f"{quoted(second)} in the second reading and {quoted(used)} here"
-                wrong = f"no fact affected by this erratum is {values}; correct or remove it"
-                report.add("readings-unused", spec, place, wrong)
+def _explanations(spec: Document) -> Iterator[tuple[Path, Sequence[str], str, str]]:
+    """Yield the two values that each erratum of a spec explains, after their place and the affected paths."""
+    for number, item in enumerate(spec.data.get("errata", ())):
+        for index, pair in enumerate(item.get("readings", ())):
+            yield ("errata", number, "readings", index), item.get("affects", ()), pair["second"], pair["used"]
 
 
 def _lacks(text: str, value: str) -> bool:

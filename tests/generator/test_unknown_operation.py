@@ -14,7 +14,6 @@ from types import SimpleNamespace
 from typing import Any, cast, get_args
 
 import pytest
-from codewheel.changes.fields import _words
 from codewheel.loading.library import load_library
 from codewheel.model import Fault, Field, Kind, Layout
 from codewheel.plan import values
@@ -173,7 +172,6 @@ DECISIONS: dict[str, Callable[[Layout, Field], object]] = {
     "meaning": lambda layout, field: values.meaning_of(field),
     "refusals": lambda layout, field: list(_of_field(layout, field)),
     "limits": lambda layout, field: field.number,
-    "words of diff": lambda layout, field: _words(field.kind),
 }
 
 

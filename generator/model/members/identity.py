@@ -173,7 +173,7 @@ IDENTITY = (
     Part(
         "order_code_grammar",
         "Structure of an order code.",
-        Member("pattern", "string", "Order code with its parts in braces.", "label"),
+        Member("pattern", "string", "Order code with its parts in braces.", "label", refers_to="pattern"),
         Member("also_written", "[spelling]", "Alternative spellings on labels."),
         Member("parts", "[code_part]", "Parts of the code, in order."),
         Member("special", "text", "The manual's warning about codes that end in /Sxxx.", "words"),
@@ -183,7 +183,7 @@ IDENTITY = (
     Part(
         "spelling",
         "An alternative spelling on labels.",
-        Member("pattern", "string", "Label with its parts in braces.", "label"),
+        Member("pattern", "string", "Label with its parts in braces.", "label", refers_to="pattern"),
         Member("where", "text", "Origin of this spelling."),
         Member(
             "values",
