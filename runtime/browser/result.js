@@ -175,7 +175,7 @@ function whyOf(found, command) {
   const flips = disturbedBits(found);
   const which = flips.length === 1 ? bitName(found.at, flips[0]) : `one of ${flips.length} bits`;
   const noise = flips.length ? [element("p", {},
-    `If only some frames fail, one bit was disturbed on the line: the CRC matches with ${which} inverted. `
+    `If only some frames fail, one bit may have been disturbed on the line: the CRC matches with ${which} inverted. `
     + "In that case, no change is needed.")] : [];
   const reasons = explained(found).map((item) => `${item.text} (matches by chance in 1 of ${item.oneIn} frames)`);
   const crcFault = found.at?.layout.crc && found.problems.some((item) => ["crc", "length"].includes(item.fault));
