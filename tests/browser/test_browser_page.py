@@ -59,7 +59,7 @@ def test_all_order_codes_are_there(library: Library) -> None:
 def test_the_same_every_time_and_not_large(library: Library) -> None:
     made = generate(library)
     assert made == generate(library)
-    assert len(made["browser/decode.js"].encode()) < 200_000
+    assert len(made["browser/decode.js"].encode()) < 220_000
 
 
 @pytest.mark.slow
