@@ -16,6 +16,7 @@ from ...plan.codec import (
     Check,
     Codec,
     Fixed,
+    IsBetween,
     IsOneOf,
     NotAbove,
     ParityIs,
@@ -167,6 +168,8 @@ def _message(layout: Layout, item: Check) -> Data:
             says, most = "digits", item.digits
         case NotAbove():
             says = "too_high"
+        case IsBetween():
+            says = "outside"
         case _:
             assert_never(item)
     of_name = ", ".join(of.name for of in item.of) if isinstance(item, ParityIs) else ""
