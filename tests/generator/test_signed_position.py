@@ -6,6 +6,7 @@ Frames and results are computed here. The codecs of all languages are also compa
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -80,6 +81,18 @@ def run_python(folder: Path, program: str) -> None:
     environment = {"PYTHONPATH": ":".join(map(str, paths))}
     done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+def run_c(folder: Path, program: str, *, run: bool = True) -> tuple[int, str]:
+    """Compile a program without warnings, run it, and return its exit code and output."""
+    (folder / "main.c").write_text(program, encoding="utf-8")
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wsign-conversion", "-Werror", "-pedantic"]
+    build = ["gcc", *flags, f"-I{folder}/c/include", "main.c", "-o", "main"]
+    subprocess.run(build, check=True, cwd=folder)
+    if not run:
+        return 0, ""
+    done = subprocess.run([str(folder / "main")], capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout
 
 
 @pytest.mark.parametrize("code", RANGES)
@@ -210,12 +223,33 @@ def test_c_rejects_them_and_continues_across_the_wrap(generated: Path) -> None:
             lines.append(f"    frame.position = {item};")
             calls = f"test_scale_biss_encode({encoder}, &frame, &word)"
             lines.append(f"    is((int64_t){calls}, (int64_t){result}, __LINE__);")
-    (generated / "main.c").write_text(IN_C.replace("/* CALLS */", "\n".join(lines)), encoding="utf-8")
-    flags = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wsign-conversion", "-Werror", "-pedantic"]
-    build = ["gcc", *flags, f"-I{generated}/c/include", "main.c", "-o", "main"]
-    subprocess.run(build, check=True, cwd=generated)
-    done = subprocess.run([str(generated / "main")], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stdout) == (0, "")
+    assert run_c(generated, IN_C.replace("/* CALLS */", "\n".join(lines))) == (0, "")
+
+
+README = r"""
+#include <stdio.h>
+EXAMPLE
+int main(void)
+{
+    int64_t position = 0;
+    const bool ok = read_encoder(FRAMEU, &position);
+    printf("%d %lld", ok, (long long)position);
+    return 0;
+}
+"""
+
+
+@pytest.mark.slow
+def test_the_c_readme_and_examples_handle_negative_positions(generated: Path) -> None:
+    blocks = re.findall(r"```c\n(.*?)```", (generated / "c" / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    example = next(block for block in blocks if "bool read_encoder" in block)
+    declared = re.sub(r"(bool read_encoder.*\))\n\{", r"\1;\n\1\n{", example)
+    program = README.replace("EXAMPLE", declared).replace("FRAME", str(frame_of(-5)))
+    assert run_c(generated, program) == (0, "1 -5")
+    programs = sorted((generated / "c" / "examples").glob("*.c"))
+    assert "scale_biss_dma.c" in {item.name for item in programs}
+    for item in programs:
+        assert run_c(generated, item.read_text(encoding="utf-8"), run=False) == (0, "")
 
 
 @pytest.mark.parametrize("code", RANGES)
