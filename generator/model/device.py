@@ -33,7 +33,7 @@ from .facts import (
 from .interfaces import INTERFACES, Interface
 from .interfaces.biss import Biss
 from .kinds import CrcValue, Value
-from .layout import Crc, Field, Layout
+from .layout import Crc, Field, Layout, PlacedField, PlacedLayout
 from .measurement import Measurement
 from .positions import PositionRange, narrower
 from .record import dataclass
@@ -460,6 +460,13 @@ class Device:
         """Results of ``range_in`` so far, because each frame of many needs one."""
         return {}
 
+    def signed_range(self, item: PlacedField, placed: PlacedLayout) -> tuple[int, int]:
+        """Return the lowest and the highest valid number of a signed field of a frame."""
+        valid, half = self.range_in(placed.layout), 1 << max(item.width, 1) - 1
+        if valid is None or valid.field.name != item.name:
+            return -half, half - 1
+        return valid.lowest.value(placed.parameters), valid.highest.value(placed.parameters)
+
     def signed_position(self, interface: str) -> Field | None:
         """Return the widest field that holds the position of an interface in two's complement, or None."""
         measurement = self.measurement_of(interface)
@@ -483,6 +490,12 @@ class Device:
     def crc_of(self, layout: Layout) -> Crc | None:
         """Return the CRC at the end of a layout, or None."""
         return next((self.crc(item.kind.crc) for item in layout.fields if isinstance(item.kind, CrcValue)), None)
+
+    def reflects_input(self, crc: Crc) -> bool:
+        """Return whether the input of a CRC is reflected. In frames of bits, there are no bytes to reflect."""
+        layouts = [*(layout for _, layout in self.layouts()), *(item.layout for item in self.registers)]
+        covers_bytes = [item.crc_covers_bytes for item in layouts if self.crc_of(item) == crc]
+        return crc.refin and (any(covers_bytes) or not covers_bytes)
 
     def procedure(self, name: str) -> Procedure:
         return next(item for item in self.procedures if item.name == name)

@@ -16,6 +16,7 @@ from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.reference import codec
+from codewheel.say.crc import parameters
 from codewheel.virtual import VirtualEncoder
 
 ROOT = Path(__file__).parents[2]
@@ -250,6 +251,34 @@ def test_the_c_readme_and_examples_handle_negative_positions(generated: Path) ->
     assert "scale_biss_dma.c" in {item.name for item in programs}
     for item in programs:
         assert run_c(generated, item.read_text(encoding="utf-8"), run=False) == (0, "")
+
+
+@pytest.mark.slow
+def test_the_pages_say_that_the_position_is_signed(tmp_path: Path) -> None:
+    assert main(["generate", *map(str, SPECS), "-o", str(tmp_path), "--target", "docs"]) == 0
+    masters = " ".join((tmp_path / "docs" / "scale-masters.md").read_text(encoding="utf-8").split())
+    ends = "-383999 to 16000000. A master that reads it as unsigned shows -1 as 33554431."
+    assert f"The position is signed, in two's complement: {ends}" in masters
+    assert "The position is signed, in two's complement: -500 to 499." in masters
+    page = (tmp_path / "docs" / "scale" / "AB.md").read_text(encoding="utf-8")
+    assert "- Signed: `position`, in two's complement, -383,999 to 16,000,000.\n" in page
+
+
+@pytest.mark.parametrize(("refin", "refout", "words"), [(True, True, ", output reflected"), (True, False, "")])
+def test_the_input_of_a_crc_over_bits_is_not_called_reflected(
+    refin: bool, refout: bool, words: str, tmp_path: Path
+) -> None:
+    """The frame has 27 data bits. These are not bytes whose bits could be reversed, so ``refin`` has no effect."""
+    text = SPECS[1].read_text(encoding="utf-8")
+    given = f"refin: {str(refin).lower()}, refout: {str(refout).lower()}"
+    (tmp_path / "scale.yaml").write_text(text.replace("refin: false, refout: false", given), encoding="utf-8")
+    (found,), report = load_library([SPECS[0], tmp_path / "scale.yaml"])
+    assert not report
+    assert parameters(found, found.crcs[0]) == f"x^6 + x + 1, start value 0{words}, sent inverted"
+    placed = found.layout("word").place(found.variant("AB").parameters)
+    frame = codec.encode(found, placed, {"position": -5, "error": False, "warning": False})
+    crc = frame_of(-5) & 0x3F
+    assert frame & 0x3F == (int(f"{crc:06b}"[::-1], 2) if refout else crc)
 
 
 @pytest.mark.parametrize("code", RANGES)
