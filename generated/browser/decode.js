@@ -146,6 +146,7 @@
       checks: (layout.checks ?? []).map((place) => family.shared[place])
         .map((check) => ({ check, low: at(check.low), width: at(check.width),
           limit: check.limit === undefined ? undefined : value(check.limit, parameters),
+          lowest: value(check.lowest ?? 0, parameters),
           of: check.parity_of?.map(([first, size]) => ({ low: at(first), width: at(size) })) }))
         .filter((item) => item.width > 0),
       tells: (layout.tells ?? []).map((place) => family.shared[place]).filter((item) => holds(item.only)),
@@ -269,11 +270,12 @@
   }
 
   function problemOf(item, number, plain) {
-    const { check, low, width, limit, of } = item;
-    const found = bits(of ? number : plain, low, width);
+    const { check, low, width, limit, lowest, of } = item;
+    const sent = bits(of ? number : plain, low, width);
+    const found = check.says === "outside" ? BigInt.asIntN(width, sent) : sent;
     const right = of ? [parityOf(number, of, check)]
       : (check.values ?? []).map((one) => big(one) & ones(width));
-    const holds = limit === undefined ? right.includes(found) : found <= limit;
+    const holds = limit === undefined ? right.includes(found) : found >= lowest && found <= limit;
     if (holds) return [];
     const words = {
       constant: () => said("constant", check.field, hex(found), hex(right[0])),
@@ -281,6 +283,7 @@
       no_value: () => said("no_value", check.field, hex(found)),
       of_other_frame: () => said("of_other_frame", check.field, found.toString(16).toUpperCase()),
       too_high: () => said("too_high", check.field, found, limit),
+      outside: () => said("outside", `${check.field} ${found}`, lowest, limit),
       digits: () => said("digits", check.field, found, check.most),
     };
     return [{ fault: check.fault, field: check.field, message: words[check.says]() }];
@@ -976,9 +979,10 @@
     if (step) return `${entry.name}: ${decimal(entry.value * step, ONE)} µm`;
     if (fine) return `${entry.name}: ${decimal(entry.value * fine, 1000n * (of(measure.per_counts) || ONE))} µm`;
     if (turn < ONE) return "";
-    const degrees = (Number((entry.value % turn) * 360n) / Number(turn)).toFixed((turn / 360n).toString().length);
+    const angle = ((entry.value % turn) + turn) % turn; // A negative remainder would be an angle before revolution 0.
+    const degrees = (Number(angle * 360n) / Number(turn)).toFixed((turn / 360n).toString().length);
     const hasTurns = of(measure.turns) > ONE && entry.name === measure.of;
-    return `${entry.name}: ${degrees}°${hasTurns ? ` of revolution ${entry.value / turn}` : ""}`;
+    return `${entry.name}: ${degrees}°${hasTurns ? ` of revolution ${(entry.value - angle) / turn}` : ""}`;
   }
 
   function crcLine({ crc, received, computed }) {

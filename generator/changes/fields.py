@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from ..model import Choice, Constant, Decimal, Device, Field, Layout, Number, Rs485, Text, Unused
+from ..model import Choice, Constant, Decimal, Device, Field, Join, Layout, Number, Rs485, Text, Unused
 from .change import Change, Thing
 from .compare import members, things
 from .counterparts import fields
@@ -22,6 +22,10 @@ def layout(both: FamilyPair, thing: Thing, old: Layout, new: Layout) -> Iterator
     for pair in fields(both, old, new, thing.interface):
         yield from _field(both, thing, pair)
     yield from things(both, "joined", old.joins, new.joins, replace(thing, label=f"{thing.scope}: number"))
+    joined = {join.name: _type_of_parts(old, join) for join in old.joins}
+    for join in new.joins:
+        place = replace(thing, path=f"{thing.path}.{join.name}", label=f"{thing.scope}: number {join.name}")
+        yield from _type(both, place, joined.get(join.name, ""), _type_of_parts(new, join))
 
 
 def _field(both: FamilyPair, thing: Thing, pair: Pair[Field]) -> Iterator[Change]:
@@ -37,9 +41,32 @@ def _field(both: FamilyPair, thing: Thing, pair: Pair[Field]) -> Iterator[Change
     old, new = pair.old, pair.new
     yield from members(both, place, old, new)
     yield from _kind(both, place, old, new)
+    yield from _type(both, place, _type_of(old), _type_of(new))
     if isinstance(old.kind, Choice) and isinstance(new.kind, Choice) and not _of_data_ids(both.new, new):
         label = place.label.replace(": field ", ".")
         yield from things(both, "value", old.values, new.values, replace(place, label=f"{label}: value"))
+
+
+def _type(both: FamilyPair, place: Thing, old: str, new: str) -> Iterator[Change]:
+    """Compare the types of a number in C. Other things have none."""
+    if old and new and old != new:
+        yield both.change("field-type", place, f": {old} → {new}", old, new)
+
+
+def _type_of(field: Field) -> str:
+    """Return the type of a number in C, or an empty string for another kind of field."""
+    if not isinstance(field.kind, (Number, Decimal)):
+        return ""
+    return _integer(max(field.widest, field.number.zero_means.bit_length()), "int" if field.number.signed else "uint")
+
+
+def _type_of_parts(layout: Layout, join: Join) -> str:
+    """Return the type of a number made of several fields in C."""
+    return _integer(sum(layout.field(name).widest for name in join.fields), "uint")
+
+
+def _integer(bits: int, kind: str) -> str:
+    return f"{kind}{next((size for size in (8, 16, 32) if bits <= size), 64)}_t"
 
 
 def _of_data_ids(device: Device, field: Field) -> bool:

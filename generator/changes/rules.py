@@ -90,6 +90,7 @@ _CHANGES = (
     ("field-width", "WWWD", "a field has a different width", _WIRE),
     ("field-kind", "BBBD", "a field is of a different kind", "Its type changes, or it is added or removed."),
     ("field-reads-otherwise", "WWWD", "the bits of a field are converted differently", _WIRE),
+    ("field-type", "B--D", "a number has a different type in C", "Variables of the old type no longer fit."),
     ("field-constant", "WWWD", "fixed or unused bits have a different value", _OTHER_FRAMES),
     ("field-verdict", "WWWD", "a bit has a different effect on the position", _USABLE),
     ("field-expected", "WWWD", "a field has a different documented value", "It identifies the encoder."),

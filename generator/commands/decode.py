@@ -396,7 +396,9 @@ def _disturbed_lines(disturbed: Sequence[int], placed: PlacedLayout | None) -> l
     first, size = disturbed[0], placed.bits // 8
     place = f"bit {first % 8} of byte {size - 1 - first // 8}" if placed.layout.in_bytes else f"bit {first}"
     which = place if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
-    said = f"If only some frames fail, one bit may have been disturbed on the line: the CRC matches with {which} inverted"
+    said = (
+        f"If only some frames fail, one bit may have been disturbed on the line: the CRC matches with {which} inverted"
+    )
     return ["", wrapped(f"{said}. In that case, no change is needed. If all frames fail, read on.", WIDTH, "  ", "")]
 
 

@@ -40,7 +40,7 @@ def run(chosen: argparse.Namespace) -> int:
             edition=chosen.edition or "",
             specs=chosen.specs,
         )
-        encoder.position = motion(chosen.position, encoder.counts)
+        encoder.position = motion(chosen.position, encoder.counts, encoder.lowest)
         encoder.set_flag(*chosen.flag)
         for address, byte in held_bytes(chosen.register).items():
             encoder.memory.hold(address, byte)

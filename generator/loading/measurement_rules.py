@@ -107,6 +107,7 @@ def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, 
             )
     return (
         _does_not_fit(device, measurement, case, key, values)
+        or _out_of_range(measurement, case, key)
         or _upside_down(measurement, case, key, values)
         or _uneven(case, key, values)
     )
@@ -125,7 +126,8 @@ def _does_not_fit(
     widths = _sources(device, *(case.layout.field(name).width for name, _ in case.fields))
     counted = _sources(device, *filter(None, (measurement.counts_per_turn, measurement.turns, measurement.modulus)))
     # A position of fixed width can begin with zeros, as manuals draw it. Decoders reject a position above the counts.
-    if 2 * counts <= 1 << case.width and widths and counted <= widths:
+    is_signed = len(case.fields) == 1 and case.layout.field(case.fields[0][0]).number.signed
+    if 2 * counts <= 1 << case.width and widths and counted <= widths and not (is_signed and measurement.highest):
         return (
             key,
             (
@@ -134,6 +136,28 @@ def _does_not_fit(
             ),
         )
     return None
+
+
+def _out_of_range(measurement: Measurement, case: _Case, key: str) -> tuple[str, str] | None:
+    """Return an error if the range of the positions does not fit, or is unknown because the position is signed."""
+    if measurement.total is None or len(case.fields) != 1:
+        return None
+    total = measurement.total.value(case.variant.parameters)
+    name, width = case.fields[0]
+    of = f"'{name}' in '{case.layout.name}'"
+    is_signed = case.layout.field(name).number.signed
+    if measurement.highest is None:
+        if not is_signed or not total & total - 1:
+            return None
+        wrong = f"{of} is signed, and its range does not follow from {total} counts for {case.variant.code}"
+        return key, f"{wrong}; add 'highest', from which the lowest position follows: highest - {total} + 1"
+    highest = measurement.highest.value(case.variant.parameters)
+    least, most = (-(1 << width - 1), (1 << width - 1) - 1) if is_signed else (0, (1 << width) - 1)
+    if least <= highest - total + 1 and highest <= most:
+        return None
+    found = f"positions of {case.variant.code} are {highest - total + 1} to {highest}"
+    range_ = f"{of} holds {least} to {most}"
+    return "highest", f"'highest' is {highest} for {total} counts, so {found}, but {range_}"
 
 
 def _upside_down(measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:

@@ -147,7 +147,7 @@ def record(
     notes = (
         *_answer_notes(deciding, taken),
         *_clock_notes(numbers, cables, cable_m),
-        *_notes(device, interface, placed, parts, as_delivered),
+        *_notes(device, measurement.of, placed, parts, as_delivered),
     )
     ordered = {name: numbers[name] for name in NUMBERS}
     step = measurement.micrometres(variant.parameters)
@@ -252,7 +252,7 @@ def _crc(device: Device, placed: PlacedLayout) -> Crc | None:
     crc = device.crc_of(placed.layout)
     if crc is None:
         return None
-    if crc.refin or crc.refout or crc.xorout not in (0, crc.mask) or not crc.poly & 1:
+    if device.reflects_input(crc) or crc.refout or crc.xorout not in (0, crc.mask) or not crc.poly & 1:
         raise NoRecord(f"the CRC '{crc.name}' is not sent most significant bit first, either plain or fully inverted")
     return crc
 
@@ -359,9 +359,7 @@ def _deciding(device: Device, name: str) -> str:
     return name if register is None else f"{register.printed_name or name} ({addresses(register)})"
 
 
-def _notes(
-    device: Device, interface: Interface, placed: PlacedLayout, parts: Sequence[Part], as_delivered: bool
-) -> Iterator[str]:
+def _notes(device: Device, of: str, placed: PlacedLayout, parts: Sequence[Part], as_delivered: bool) -> Iterator[str]:
     for what, names in (
         ("widths depend", set(placed.layout.bits.parameters)),
         ("code depends", {placed.layout.gray_when} - {""}),
@@ -372,6 +370,11 @@ def _notes(
         if deciding:
             given = f"their {initial(device)}. Other values need other settings" if as_delivered else "the given values"
             yield f"The {what} on registers: {deciding}. These settings are for {given}."
+    signed = next((item for item in placed.fields if item.name == of and item.field.number.signed), None)
+    if signed is not None:
+        lowest, highest = device.signed_range(signed, placed)
+        wrong = f"A master that reads it as unsigned shows -1 as {(1 << signed.width) - 1}."
+        yield f"The position is signed, in two's complement: {lowest} to {highest}. {wrong}"
     fixed = [part.name for part in parts if part.role == "status" and not part.active]
     if fixed:
         yield f"{' and '.join(fixed)}: always 1, which a master treats as an inactive status bit."

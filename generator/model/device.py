@@ -32,9 +32,10 @@ from .facts import (
 )
 from .interfaces import INTERFACES, Interface
 from .interfaces.biss import Biss
-from .kinds import CrcValue, Number, Value
-from .layout import Crc, Field, Layout
+from .kinds import CrcValue, Value
+from .layout import Crc, Field, Layout, PlacedField, PlacedLayout
 from .measurement import Measurement
+from .positions import PositionRange, narrower
 from .record import dataclass
 from .steps import Procedure
 
@@ -450,38 +451,38 @@ class Device:
         """Return whether frames of this layout send the position, or a part of it, to the master."""
         return layout.sender == "encoder" and not layout.member_names.isdisjoint(self.position_names(interface))
 
-    def highest_in(self, layout: Layout) -> tuple[Field, Expression] | None:
-        """Return the field of a frame that has a highest valid value lower than its width allows, and that value.
-
-        It is the position, or the number of revolutions if another field counts one revolution in all its bits. Parts
-        of one revolution in several fields, signed positions and those with an offset have no such limit.
-        """
+    def range_in(self, layout: Layout) -> PositionRange | None:
+        """Return the range of valid positions in a frame if its field could hold others."""
         # The device holds its layouts, so no other layout can have the identity of one of them.
-        if id(layout) not in self._highest_values:
+        if id(layout) not in self._ranges:
             interface = next((item.name for item, each in self.layouts() if each is layout), "")
             if not interface:
                 return None
-            self._highest_values[id(layout)] = self._highest_in(interface, layout)
-        return self._highest_values[id(layout)]
+            measurement = self.measurement_of(interface) if layout.sender == "encoder" else None
+            sets = [item.parameters for item in self.variants_over(interface)]
+            self._ranges[id(layout)] = narrower(measurement, layout, sets) if measurement is not None else None
+        return self._ranges[id(layout)]
 
     @cached_property
-    def _highest_values(self) -> dict[int, tuple[Field, Expression] | None]:
-        """Results of ``highest_in`` so far, because each frame of many needs one."""
+    def _ranges(self) -> dict[int, PositionRange | None]:
+        """Results of ``range_in`` so far, because each frame of many needs one."""
         return {}
 
-    def _highest_in(self, interface: str, layout: Layout) -> tuple[Field, Expression] | None:
-        measurement = self.measurement_of(interface) if layout.sender == "encoder" else None
-        if measurement is None or measurement.highest is not None:
+    def signed_range(self, item: PlacedField, placed: PlacedLayout) -> tuple[int, int]:
+        """Return the lowest and the highest valid number of a signed field of a frame."""
+        valid, half = self.range_in(placed.layout), 1 << max(item.width, 1) - 1
+        if valid is None or valid.field.name != item.name:
+            return -half, half - 1
+        return valid.lowest.value(placed.parameters), valid.highest.value(placed.parameters)
+
+    def signed_position(self, interface: str) -> Field | None:
+        """Return the widest field that holds the position of an interface in two's complement, or None."""
+        measurement = self.measurement_of(interface)
+        if measurement is None:
             return None
-        by_name = {item.name: item for item in layout.fields}
-        fields = [by_name[name] for name in layout.names_in(measurement.of) if name in by_name]
-        sets = [item.parameters for item in self.variants_over(interface)]
-        highest = _highest(measurement, fields, sets)
-        if highest is None or any(not isinstance(item.kind, Number) or item.kind.signed for item in fields):
-            return None
-        widths = ((item, fields[0].width.value(item)) for item in sets)
-        is_lower = any(0 <= highest.value(item) < (1 << width) - 1 for item, width in widths if width)
-        return (fields[0], highest) if is_lower and not fields[0].number.zero_means else None
+        layouts = (item for item in self.interface(interface).layouts if item.sender == "encoder")
+        fields = (item for layout in layouts for item in layout.fields if item.name == measurement.of)
+        return max((item for item in fields if item.number.signed), key=lambda item: item.widest, default=None)
 
     def register(self, name: str) -> Register:
         return next(item for item in self.registers if item.name == name)
@@ -502,6 +503,12 @@ class Device:
         """Return the CRC at the end of a layout, or None."""
         return next((self.crc(item.kind.crc) for item in layout.fields if isinstance(item.kind, CrcValue)), None)
 
+    def reflects_input(self, crc: Crc) -> bool:
+        """Return whether the input of a CRC is reflected. In frames of bits, there are no bytes to reflect."""
+        layouts = [*(layout for _, layout in self.layouts()), *(item.layout for item in self.registers)]
+        covers_bytes = [item.crc_covers_bytes for item in layouts if self.crc_of(item) == crc]
+        return crc.refin and (any(covers_bytes) or not covers_bytes)
+
     def procedure(self, name: str) -> Procedure:
         return next(item for item in self.procedures if item.name == name)
 
@@ -511,17 +518,3 @@ class Device:
     def variants_over(self, interface: str) -> tuple[Variant, ...]:
         """Return the listed order codes with this interface."""
         return tuple(item for item in self.variants if item.interface == interface)
-
-
-def _highest(measurement: Measurement, fields: Sequence[Field], sets: Sequence[Mapping[str, int]]) -> Expression | None:
-    """Return the highest value of the first field of a position, or None if it does not follow from the measurement."""
-    counts, turns = measurement.counts_per_turn, measurement.turns
-    if len(fields) == 1 and measurement.modulus is not None:
-        return measurement.modulus - Expression(1)
-    if len(fields) == 1 and counts is not None and turns is not None:
-        return counts * turns - Expression(1)
-    if len(fields) == 2 and counts is not None and turns is not None:
-        # Both fields can also be parts of one revolution.
-        is_turn = all(counts.value(item) == 1 << fields[1].width.value(item) for item in sets)
-        return turns - Expression(1) if is_turn else None
-    return None

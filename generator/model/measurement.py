@@ -18,7 +18,8 @@ class Measurement:
     """Units of the field ``of``: ``counts_per_turn`` and ``turns``, or for a length its step and ``modulus``.
 
     The step is ``step_um`` micrometres per count, or ``step_nm`` nanometres per ``per_counts`` counts.
-    ``highest`` is the highest number sent if an offset can shift positions above the total count.
+    ``highest`` is the highest number sent if an offset can shift positions above the total count, or if the position is
+    signed.
     """
 
     of: str
@@ -39,6 +40,13 @@ class Measurement:
     def steps(self) -> tuple[Expression, ...]:
         """Expressions that give the length of a count, or none for an angle."""
         return tuple(item for item in (self.step_um, self.step_nm, self.per_counts) if item is not None)
+
+    @property
+    def total(self) -> Expression | None:
+        """Number of counts after which the position wraps around, or None if it is unknown."""
+        if self.modulus is not None or self.counts_per_turn is None or self.turns is None:
+            return self.modulus
+        return self.counts_per_turn * self.turns
 
     def micrometres(self, parameters: Mapping[str, int]) -> Fraction | None:
         """Return the exact length of one count, or None for an angle."""

@@ -128,7 +128,18 @@ class NotAbove:
     fault = Fault.RANGE
 
 
-Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost | NotAbove
+@dataclass(frozen=True, slots=True)
+class IsBetween:
+    """The signed field is from ``lowest`` to ``highest``, fewer numbers than its width allows for some order codes."""
+
+    field: Field
+    bits: Bits
+    lowest: Expression
+    highest: Expression
+    fault = Fault.RANGE
+
+
+Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost | NotAbove | IsBetween
 
 
 @dataclass(frozen=True, slots=True)
@@ -330,7 +341,7 @@ class Codec:
         """True if any position or width, or the highest position, depends on the order code."""
         chosen = {name for item in self.alternatives for name in item.answers[0].sets}
         places = (place for item in self.layout.fields for place in (item.low, item.width))
-        highest = (item.highest for item in self.checks if isinstance(item, NotAbove))
+        highest = (item.highest for item in self.checks if isinstance(item, (NotAbove, IsBetween)))
         return self.gray is not None or any(
             not chosen.issuperset(item.parameters) for item in (self.layout.bits, *places, *highest)
         )
@@ -372,7 +383,7 @@ def codec_of(device: Device, layout: Layout) -> Codec:
         wholes=tuple(_wholes(layout, by_word)),
         alternatives=device.alternatives_of(layout),
         reserved=tuple(Reserved(item, bits_of(layout, item), _unused(item), place) for item, place in layout.unused),
-        checks=(*_constants(layout, by_word), *_ranges(layout), *_highest(device, layout)),
+        checks=(*_constants(layout, by_word), *_ranges(layout), *_positions(device, layout)),
         terms=tuple(_terms(layout)),
     )
 
@@ -461,10 +472,12 @@ def _ranges(layout: Layout) -> Iterator[Check]:
             yield AtMost(item, bits, first.divisor * first.modulus - 1, item.runs)
 
 
-def _highest(device: Device, layout: Layout) -> Iterator[Check]:
-    found = device.highest_in(layout)
-    if found is not None:
-        yield NotAbove(found[0], bits_of(layout, found[0]), found[1])
+def _positions(device: Device, layout: Layout) -> Iterator[Check]:
+    found = device.range_in(layout)
+    if found is not None and found.field.number.signed:
+        yield IsBetween(found.field, bits_of(layout, found.field), found.lowest, found.highest)
+    elif found is not None:
+        yield NotAbove(found.field, bits_of(layout, found.field), found.highest)
 
 
 def allowed_values(layout: Layout, item: Field) -> tuple[int, ...]:

@@ -80,6 +80,7 @@ class Unused:
 class Check:
     """Bits whose value must be one of ``values``, at most ``limit``, or the parity of the bits at ``parity_of``.
 
+    If ``lowest`` is not 0, the bits are a signed number from ``lowest`` to ``limit``.
     ``mask`` is the mask of the bits at each place that count, or 0 if all of them count.
     """
 
@@ -91,6 +92,7 @@ class Check:
     parity_of: tuple[Place, ...] = ()
     odd: bool = False
     mask: int = 0
+    lowest: Expression = Expression(0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,6 +206,8 @@ def _check(item: plan.Check) -> Check:
             return Check(field.low, field.width, fault, limit=Expression(limit))
         case plan.NotAbove(highest=highest):
             return Check(field.low, field.width, fault, limit=highest)
+        case plan.IsBetween(lowest=lowest, highest=highest):
+            return Check(field.low, field.width, fault, limit=highest, lowest=lowest)
         case _:
             assert_never(item)
 

@@ -9,7 +9,7 @@ from ..model.expressions import Expression
 from ..model.kinds import Choice, Constant, CrcValue, Decimal, Flag, Number, Parity, Text, Unused
 from ..model.never import assert_never
 from ..model.record import dataclass
-from .codec import Codec, NotAbove, Whole, allowed_values
+from .codec import Codec, IsBetween, NotAbove, Whole, allowed_values
 from .limits import Limits
 
 
@@ -60,6 +60,15 @@ class TooHigh:
 
 
 @dataclass(frozen=True, slots=True)
+class NotBetween:
+    """The signed number is outside its range, which always fits in the field."""
+
+    field: Field
+    lowest: Expression
+    highest: Expression
+
+
+@dataclass(frozen=True, slots=True)
 class DigitTooHigh:
     """A group of digits has too many digits."""
 
@@ -97,6 +106,7 @@ Refusal = (
     | NoPowerOfTwo
     | TooWide
     | TooHigh
+    | NotBetween
     | DigitTooHigh
     | DigitsDisagree
     | WholeDisagrees
@@ -106,10 +116,15 @@ Refusal = (
 
 def refusals(codec: Codec) -> Iterator[Refusal]:
     """Yield the checks before encoding this layout, in order, without the limits of a register."""
-    highest = {item.field.name: item.highest for item in codec.checks if isinstance(item, NotAbove)}
+    ranges = {item.field.name: item for item in codec.checks if isinstance(item, (NotAbove, IsBetween))}
     for part in codec.parts:
-        name = part.field.name
-        yield from [TooHigh(part.field, highest[name])] if name in highest else _of_field(codec.layout, part.field)
+        match ranges.get(part.field.name):
+            case NotAbove(highest=highest):
+                yield TooHigh(part.field, highest)
+            case IsBetween(lowest=lowest, highest=highest):
+                yield NotBetween(part.field, lowest, highest)
+            case None:
+                yield from _of_field(codec.layout, part.field)
     yield from (WholeDisagrees(item) for item in codec.wholes)
 
 
@@ -141,6 +156,8 @@ def depends(refusal: Refusal) -> bool:
             return not width.is_constant
         case TooHigh(highest=highest):
             return not highest.is_constant
+        case NotBetween(lowest=lowest, highest=highest):
+            return not (lowest.is_constant and highest.is_constant)
         case WholeDisagrees(whole):
             return whole.depends
         case OutsideLimits(bounds=bounds):

@@ -28,6 +28,7 @@ from ..model import (
     number_from_bytes,
     number_to_bytes,
 )
+from ..model.positions import PositionRange
 from ..model.record import dataclass
 from ..say import fault
 from ..say.layout import as_one_number
@@ -179,12 +180,12 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
                 problems.append(Problem(Fault.CONSTANT, item.name, wrong))
         elif item.name == placed.layout.selector and raw not in placed.layout.selects:
             problems.append(Problem(Fault.RANGE, item.name, fault.of_other_frame(item.name, f"{raw:X}")))
-    highest = device.highest_in(placed.layout)
-    limited = placed.field(highest[0].name) if highest is not None else None
-    if highest is not None and limited is not None:
-        found, most = plain >> limited.low & limited.mask, highest[1].value(placed.parameters)
-        if found > most:
-            problems.append(Problem(Fault.RANGE, limited.name, fault.too_high(limited.name, f"{found}", f"{most}")))
+    valid = device.range_in(placed.layout)
+    limited = placed.field(valid.field.name) if valid is not None else None
+    if valid is not None and limited is not None:
+        wrong = _outside(valid, limited, plain >> limited.low & limited.mask, placed)
+        if wrong:
+            problems.append(Problem(Fault.RANGE, limited.name, wrong))
     crc = _decode_crc(device, placed, number, problems)
     fields += [_decode_join(placed, join, number, plain) for join in placed.layout.joins]
     if placed.layout.has_unused:
@@ -193,6 +194,17 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
     if problems:
         problems.sort(key=lambda item: list(Fault).index(item.fault))
     return Decoded(placed, number, tuple(fields), crc, tuple(problems))
+
+
+def _outside(valid: PositionRange, item: PlacedField, raw: int, placed: PlacedLayout) -> str:
+    """Return the error if the encoder does not have this position, or an empty string."""
+    lowest, highest = valid.lowest.value(placed.parameters), valid.highest.value(placed.parameters)
+    found = _number_of(item.field.number, raw, item.width)
+    if lowest <= found <= highest:
+        return ""
+    if item.field.number.signed:
+        return fault.outside(f"{item.name} {found}", f"{lowest}", f"{highest}")
+    return fault.too_high(item.name, f"{found}", f"{highest}")
 
 
 def _decode_crc(device: Device, placed: PlacedLayout, number: int, problems: list[Problem]) -> CrcResult | None:
@@ -349,12 +361,12 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     for join in placed.layout.joins:
         if join.name in given:
             given |= _split(placed, join, _number(given.pop(join.name)), given)
-    number, highest = 0, device.highest_in(placed.layout)
+    number, valid = 0, device.range_in(placed.layout)
     for item in placed.fields:
         raw = _raw(placed, item, given)
-        if highest is not None and item.name == highest[0].name and raw > highest[1].value(placed.parameters):
-            most = highest[1].value(placed.parameters)
-            raise EncodeError(fault.too_high(item.name, f"{raw}", f"{most}"))
+        wrong = _outside(valid, item, raw, placed) if valid is not None and item.name == valid.field.name else ""
+        if wrong:
+            raise EncodeError(wrong)
         number |= raw << item.low
     if placed.layout.unused:
         number |= _unused(placed, _number(given.pop(UNUSED, 0)))

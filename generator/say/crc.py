@@ -12,25 +12,26 @@ from .words import counted
 
 def crc(device: Device, item: Crc) -> Iterator[Said]:
     """Yield all statements about it in order, for running text."""
-    yield head(item)
+    yield head(device, item)
     yield from told(item.note)
     yield from map(erratum, errata(device, f"crcs.{item.name}"))
 
 
-def head(item: Crc) -> Said:
+def head(device: Device, item: Crc) -> Said:
     """Return its parameters in one sentence."""
-    return said(f"CRC {item.name} of {counted(item.width, 'bit')}: {parameters(item)}", source=item.source)
+    return said(f"CRC {item.name} of {counted(item.width, 'bit')}: {parameters(device, item)}", source=item.source)
 
 
-def parameters(item: Crc) -> str:
+def parameters(device: Device, item: Crc) -> str:
     """Return polynomial, start value, reflection and final XOR."""
     start = f"start value {f'0x{item.init:X}' if item.init else 0}"
-    turned = {
-        (True, True): "input and output reflected",
-        (True, False): "input reflected",
-        (False, True): "output reflected",
-    }
-    return ", ".join(filter(None, (item.polynomial, start, turned.get((item.refin, item.refout), ""), sent(item))))
+    return ", ".join(filter(None, (item.polynomial, start, reflected(device, item), sent(item))))
+
+
+def reflected(device: Device, item: Crc) -> str:
+    """Return whether the input and the output are reflected, or an empty string if neither is."""
+    turned = [words for words, value in (("input", device.reflects_input(item)), ("output", item.refout)) if value]
+    return f"{' and '.join(turned)} reflected" if turned else ""
 
 
 def sent(item: Crc) -> str:

@@ -22,6 +22,7 @@ from ..model import (
     Layout,
     Number,
     Parity,
+    PlacedField,
     PlacedLayout,
     Text,
     Unused,
@@ -105,16 +106,31 @@ class VirtualEncoder:
             return of.modulus.value(parameters)
         return 1 << sum(width for _, width in self._parts())
 
+    @property
+    def lowest(self) -> int:
+        """Lowest position. It is negative if the position is signed."""
+        fields = self._fields()
+        if len(fields) != 1 or not fields[0].field.number.signed:
+            return 0
+        of = self.device.measurement_of(self.variant.interface)
+        if of is not None and of.highest is not None:
+            return of.highest.value(self.variant.parameters) - self.counts + 1
+        return -(self.counts // 2)
+
     def position_names(self) -> frozenset[str]:
         """Return the names of the fields that form the position or a part of it."""
         return self.device.position_names(self.variant.interface)
 
     def position_now(self) -> int:
         """Return the position that the encoder currently sends."""
-        return 0 if self.is_busy() and self._not_ready else (self.raw_position() + self._offset) % self.counts
+        return 0 if self.is_busy() and self._not_ready else self._wrapped(self.raw_position() + self._offset)
+
+    def _wrapped(self, position: int) -> int:
+        """Return the position that the encoder sends for a count."""
+        return self.lowest + (position - self.lowest) % self.counts
 
     def parts_now(self) -> dict[str, int]:
-        """Return the current position as its fields."""
+        """Return the bits of each field of the current position."""
         position, values = self.position_now(), dict[str, int]()
         for name, width in reversed(self._parts()):
             values[name] = position & ((1 << width) - 1)
@@ -153,12 +169,12 @@ class VirtualEncoder:
         """Carry out a reset: clear its alarms, and set the parts of the position that its name contains to 0."""
         self.flags -= {item.name for item in self.device.alarms if procedure in item.cleared_by}
         low = 0
-        value = (self.raw_position() + self._offset) % self.counts
+        value = self._wrapped(self.raw_position() + self._offset)
         for name, width in reversed(self._parts()):
             if name in procedure:
                 value &= ~(((1 << width) - 1) << low)
             low += width
-        self.set_position(value)
+        self.set_position(value & (1 << low) - 1)
 
     def restart(self) -> None:
         """Switch the supply off and on again. Registers that were not saved are lost."""
@@ -238,7 +254,7 @@ class VirtualEncoder:
             if item.name in given:
                 values[item.name] = given[item.name]
             elif item.name in parts:
-                values[item.name] = parts[item.name] & item.mask
+                values[item.name] = _number(item, parts[item.name] & item.mask)
             elif isinstance(field.kind, Flag):
                 values[item.name] = self.is_active(field)
             elif told is not None:
@@ -249,13 +265,17 @@ class VirtualEncoder:
 
     def _parts(self) -> tuple[tuple[str, int], ...]:
         """Return the fields that form the position with their widths, most significant first."""
+        return tuple((item.name, item.width) for item in self._fields())
+
+    def _fields(self) -> tuple[PlacedField, ...]:
+        """Return the fields that form the position, most significant first."""
         of = self.device.measurement_of(self.variant.interface)
         name = of.of if of is not None else "position"
         for layout in self.layouts("encoder"):
             placed = self.place(layout)
             parts = [placed.field(part) for part in layout.names_in(name)]
             if layout.names_in(name) != (name,) or parts[0] is not None:
-                return tuple((item.name, item.width) for item in parts if item is not None)
+                return tuple(item for item in parts if item is not None)
         return ()
 
     @cached_property
@@ -286,6 +306,11 @@ class VirtualEncoder:
             if item.name not in self.answers:
                 options = " or ".join(f"{item.name}={answer.name}" for answer in item.answers)
                 raise ValueError(f"{item.meaning}: choose {options}")
+
+
+def _number(item: PlacedField, bits: int) -> int:
+    """Return the number that the bits of a field stand for."""
+    return bits - (1 << item.width) if item.field.number.signed and bits >> item.width - 1 else bits
 
 
 def _value_at_rest(field: Field) -> int:

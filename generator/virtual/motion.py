@@ -12,13 +12,14 @@ Position = int | Callable[[float], float]
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 
 
-def motion(text: str, counts: int) -> Position:
+def motion(text: str, counts: int, lowest: int = 0) -> Position:
     """Parse a position.
 
     Args:
         text: A number of counts, ``sine:0.5Hz`` (back and forth through all positions), or ``ramp:1000`` (counts per
             second).
         counts: Number of positions of the encoder.
+        lowest: Lowest position of the encoder.
 
     Returns:
         The position.
@@ -36,4 +37,4 @@ def motion(text: str, counts: int) -> Position:
         raise ValueError(f"'{text}' is not a position; write 1000003, sine:0.5Hz or ramp:1000 (counts per second)")
     if found[1] == "ramp":
         return lambda now: value * now
-    return lambda now: (counts - 1) / 2 * (1 + math.sin(2 * math.pi * value * now))
+    return lambda now: lowest + (counts - 1) / 2 * (1 + math.sin(2 * math.pi * value * now))

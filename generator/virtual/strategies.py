@@ -12,8 +12,9 @@ from .encoder import VirtualEncoder
 
 def positions(encoder: VirtualEncoder) -> st.SearchStrategy[int]:
     """Return positions of an encoder, in which those near the ends are more frequent."""
-    highest = encoder.counts - 1
-    return st.one_of(st.sampled_from([0, 1, highest // 2, highest]), st.integers(0, highest))
+    lowest, highest = encoder.lowest, encoder.lowest + encoder.counts - 1
+    often = {lowest, lowest + 1, (lowest + highest) // 2, highest, max(lowest, 0)}
+    return st.one_of(st.sampled_from(sorted(often)), st.integers(lowest, highest))
 
 
 @st.composite

@@ -21,6 +21,7 @@ function placed(family, layout, parameters) {
     checks: (layout.checks ?? []).map((place) => family.shared[place])
       .map((check) => ({ check, low: at(check.low), width: at(check.width),
         limit: check.limit === undefined ? undefined : value(check.limit, parameters),
+        lowest: value(check.lowest ?? 0, parameters),
         of: check.parity_of?.map(([first, size]) => ({ low: at(first), width: at(size) })) }))
       .filter((item) => item.width > 0),
     tells: (layout.tells ?? []).map((place) => family.shared[place]).filter((item) => holds(item.only)),
@@ -144,11 +145,12 @@ function computedBy(crc, at, number) {
 }
 
 function problemOf(item, number, plain) {
-  const { check, low, width, limit, of } = item;
-  const found = bits(of ? number : plain, low, width);
+  const { check, low, width, limit, lowest, of } = item;
+  const sent = bits(of ? number : plain, low, width);
+  const found = check.says === "outside" ? BigInt.asIntN(width, sent) : sent;
   const right = of ? [parityOf(number, of, check)]
     : (check.values ?? []).map((one) => big(one) & ones(width));
-  const holds = limit === undefined ? right.includes(found) : found <= limit;
+  const holds = limit === undefined ? right.includes(found) : found >= lowest && found <= limit;
   if (holds) return [];
   const words = {
     constant: () => said("constant", check.field, hex(found), hex(right[0])),
@@ -156,6 +158,7 @@ function problemOf(item, number, plain) {
     no_value: () => said("no_value", check.field, hex(found)),
     of_other_frame: () => said("of_other_frame", check.field, found.toString(16).toUpperCase()),
     too_high: () => said("too_high", check.field, found, limit),
+    outside: () => said("outside", `${check.field} ${found}`, lowest, limit),
     digits: () => said("digits", check.field, found, check.most),
   };
   return [{ fault: check.fault, field: check.field, message: words[check.says]() }];

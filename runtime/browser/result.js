@@ -113,9 +113,10 @@ function measured(found, measure) {
   if (step) return `${entry.name}: ${decimal(entry.value * step, ONE)} µm`;
   if (fine) return `${entry.name}: ${decimal(entry.value * fine, 1000n * (of(measure.per_counts) || ONE))} µm`;
   if (turn < ONE) return "";
-  const degrees = (Number((entry.value % turn) * 360n) / Number(turn)).toFixed((turn / 360n).toString().length);
+  const angle = ((entry.value % turn) + turn) % turn; // A negative remainder would be an angle before revolution 0.
+  const degrees = (Number(angle * 360n) / Number(turn)).toFixed((turn / 360n).toString().length);
   const hasTurns = of(measure.turns) > ONE && entry.name === measure.of;
-  return `${entry.name}: ${degrees}°${hasTurns ? ` of revolution ${entry.value / turn}` : ""}`;
+  return `${entry.name}: ${degrees}°${hasTurns ? ` of revolution ${(entry.value - angle) / turn}` : ""}`;
 }
 
 function crcLine({ crc, received, computed }) {

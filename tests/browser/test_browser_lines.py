@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,6 +15,7 @@ from codewheel.commands.look_up import find
 from codewheel.order_codes.run_time import RegisterError
 from codewheel.targets import Library
 
+ROOT = Path(__file__).resolve().parents[2]
 BISS, RS485, SSI = "AMM5A21/65KSC1", "AMM5A23/65KJP1", "AMM5A21/65KBG1"
 #: Order code, register or nothing, and text.
 TEXTS = (
@@ -109,3 +113,21 @@ def test_times_are_not_part_of_the_frame(library: Library) -> None:
     times = ["0.000125", "0.000250", "12:30:01.5", "2026-11-25T12:30:02Z", "250 µs", "3.5 ms", "10:42:43"]
     assert [line[1] for line in lines] == times
     assert [line[0] for line in lines] == [3, 4, 5, 6, 7, 8, 9]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("position", "shown"), [(-1000, "316.05° of revolution -1"), (-8192, "0.00° of revolution -1")]
+)
+def test_a_negative_position_has_an_angle_of_its_revolution(position: int, shown: str) -> None:
+    """-1000 of 8,192 counts is 360° - 43.95° of the revolution before the first one."""
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("needs Node")
+    text = (ROOT / "runtime" / "browser" / "result.js").read_text(encoding="utf-8")
+    function = text[text.index("function measured(") :].split("\n}\n", 1)[0] + "\n}\n"
+    found = f'{{ verdict: "usable", at: {{}}, fields: [{{ name: "position", value: {position}n }}] }}'
+    call = f'measured({found}, {{ of: "position", counts_per_turn: 8192n, turns: 4096n }})'
+    script = f"const ONE = 1n, value = (item) => item;\n{function}\nconsole.log({call});"
+    done = subprocess.run([node, "-e", script], capture_output=True, text=True, check=True)
+    assert done.stdout == f"position: {shown}\n"

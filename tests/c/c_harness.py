@@ -50,6 +50,7 @@ MADE_UP = {
     "long": SPECS / "long.yaml",
     "long_crc": SPECS / "long_crc.yaml",
     "ring_turns": SPECS / "ring_turns.yaml",
+    "scale": SPECS / "scale.yaml",
     "wide": SPECS / "wide.yaml",
     "reserved": _HERE / "specs" / "reserved.yaml",
     "shapes": _HERE / "specs" / "shapes.yaml",
@@ -321,9 +322,11 @@ def functions(view: DeviceView) -> list[Numeric]:
     """Return the small functions of a variant: dependent parameters, conversions of positions, limits."""
     limits = [limits for register in view.registers for limits in register.limits]
     plain = [*view.variants.derived, *(item for limit in limits for item in limit.functions)]
+    positions = view.positions
+    is_signed = positions is not None and positions.is_signed
     of_positions = [
-        Numeric(f"{view.prefix}_{name}", *_types(_OF_POSITIONS[name]))
-        for name in (view.positions.names if view.positions is not None else ())
+        Numeric(f"{view.prefix}_{name}", *_types(_OF_POSITIONS[name], is_signed))
+        for name in (positions.names if positions is not None else ())
     ]
     return [*(Numeric(item.name, item.type) for item in plain), *of_positions]
 
@@ -353,8 +356,8 @@ def _crc(view: DeviceView, name: str, fetch: str, call: str) -> str:
 """
 
 
-def _types(listed: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
-    return listed[0], listed[1:]
+def _types(listed: tuple[str, ...], is_signed: bool) -> tuple[str, tuple[str, ...]]:
+    return listed[0], tuple("int64_t" if is_signed else item for item in listed[1:])
 
 
 def _call(view: DeviceView, function: Numeric, name: str) -> str:

@@ -178,10 +178,11 @@ def made(
         raw = fixed.get(name, random_.choice(possible))
         item = placed.field(name)
         assert item is not None
-        highest = device.highest_in(placed.layout)
-        if highest is not None and highest[0].name == name:
-            raw = min(raw, highest[1].value(placed.parameters))
         values[name] = meant(item.field, item.width, raw)
+        valid = device.range_in(placed.layout)
+        if valid is not None and valid.field.name == name:
+            lowest, highest = valid.lowest.value(placed.parameters), valid.highest.value(placed.parameters)
+            values[name] = min(max(int(values[name]), lowest), highest)
     if placed.layout.unused:
         values[codec.UNUSED] = random_.getrandbits(64) & unused_mask(placed) if random_.getrandbits(1) else 0
     return codec.encode(device, placed, values)
@@ -248,6 +249,7 @@ def test_decode_and_encode_are_inverse_for_every_order_code(machine: tuple[Devic
             "long": 2,
             "long_crc": 2,
             "ring_turns": 8,
+            "scale": 9,
             "wide": 2,
             "reserved": 4,
             "shapes": 4,
@@ -281,6 +283,7 @@ def test_disturbed_frames_have_the_same_fault_as_in_the_model(machine: tuple[Dev
         "long": {"0", "2", "3"},
         "long_crc": {"0", "2", "3"},
         "ring_turns": {"0", "2", "4"},
+        "scale": {"0", "2", "3", "4"},
         "wide": {"0", "2"},
         "amm5": {"0", "2", "3", "4"},
         "words": {"0", "2", "3", "4"},

@@ -96,6 +96,19 @@ def test_a_limit_is_held_against_the_old_one_at_the_new_numbers() -> None:
     )
 
 
+def test_a_type_in_c_changes_with_the_widest_order_code() -> None:
+    """A position of up to 17 + 12 bits is a uint32_t in C. With at most 13 + 3 bits, it is a uint16_t."""
+    words = [("meaning: 17 bits", "meaning: Size 17")]
+    fewer = [
+        ("sets: {singleturn_bits: 17}", "sets: {singleturn_bits: 12}"),
+        ("{multiturn_bits: 12}", "{multiturn_bits: 3}"),
+    ]
+    text = shown(devices(words), devices([*words, *fewer]))
+    assert "  breaking       preset: number position: uint32_t → uint16_t\n" in text
+    assert "  breaking       preset: field singleturn: uint32_t → uint16_t\n" in text
+    assert "  breaking       preset: field multiturn: uint16_t → uint8_t\n" in text
+
+
 def test_what_no_rule_knows(monkeypatch: pytest.MonkeyPatch) -> None:
     old, new = sides(case_of("register-moved"))
     part = PARTS_BY_CLASS["Register"]

@@ -5,7 +5,9 @@ Numbers are typed from the manual.
 
 from __future__ import annotations
 
+import csv
 import json
+import math
 import os
 import shlex
 import subprocess
@@ -73,6 +75,43 @@ def test_python_decodes_the_manual(tv62: ModuleType) -> None:
     assert encoder.turns(frame.position) == 1234 + 65432 / 131072
     assert tv62.TemperatureData.decode(0b000000001110101100101).temperature == 235
     assert tv62.TemperatureData.decode(0b111111110110101010001) == tv62.TemperatureData(-150)
+
+
+#: Words of the positions -1000, printed in the manual, and -2^24 and 2^24 - 1, which are neighbours in 25 bits.
+ACROSS = {-1000: 0x01FFFC18, -16_777_216: 0x01000000, 16_777_215: 0x00FFFFFF}
+
+
+def test_python_unwraps_negative_positions(tv62: ModuleType) -> None:
+    encoder = tv62.lookup("TV62-M13-S1")
+    assert (encoder.lowest, encoder.highest, encoder.modulus) == (-(1 << 24), (1 << 24) - 1, 1 << 25)
+    assert [encoder.decode(word).position for word in ACROSS.values()] == [*ACROSS]
+    assert (encoder.unwrap(0, -1000), encoder.unwrap(-(1 << 25), -1000)) == (-1000, -1000 - (1 << 25))
+    assert encoder.unwrap(16_777_215, -16_777_216) == 16_777_216
+    with pytest.raises(ValueError, match="-16777217"):
+        encoder.unwrap(0, -16_777_217)
+    assert (encoder.turns(-1000), encoder.degrees(-1000)) == (-1000 / 8192, (8192 - 1000) * 360 / 8192)
+    table = encoder.decode_many([*ACROSS.values()]).with_columns(time=[0.0, 1.0, 1.5])
+    assert table.unwrapped().tolist() == [-1000, -16_777_216, -16_777_217]
+    assert table.velocity().tolist()[1:] == [-16_776_216, -2]
+    si = table.in_si()
+    assert si["radians"].tolist() == pytest.approx([7192 / 8192 * math.tau, 0, 8191 / 8192 * math.tau])
+    assert si["radians_per_second"].tolist()[1:] == pytest.approx([-16_776_216 / 8192 * math.tau, -2 / 8192 * math.tau])
+
+
+@pytest.mark.slow
+def test_the_python_command_writes_negative_positions_in_si_units(generated: Path, tmp_path: Path) -> None:
+    rows = "".join(f"{place / 2},0x{word:08X}\n" for place, word in enumerate(ACROSS.values()))
+    (tmp_path / "log.csv").write_text("time,word\n" + rows, encoding="utf-8")
+    command = [sys.executable, "-m", "tolvarn_encoders", "decode", "TV62-M13-S1", "log.csv", "--column", "word", "--si"]
+    folders = (generated / "python", generated / "python" / "runtime")
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, folders))}
+    run = [*command, "-o", "out.csv"]
+    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=False, env=environment)
+    assert (done.returncode, "Traceback" in done.stderr) == (0, False), done.stderr
+    with (tmp_path / "out.csv").open(encoding="utf-8", newline="") as file:
+        found = list(csv.DictReader(file))
+    assert [int(row["position"]) for row in found] == [*ACROSS]
+    assert float(found[2]["radians_per_second"]) == pytest.approx(-2 * 1 / 8192 * math.tau)
 
 
 def test_python_refuses_what_is_wrong(tv62: ModuleType) -> None:

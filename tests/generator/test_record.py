@@ -84,9 +84,9 @@ def test_objects_cannot_be_changed() -> None:
     assert item.first == 1
 
 
-def test_the_highest_value_is_found_again_only_for_layouts_of_the_device(library: Library) -> None:
+def test_the_range_of_a_position_is_found_again_only_for_layouts_of_the_device(library: Library) -> None:
     for device in library.devices:
         for _, layout in device.layouts():
-            fresh = dataclasses.replace(device).highest_in(layout)
-            assert [device.highest_in(layout), device.highest_in(layout)] == [fresh, fresh]
-            assert device.highest_in(dataclasses.replace(layout)) is None
+            fresh = dataclasses.replace(device).range_in(layout)
+            assert [device.range_in(layout), device.range_in(layout)] == [fresh, fresh]
+            assert device.range_in(dataclasses.replace(layout)) is None

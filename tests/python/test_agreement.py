@@ -56,7 +56,9 @@ FAMILIES = sorted(
 )
 #: Specs with features that no device has.
 MADE_UP = {"words": TESTS / "specs", "odd_shapes": TESTS / "python" / "specs", "shapes": TESTS / "c" / "specs"}
-MADE_UP |= dict.fromkeys(("banks", "lowfirst", "ring", "ring_turns", "wide", "long", "long_crc"), TESTS / "specs")
+MADE_UP |= dict.fromkeys(
+    ("banks", "lowfirst", "ring", "ring_turns", "scale", "wide", "long", "long_crc"), TESTS / "specs"
+)
 MADE_UP |= {"as5047p": TESTS.parent / "examples" / "encoders" / "ams"}
 MADE_UP |= {
     name: TESTS.parent / "examples" / "encoders" / maker for name, maker in (("amt21", "cui"), ("skm36", "sick"))
@@ -215,9 +217,9 @@ def value_of(case: Case, field: Field, width: int, kind: str, source: random.Ran
         lowest, largest = -(1 << (width - 1)), (1 << (width - 1)) - 1
     if isinstance(field.kind, Decimal):
         largest = min(largest, field.kind.limit - 1)
-    highest = case.family.device.highest_in(case.layout) if register is None else None
-    if highest is not None and highest[0].name == field.name:
-        largest = highest[1].value(case.variant.parameters)
+    valid = case.family.device.range_in(case.layout) if register is None else None
+    if valid is not None and valid.field.name == field.name:
+        lowest, largest = (item.value(case.variant.parameters) for item in (valid.lowest, valid.highest))
     if (
         register is not None
         and register.limits_of == field.name

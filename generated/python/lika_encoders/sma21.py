@@ -313,11 +313,20 @@ class Variant(Linear, Wrapping):
         return 1 << self.position_bits
 
     @property
+    def lowest(self) -> int:
+        """Lowest ``position``. It is negative if positions are signed."""
+        if self.interface is _RS485:
+            return -self.highest - 1
+        return 0
+
+    @property
     def highest(self) -> int:
         """Highest ``position``. It can reach ``modulus`` or more if an offset shifts all positions up."""
+        if self.interface is _SSI:
+            return self.modulus - 1
         if self.interface is _BISS:
             return (1 << self.scd_value_bits) - 1
-        return self.modulus - 1
+        return 140_737_488_355_327
 
     @property
     def frame_bits(self) -> int:

@@ -230,8 +230,8 @@ SURROUNDINGS = (
         Member(
             "highest",
             "expression?",
-            "Highest number that can be sent, if an offset shifts the positions up. null if it is the total "
-            "number of counts minus one.",
+            "Highest number that can be sent, if an offset shifts the positions up or the position is signed. null if "
+            "it is the total number of counts minus one, or for a signed position the highest that fits.",
             "measurement",
             "highest number",
             read="measurement",

@@ -335,7 +335,7 @@ def _to_tell(
         + ("" if status else ", no status bits")
     )
     lines.append(f"  code: {_code(device, layout)}")
-    lines.append(f"  CRC: {_crc_words(crc)}. CrcPoly is the polynomial with its top bit")
+    lines.append(f"  CRC: {_crc_words(device, crc)}. CrcPoly is the polynomial with its top bit")
     lines += _other_channels(device, layout)
     facts = say_interface.settings(device, device.interface("biss"))
     lines += [f"  {BY_NAME.sentence(item)}" for item in facts]
@@ -388,8 +388,8 @@ def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
     return [line]
 
 
-def _crc_words(crc: Crc) -> str:
-    return f"{counted(crc.width, 'bit')}, {parameters(crc)}"
+def _crc_words(device: Device, crc: Crc) -> str:
+    return f"{counted(crc.width, 'bit')}, {parameters(device, crc)}"
 
 
 def _other_channels(device: Device, layout: Layout) -> list[str]:
@@ -402,7 +402,7 @@ def _other_channels(device: Device, layout: Layout) -> list[str]:
         fields = (field for field in other.fields if field is not other.crc_field)
         parts = ", ".join(f"{field.name} {field.width.render()}" for field in fields)
         channel = f"  other data channel {other.channel}, {other.name}"
-        lines.append(f"{channel}: {parts} bits, CRC of {_crc_words(crc)}")
+        lines.append(f"{channel}: {parts} bits, CRC of {_crc_words(device, crc)}")
     return lines
 
 

@@ -15,6 +15,7 @@ from ...plan.codec import (
     Check,
     Codec,
     Fixed,
+    IsBetween,
     IsOneOf,
     NotAbove,
     ParityIs,
@@ -168,6 +169,8 @@ def _message(layout: Layout, item: Check) -> Data:
             says, most = "digits", item.digits
         case NotAbove():
             says = "too_high"
+        case IsBetween():
+            says = "outside"
         case _:
             assert_never(item)
     of_name = ", ".join(of.name for of in item.of) if isinstance(item, ParityIs) else ""

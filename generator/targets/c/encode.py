@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from ...model import Field, Piece, assert_never
-from ...plan.codec import Fixed, Given, ParityIs, ParityOf, Term, Turned, Whole, characters
+from ...plan.codec import Fixed, Given, ParityIs, ParityOf, Term, Turned, Whole, ZerosAbove, characters
 from ...plan.refusals import NoPowerOfTwo, OutsideLimits, Refusal, TooWide, refusals
 from ...plan.values import (
     Active,
@@ -33,6 +33,7 @@ class Encoder:
         self.reader = struct.reader
         self.refusals = tuple(op for op in (*_powers_first(refusals(self.plan)), *limits) if not _cannot_be(op))
         self._parities = frozenset(op.field.name for op in self.plan.checks if isinstance(op, ParityIs))
+        self._padded = frozenset(op.field.name for op in self.plan.checks if isinstance(op, ZerosAbove))
         self._reserved = frozenset(op.field.name for op in self.plan.reserved)
 
     def given(self, field: Field) -> Expr:
@@ -149,8 +150,10 @@ class Encoder:
                     bit, none = Number(piece.mask << piece.right, hexadecimal=True), Number(0, hexadecimal=True)
                     yield piece.byte, Either(name, none, bit) if low else Either(name, bit, none)
             case TwosComplement():
+                # Copies of the sign must not reach the zeros above the field.
+                bits = self._value(op) if field.name in self._padded else Cast("uint64_t", name)
                 for piece in field.pieces:
-                    yield piece.byte, self._put(field, piece, Cast("uint64_t", name), may_be_wider=True)
+                    yield piece.byte, self._put(field, piece, bits, may_be_wider=True)
             case Raw() | ZeroMeans() | Named() | DigitRuns():
                 for piece in field.pieces:
                     if piece.left < size_of(widest_value(field)):

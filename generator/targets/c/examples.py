@@ -270,8 +270,12 @@ class ExampleCode:
     @property
     def repeats(self) -> bool:
         """True if the shared function can compare two positions, which must not be negative."""
-        measured = (item for item in self.struct.plan.parts if c_name(item.field.name) == self.counts)
-        return bool(self.counts) and not any(isinstance(item.meaning, TwosComplement) for item in measured)
+        return bool(self.counts) and not self.is_signed(self.counts)
+
+    def is_signed(self, member: str) -> bool:
+        """Return whether a member of the frame can be negative."""
+        found = (item for item in self.struct.plan.parts if c_name(item.field.name) == member)
+        return any(isinstance(item.meaning, TwosComplement) for item in found)
 
     @property
     def headers(self) -> Iterator[str]:

@@ -166,6 +166,11 @@ class Guide:
         return c_name(self.number)
 
     @property
+    def is_signed(self) -> bool:
+        """True if this number can be negative."""
+        return self.example.is_signed(self.member)
+
+    @property
     def result(self) -> object:
         """The value of this number in the frame of the example, or None if it is not known."""
         return self.example.frame.values.get(self.number) if not self.example.data else None

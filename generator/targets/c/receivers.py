@@ -19,6 +19,7 @@ class ReceiverCode:
         self.struct = example.struct
         self.verdict = example.reports.verdict if example.reports is not None else ""
         self.member = example.counts
+        self.is_signed = example.is_signed(example.counts)
         self.longest = max(example.received, key=lambda item: item.bits)
         rows = view.variants.rows
         self.row: CodeRow = next(row for row in rows if row.variant is self.longest.variant)

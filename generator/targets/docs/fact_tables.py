@@ -78,7 +78,7 @@ def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
         yield joined([code(item.name), text(item.symbol)]), text(item.meaning), bounds(item), cited(item.source)
 
 
-def crc_rows(crc: Crc) -> Iterator[tuple[str, str]]:
+def crc_rows(device: Device, crc: Crc) -> Iterator[tuple[str, str]]:
     """Yield the parameters, and the polynomial in every notation that masters expect."""
     full = crc.poly_with_top_bit
     yield "Polynomial", text(crc.polynomial)
@@ -88,7 +88,7 @@ def crc_rows(crc: Crc) -> Iterator[tuple[str, str]]:
         yield "without its trailing 1 (Koopman notation)", f"`0x{full >> 1:X}`"
     yield "Width", counted(crc.width, "bit")
     yield "Start value", f"`0x{crc.init:X}`"
-    yield "Input, output reflected", f"{_yes(crc.refin)}, {_yes(crc.refout)}"
+    yield "Input, output reflected", f"{_yes(device.reflects_input(crc))}, {_yes(crc.refout)}"
     yield "Final XOR", f"`0x{crc.xorout:X}` ({sent(crc)})"
     if crc.is_xor:
         yield "In short", "XOR of the preceding bytes"

@@ -9,14 +9,17 @@ from ...model import (
     Device,
     Interface,
     Layout,
+    PlacedField,
+    PlacedLayout,
     Variant,
     Verdict,
 )
 from ...plan.reports import reportings
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Only, Speaks
-from ...say.crc import inverted
+from ...say.crc import inverted, reflected
 from ...say.markdown import STYLE, code, link, text
+from ...say.numbers import number
 from ...say.place import bits, frame_bytes
 from ...say.report import deciding
 from ...say.text import said
@@ -48,7 +51,7 @@ def questions(device: Device, layout: Layout) -> Iterator[str]:
 def frame_facts(family: Device, layout: Layout, variant: Variant) -> Iterator[tuple[str, str]]:
     """Yield the CRC, the polarity of the flags and the verdict on the position, each in one line."""
     checked = family.crc_of(layout)
-    yield "CRC", crc_line(checked) if checked is not None else "none"
+    yield "CRC", crc_line(family, checked) if checked is not None else "none"
     by_level: dict[str, list[tuple[str, str]]] = {}
     placed = layout.place(variant.parameters)
     for item in placed.fields:
@@ -59,9 +62,16 @@ def frame_facts(family: Device, layout: Layout, variant: Variant) -> Iterator[tu
         elif not of_byte and item.field.printed_name and deciding(item.field) in {"0", "1"}:
             by_level.setdefault("Not used by this encoder", []).append(at)
     yield from ((label, ", ".join(_with_places(names))) for label, names in by_level.items())
+    yield from (("Signed", _signed(family, item, placed)) for item in placed.fields if item.field.number.signed)
     judgement = next((item.judgement for item in reportings(family) if item.codec.layout.name == layout.name), None)
     if judgement is not None:
         yield "Position", verdict_line(judgement, variant, checked is not None)
+
+
+def _signed(family: Device, item: PlacedField, placed: PlacedLayout) -> str:
+    """Return the notation and range of a signed number."""
+    lowest, highest = family.signed_range(item, placed)
+    return f"{code(item.name)}, in two's complement, {number(lowest)} to {number(highest)}"
 
 
 def _with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
@@ -73,18 +83,17 @@ def _with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
         last = byte
 
 
-def crc_line(crc: Crc) -> str:
+def crc_line(family: Device, crc: Crc) -> str:
     """Return the parameters of a CRC in one line, with the polynomial including its top bit."""
     powers = crc.polynomial.split("^")
     polynomial = powers[0] + "".join(
         part[: (end := len(part) - len(part.lstrip("0123456789")))].translate(_SUPERSCRIPT) + part[end:]
         for part in powers[1:]
     )
-    reflected = {(True, True): "input and output reflected", (True, False): "input reflected"}
     parts = [
         f"poly `0x{crc.poly_with_top_bit:X}` ({text(polynomial)})",
         f"init {crc.init:#x}" if crc.init else "init 0",
-        reflected.get((crc.refin, crc.refout), "output reflected" if crc.refout else ""),
+        reflected(family, crc),
         inverted(crc),
         counted(crc.width, "bit"),
         "over everything before it",

@@ -60,7 +60,7 @@ def sections(device: Device) -> Sections:
         "errata_at": inline_errata.OnPage(device),
         "alternatives": order_code_tables.alternatives(device),
         "interfaces": [_interface(device, item) for item in device.interfaces],
-        "crcs": [{"crc": item, "rows": fact_tables.crc_rows(item)} for item in device.crcs],
+        "crcs": [{"crc": item, "rows": fact_tables.crc_rows(device, item)} for item in device.crcs],
         "registers": [_register(device, item) for item in device.registers],
         "register_rows": [_register_row(item) for item in device.registers],
         "procedures": [_procedure(device, item) for item in device.procedures],

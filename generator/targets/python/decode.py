@@ -10,7 +10,19 @@ from ...model import Digits, Field, Piece
 from ...model.expressions import Expression
 from ...model.never import assert_never
 from ...model.record import dataclass
-from ...plan.codec import AlwaysIs, AtMost, Check, Codec, IsOneOf, NotAbove, ParityIs, Part, ZerosAbove, parity
+from ...plan.codec import (
+    AlwaysIs,
+    AtMost,
+    Check,
+    Codec,
+    IsBetween,
+    IsOneOf,
+    NotAbove,
+    ParityIs,
+    Part,
+    ZerosAbove,
+    parity,
+)
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from .bits import Reader
 from .expr import Atom, Expr, Operation, Scope, call, coded, grouped, mask, number
@@ -203,7 +215,7 @@ class Decoder:
         checks = [item for item in self.codec.checks if item.field.name == field.name]
         listed = [item for item in checks if isinstance(item, IsOneOf) and len(item.values) > 1]
         chosen = bool(listed) and self.selects(field) and not self.disagreement
-        return chosen or any(isinstance(item, (ZerosAbove, AtMost, NotAbove)) for item in checks)
+        return chosen or any(isinstance(item, (ZerosAbove, AtMost, NotAbove, IsBetween)) for item in checks)
 
     def bits(self, part: Part) -> Expr:
         """Return the bits of a field after all checks."""

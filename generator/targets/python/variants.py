@@ -203,11 +203,48 @@ class Variants:
         return self._cases(whole)
 
     @cached_property
+    def lowest(self) -> Cases[Expr] | None:
+        """Lowest position, if positions are signed."""
+
+        def of(interface: Interface, measurement: Measurement) -> Expr | None:
+            if self.device.signed_position(interface.name) is None:
+                return None
+            # Without a highest position in the spec, every number that fits in the field is valid.
+            is_whole = measurement.highest is None
+            return Atom("-self.highest - 1" if is_whole else "self.highest - self.modulus + 1")
+
+        return self._ends(of, number(0))
+
+    @cached_property
     def highest(self) -> Cases[Expr] | None:
-        """Highest position, if an offset can shift positions above ``modulus``."""
-        usual = Operation(Atom("self.modulus"), "-", number(1))
-        found = self._cases(lambda item: self._of(item.highest) or usual)
-        return found if any(value != usual for value, _ in found.cases) else None
+        """Highest position, if positions are signed or an offset can shift them above ``modulus``."""
+
+        def of(interface: Interface, measurement: Measurement) -> Expr | None:
+            field = self.device.signed_position(interface.name)
+            if measurement.highest is not None or field is None:
+                return self._of(measurement.highest)
+            if field.width.is_constant:
+                return number((1 << field.widest - 1) - 1)
+            half = Operation(number(1), "<<", self._scope.of(field.width - Expression(1)))
+            return Operation(half, "-", number(1))
+
+        return self._ends(of, Operation(Atom("self.modulus"), "-", number(1)))
+
+    @property
+    def is_shifted(self) -> bool:
+        """True if an offset can shift the positions of an interface above ``modulus``."""
+        found = ((item.name, self._measurement(item)) for item in self.device.interfaces)
+        return any(of and of.highest and self.device.signed_position(name) is None for name, of in found)
+
+    def _ends(self, value: Callable[[Interface, Measurement], Expr | None], usual: Expr) -> Cases[Expr] | None:
+        """Return the ends of the range of positions on one side, or None if they are as usual."""
+
+        def of(interface: Interface) -> Expr | None:
+            measurement = self._measurement(interface)
+            return (value(interface, measurement) or usual) if measurement is not None else None
+
+        found = by_interface(self.device, of)
+        return found if any(end != usual for end, _ in found.cases) else None
 
     @property
     def bases(self) -> list[str]:

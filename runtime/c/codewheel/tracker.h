@@ -172,7 +172,7 @@ static inline cw_result cw_tracker_lose(cw_tracker *tracker)
  * compare two readings first (cw_ssi_repeats).
  *
  * @param tracker  the axis
- * @param position  position of a valid and usable frame, in counts
+ * @param position  position of a valid and usable frame, in counts. Cast a signed one to uint64_t
  * @param now_us  start of that frame
  * @return
  *   OK     accepted, the members are updated.

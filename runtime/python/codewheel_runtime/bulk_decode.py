@@ -298,7 +298,7 @@ def _holds(chunk: Chunk, item: Check) -> Any:
     if item.parity_of:
         return bits == parity_bits(chunk, item)
     if item.limit is not None:
-        return bits <= bits.dtype.type(item.limit)
+        return within(bits, item, item.limit)
     values = [value for value in item.values if not value >> item.width]
     if len(values) > 16:
         return np.isin(bits, np.array(values, bits.dtype))
@@ -306,6 +306,14 @@ def _holds(chunk: Chunk, item: Check) -> Any:
     for value in values:
         found |= bits == bits.dtype.type(value)
     return found
+
+
+def within(bits: Any, item: Check, limit: int) -> Any:
+    """Return whether each number is from ``lowest`` to ``limit``. Negative ones are in two's complement."""
+    kind, mask = bits.dtype.type, (1 << item.width) - 1
+    if item.lowest:
+        bits = bits - kind(item.lowest & mask) & kind(mask)
+    return bits <= kind(limit - item.lowest)
 
 
 def parity_bits(chunk: Chunk, item: Check) -> Any:

@@ -296,12 +296,14 @@ def to_gray(number: int, low: int, width: int) -> int:
     return number & ~(mask << low) | (binary ^ binary >> 1) << low
 
 
-def unwrap(previous: SupportsIndex, position: SupportsIndex, modulus: int, highest: int | None = None) -> int:
+def unwrap(
+    previous: SupportsIndex, position: SupportsIndex, modulus: int, highest: int | None = None, lowest: int = 0
+) -> int:
     """Return the count nearest to ``previous`` that equals ``position`` modulo ``modulus``.
 
-    ``highest`` is the highest ``position``, by default ``modulus - 1``.
+    ``lowest`` and ``highest`` are the limits of ``position``, by default 0 and ``modulus - 1``.
     """
-    limits = (0, modulus - 1 if highest is None else highest)
+    limits = (lowest, modulus - 1 if highest is None else highest)
     previous, position = whole_number("previous", previous), check_limits("position", position, limits)
     return previous + (position - previous + modulus // 2) % modulus - modulus // 2
 

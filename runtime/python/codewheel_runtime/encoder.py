@@ -212,7 +212,7 @@ class Encoder:
             The count, which continues when the position wraps around.
 
         Raises:
-            RangeError: The position is above the highest one that this encoder sends.
+            RangeError: This encoder does not have the position.
             ValueError: The manual does not say where the position wraps around.
         """
         raise ValueError(f"the manual does not say where the position of {self.code} wraps around")

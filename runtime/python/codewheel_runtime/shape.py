@@ -38,7 +38,8 @@ class Check(NamedTuple):
     """Condition on the ``width`` bits that start at ``low``.
 
     They must be one of ``values``, or at most ``limit``, or the parity of the bits in ``parity_of``, inverted if
-    ``odd``. ``mask`` selects the bits of each place in ``parity_of`` that count. 0 stands for all.
+    ``odd``. ``mask`` selects the bits of each place in ``parity_of`` that count. 0 stands for all. If ``lowest`` is not
+    0, the bits are a signed number from ``lowest`` to ``limit``.
     """
 
     low: int
@@ -49,11 +50,16 @@ class Check(NamedTuple):
     parity_of: tuple[tuple[int, int], ...] = ()
     odd: bool = False
     mask: int = 0
+    lowest: int = 0
 
     def parity(self, number: int) -> int:
         """Return the parity bit for a frame."""
         ones = ((number >> low & (1 << width) - 1 & (self.mask or -1)).bit_count() for low, width in self.parity_of)
         return sum(ones) & 1 ^ self.odd
+
+    def is_within(self, bits: int) -> bool:
+        """Return whether the bits are at most ``limit``, and if they are signed, at least ``lowest``."""
+        return self.limit is None or bits - self.lowest & (1 << self.width) - 1 <= self.limit - self.lowest
 
 
 class Fold(NamedTuple):
@@ -296,4 +302,4 @@ def holds(number: int, item: Check) -> bool:
     bits = number >> item.low & (1 << item.width) - 1
     if item.parity_of:
         return bits == item.parity(number)
-    return bits <= item.limit if item.limit is not None else bits in item.values
+    return item.is_within(bits) if item.limit is not None else bits in item.values

@@ -280,22 +280,23 @@ class Table(_Columns):
 
         Raises:
             AttributeError: The frames have no position.
-            RangeError: A position is above the highest that this encoder sends, or below 0.
+            RangeError: A position is above the highest or below the lowest that this encoder sends.
             ValueError: The manual does not say where the position of this encoder wraps around.
         """
         np: Any = import_module("numpy")
         encoder: Any = self.encoder
         modulus: int = encoder.modulus
         highest: int = getattr(encoder, "highest", modulus - 1)
+        lowest: int = getattr(encoder, "lowest", 0)
         good = np.flatnonzero(self.usable)
         position = self.position.astype(np.int64)
         if not len(good):
             return np.full(len(position), previous or 0, np.int64)
         used = position[good]
         for wrong in (int(used.max()), int(used.min())):
-            if not 0 <= wrong <= highest:
-                raise RangeError("position", wrong, f"0 to {highest}")
-        start = int(used[0]) if previous is None else unwrap(previous, int(used[0]), modulus, highest)
+            if not lowest <= wrong <= highest:
+                raise RangeError("position", wrong, f"{lowest} to {highest}")
+        start = int(used[0]) if previous is None else unwrap(previous, int(used[0]), modulus, highest, lowest)
         steps = (np.diff(used) + modulus // 2) % modulus - modulus // 2
         counts = np.concatenate([[start if previous is None else previous, start], start + np.cumsum(steps)])
         return counts[np.cumsum(self.usable)].astype(np.int64)

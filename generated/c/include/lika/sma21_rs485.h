@@ -859,7 +859,7 @@ static inline cw_result lika_sma21_rs485_reply_frame(
 
 /** Erratum position_below_zero (open, omission). */
 
-/** Return the number of counts after which the position wraps around to 0 [4.10 p.18]. */
+/** Return the number of counts after which the position wraps around [4.10 p.18]. */
 CW_CONSTEXPR
 static inline uint64_t lika_sma21_rs485_modulus(const lika_sma21_rs485 *variant)
 {
@@ -872,9 +872,12 @@ static inline uint64_t lika_sma21_rs485_modulus(const lika_sma21_rs485 *variant)
  */
 CW_CONSTEXPR
 static inline int64_t lika_sma21_rs485_position_difference(
-    const lika_sma21_rs485 *variant, uint64_t now, uint64_t before)
+    const lika_sma21_rs485 *variant, int64_t now, int64_t before)
 {
-    return cw_difference(now, before, lika_sma21_rs485_modulus(variant));
+    const uint64_t modulus = lika_sma21_rs485_modulus(variant);
+    return (now < before) ?
+        cw_difference(0U, (uint64_t)before - (uint64_t)now, modulus) :
+        cw_difference((uint64_t)now - (uint64_t)before, 0U, modulus);
 }
 
 /** Convert a position to micrometres [4.10 p.18]. The product must fit in 64 bits. */

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from .bulk_decode import CHUNK, Chunk, crc_difference, np, parity_bits
+from .bulk_decode import CHUNK, Chunk, crc_difference, np, parity_bits, within
 from .codec import assert_never
 from .errors import RangeError
 from .shape import Column, Join, Shape, scales, width_of
@@ -228,7 +228,9 @@ def _check_values(limbs: list[Any], given: Mapping[str, Any], shape: Shape, refu
             continue
         bits = Chunk(limbs, shape.bits).take(check.low, check.width)
         if check.limit is not None:
-            refused.add(bits > check.limit, item.name, bits, f"at most {check.limit}")
+            is_signed = item.kind == "signed"
+            allowed = f"{check.lowest} to {check.limit}" if is_signed else f"at most {check.limit}"
+            refused.add(~within(bits, check, check.limit), item.name, given[item.name] if is_signed else bits, allowed)
         else:
             good = np.isin(bits, [value for value in check.values if not value >> check.width])
             allowed = "one of " + ", ".join(map(str, check.values))

@@ -19,6 +19,7 @@ from .codec import (
     check_width,
     choice,
     decided,
+    signed,
     text_number,
     to_gray,
     whole_number,
@@ -102,9 +103,11 @@ class Coded:
             number |= _bits(fields, column) << column.low
         for check in shape.checks:
             bits = number >> check.low & (1 << check.width) - 1
-            if check.limit is not None and bits > check.limit:
-                name = next(item.field or item.name for item in shape.columns if item.low == check.low)
-                raise RangeError(name, bits, f"at most {check.limit}")
+            if not check.is_within(bits):
+                column = next(item for item in shape.columns if item.low == check.low)
+                is_signed = column.kind == "signed"
+                allowed = f"{check.lowest} to {check.limit}" if is_signed else f"at most {check.limit}"
+                raise RangeError(column.field or column.name, signed(bits, check.width) if is_signed else bits, allowed)
         if shape.others is not None:
             number |= check_bits("unused", fields.unused, shape.others)
         elif shape.unused:

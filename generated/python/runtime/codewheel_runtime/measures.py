@@ -110,6 +110,11 @@ class Wrapping(Encoder):
         raise NotImplementedError
 
     @property
+    def lowest(self) -> int:
+        """Lowest position. It is negative if positions are signed."""
+        return 0
+
+    @property
     def highest(self) -> int:
         """Highest position. It can reach ``modulus`` or more if an offset shifts all positions up."""
         return self.modulus - 1
@@ -128,6 +133,6 @@ class Wrapping(Encoder):
             The count.
 
         Raises:
-            RangeError: ``position`` is above ``highest``.
+            RangeError: ``position`` is above ``highest`` or below ``lowest``.
         """
-        return unwrap(previous, position, self.modulus, self.highest)
+        return unwrap(previous, position, self.modulus, self.highest, self.lowest)

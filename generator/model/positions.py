@@ -1,0 +1,72 @@
+"""Range of the numbers that an encoder sends as its position.
+
+An offset can shift unsigned positions up to the ``highest`` of the measurement, so all of these are valid.
+Signed positions end at ``highest``, and begin as many numbers before it as the encoder has positions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from .expressions import Expression
+from .kinds import Number
+from .layout import Field, Layout
+from .measurement import Measurement
+from .record import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class PositionRange:
+    """Lowest and highest valid number in a field that could hold others.
+
+    It is the position, or the number of revolutions if another field counts one revolution in all its bits.
+    """
+
+    field: Field
+    lowest: Expression
+    highest: Expression
+
+
+def narrower(measurement: Measurement, layout: Layout, sets: Sequence[Mapping[str, int]]) -> PositionRange | None:
+    """Return the range of a position if it is narrower than the width of its field for some order code.
+
+    Parts of one revolution in several fields have no range, and signed positions have none without ``highest``.
+    """
+    by_name = {item.name: item for item in layout.fields}
+    fields = [by_name[name] for name in layout.names_in(measurement.of) if name in by_name]
+    if any(not isinstance(item.kind, Number) for item in fields):
+        return None
+    if len(fields) == 1 and fields[0].number.signed:
+        found = _signed(measurement, fields[0])
+    else:
+        found = _unsigned(measurement, fields, sets)
+    if found is None or found.field.number.zero_means:
+        return None
+    return found if any(_is_narrower(found, item) for item in sets) else None
+
+
+def _is_narrower(found: PositionRange, parameters: Mapping[str, int]) -> bool:
+    width, highest = found.field.width.value(parameters), found.highest.value(parameters)
+    return bool(width) and 0 <= highest - found.lowest.value(parameters) < (1 << width) - 1
+
+
+def _signed(measurement: Measurement, field: Field) -> PositionRange | None:
+    total, highest = measurement.total, measurement.highest
+    if total is None or highest is None:
+        return None
+    return PositionRange(field, highest - total + Expression(1), highest)
+
+
+def _unsigned(
+    measurement: Measurement, fields: Sequence[Field], sets: Sequence[Mapping[str, int]]
+) -> PositionRange | None:
+    total, turns, counts = measurement.total, measurement.turns, measurement.counts_per_turn
+    if total is None or any(item.number.signed for item in fields):
+        return None
+    if len(fields) == 1:
+        return PositionRange(fields[0], Expression(0), measurement.highest or total - Expression(1))
+    if len(fields) == 2 and measurement.highest is None and counts is not None and turns is not None:
+        # Both fields can also be parts of one revolution.
+        is_turn = all(counts.value(item) == 1 << fields[1].width.value(item) for item in sets)
+        return PositionRange(fields[0], Expression(0), turns - Expression(1)) if is_turn else None
+    return None
