@@ -7,16 +7,15 @@ Signed positions end at ``highest``, and begin as many numbers before it as the 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from .expressions import Expression
 from .kinds import Number
 from .layout import Field, Layout
 from .measurement import Measurement
-from .record import dataclass
 
 
-@dataclass(frozen=True, slots=True)
-class PositionRange:
+class PositionRange(NamedTuple):
     """Lowest and highest valid number in a field that could hold others.
 
     It is the position, or the number of revolutions if another field counts one revolution in all its bits.

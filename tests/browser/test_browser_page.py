@@ -178,7 +178,8 @@ def test_a_fault_in_the_words_of_the_command(seen: dict[str, Any]) -> None:
     assert "crc error: expected CRC 0x7e, got 0x7f" in seen["fault"]
     assert 'codewheel decode AMM5A23/65KJP1 "02 00 C7 D1 6A 7F"' in seen["fault"]
     early = seen["why"].index("started one clock early: an extra bit such as CDS is in front")
-    assert 0 < seen["why"].index("one bit may have been disturbed on the line: the CRC matches with bit 0 inverted") < early
+    bit = "one bit may have been disturbed on the line: the CRC matches with bit 0 inverted"
+    assert 0 < seen["why"].index(bit) < early
     assert "Every bit is 0: the line never changes." in seen["low"]
     assert "Every bit is 1: the line never changes." in seen["high"]
     assert "Every bit is 0. A dead line looks the same" in seen["ssi"]

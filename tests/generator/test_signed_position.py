@@ -22,7 +22,7 @@ from codewheel.virtual import VirtualEncoder
 ROOT = Path(__file__).parents[2]
 SPECS = [ROOT / "tests" / "specs" / name for name in ("manufacturer.yaml", "scale.yaml")]
 #: Lowest and highest position of each order code with BiSS.
-RANGES = {"AB": (-383_999, 16_000_000), "BB": (-(1 << 24), (1 << 24) - 1), "CB": (-1200, 0)}
+RANGES = {"AB": (-383_999, 16_000_000), "BB": (-(1 << 24), (1 << 24) - 1), "DB": (-1200, 0)}
 #: Two positions, the modulus, and the way from the second to the first: the shorter one, half way round backwards.
 MOVES = [
     (-1, 1, -2),
