@@ -82,7 +82,7 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
         notes.append(
             f"The widths are the {initial(device)} in {' and '.join(field_at(device, path) for path in widths)}."
         )
-    if layout.gray_of and layout.gray_when:
+    if layout.gray_of:
         names = needed_parameters(device, layout.gray_when)
         held = ", ".join(field_at(device, item.read_from) for item in device.run_time_parameters if item.name in names)
         decided = f", according to the factory default of {held}" if held else ""

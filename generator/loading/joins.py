@@ -133,6 +133,10 @@ def _check_gray(layout: Layout, site: Site) -> None:
         is_number_or_flag = isinstance(at_fault.kind, (Number, Choice, Flag))
         what = f"'{at_fault.name}' {'has one bit' if is_number_or_flag else 'is not a number'}"
         site.report("gray-of", f"{what}; only a number of several bits can be in Gray code", "gray", "of")
+    codes = {values[layout.gray_when] for values in site.sets if layout.gray_when in values}
+    if not codes <= {0, 1}:
+        wrong = f"'{layout.gray_when}' can be {max(codes)}; it must be 1 for Gray code, or 0 for binary"
+        site.report("gray-of", wrong, "gray", "when")
     pairs = ((item.name, of) for item in layout.fields if isinstance(item.kind, Parity) for of in item.kind.of)
     for name, of in pairs:
         if of in layout.names_in(layout.gray_of):

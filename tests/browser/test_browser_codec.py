@@ -25,7 +25,7 @@ TESTS = Path(__file__).resolve().parents[1]
 #: Specs with features that no device has.
 MADE_UP = ("specs/words", "specs/bits22", "c/specs/shapes", "c/specs/words", "c/specs/reserved", "c/specs/crcs")
 MADE_UP += ("specs/lowfirst", "specs/ring", "specs/ring_turns", "specs/wide", "specs/long", "specs/long_crc")
-MADE_UP += ("python/specs/odd_shapes", "browser/specs/names")
+MADE_UP += ("specs/gray", "python/specs/odd_shapes", "browser/specs/names")
 MADE_UP += ("../examples/encoders/ams/as5047p", "../examples/encoders/cui/amt21", "../examples/encoders/sick/skm36")
 MADE_UP += (
     "../examples/encoders/infineon/tle5012b",

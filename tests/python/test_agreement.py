@@ -56,7 +56,9 @@ FAMILIES = sorted(
 )
 #: Specs with features that no device has.
 MADE_UP = {"words": TESTS / "specs", "odd_shapes": TESTS / "python" / "specs", "shapes": TESTS / "c" / "specs"}
-MADE_UP |= dict.fromkeys(("banks", "lowfirst", "ring", "ring_turns", "wide", "long", "long_crc"), TESTS / "specs")
+MADE_UP |= dict.fromkeys(
+    ("banks", "gray", "lowfirst", "ring", "ring_turns", "wide", "long", "long_crc"), TESTS / "specs"
+)
 MADE_UP |= {"as5047p": TESTS.parent / "examples" / "encoders" / "ams"}
 MADE_UP |= {
     name: TESTS.parent / "examples" / "encoders" / maker for name, maker in (("amt21", "cui"), ("skm36", "sick"))

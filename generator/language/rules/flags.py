@@ -12,7 +12,7 @@ from .walk import Fields, Spec, by_name, field_lists, field_names, items, layout
 def makes_position_missing(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a flag in a frame with a position gives the verdict on the position while it is active."""
     groups = by_name(raw, "field_groups")
-    positions = {interface: _position_names(spec, interface) for interface in mapping(spec, "interfaces")}
+    positions = {interface: position_names(spec, interface) for interface in mapping(spec, "interfaces")}
     for fields in layouts(spec):
         has_position = not positions[fields.interface].isdisjoint(field_names(fields, groups))
         if fields.owner.get("from") != "encoder" or not has_position:
@@ -57,7 +57,7 @@ def _has_name(field: Spec) -> bool:
     return isinstance(field.get("name"), str)
 
 
-def _position_names(spec: Spec, interface: str) -> set[str]:
+def position_names(spec: Spec, interface: str) -> set[str]:
     """Return the fields and joins that form the position: the measured ones, otherwise those named ``position``."""
     measurement = mapping(spec, "interfaces", interface, "measurement") or mapping(spec, "measurement")
     of = measurement.get("of", "position")
