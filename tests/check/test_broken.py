@@ -19,7 +19,7 @@ EXPECT = "# expect: "
 RULES_WITH_BROKEN_SPECS = """
     access-mismatch alias also-written alternative-use argument-not-written bad-expression bad-key bad-pattern
     bad-source bank-not-selected biss-protocol byte-order-missing cited-place clock-range column-units
-    crc-impossible device-name duplicate-address duplicate-key duplicate-name evidence-grade example-shape
+    crc-impossible device-name duplicate-address duplicate-key duplicate-name error-usable evidence-grade example-shape
     interface-mismatch layout-keys limit-does-not-fit makes-position-missing measurement-shape merge-key
     missing-key misspelt-name not-a-map not-allowed not-text number-base number-too-long order-code-ambiguous
     order-code-pattern out-of-range output-code parameter-cycle parameter-interface parameter-origin printed-number

@@ -102,6 +102,7 @@ RULES: tuple[Rule, ...] = (
     printed.default_lists,
     printed.writes,
     flags.makes_position_missing,
+    flags.error_usable,
     flags.flag_sums,
     flags.alarm_name,
     gray.output_code,
