@@ -128,6 +128,7 @@ RULES: tuple[Rule, ...] = (
     quantities.column_units,
     agreement.misspelt_name,
     agreement.number_in_meaning,
+    agreement.polynomial_in_note,
     agreement.unused_bits,
     agreement.access_repeated,
     agreement.zero_within_limits,

@@ -140,7 +140,7 @@ def _frame_faults(
 def _crc_faults(crc: Spec) -> Iterator[tuple[str, str, str]]:
     """Yield the keys of a CRC that contradict BiSS, each with the value to write and the reason."""
     width, xorout = crc.get("width"), crc.get("xorout")
-    if width in range(1, 65) and isinstance(xorout, int) and xorout < (1 << width) - 1:
+    if isinstance(width, int) and 0 < width <= 64 and isinstance(xorout, int) and xorout < (1 << width) - 1:
         yield "xorout", f"{(1 << width) - 1:#x}", "inverted"
     for key in ("refin", "refout"):
         if crc.get(key) is True:
