@@ -289,7 +289,8 @@
   /** The reports and the verdict of a valid frame or register. */
   function tell(found) {
     const { at, number } = found;
-    const active = new Set(at.fields.filter((item) => speaks(item, bits(number, item.low, item.width)))
+    const plain = fromGray(at, number);
+    const active = new Set(at.fields.filter((item) => speaks(item, bits(plain, item.low, item.width)))
       .map((item) => item.name));
     found.reports = at.tells.filter((item) => active.has(item.flag));
     if (at.layout.otherwise) {
