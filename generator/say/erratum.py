@@ -13,10 +13,13 @@ from .words import sentence
 _SHORT = 100
 
 
-def errata(device: Device, *paths: str, without: Collection[str] = (), wording: bool = False) -> tuple[Erratum, ...]:
+def errata(
+    device: Device, *paths: str, without: Collection[str] = (), exactly: Collection[str] = (), wording: bool = False
+) -> tuple[Erratum, ...]:
     """Return the errata about these parts of the spec or anything inside them, except the parts ``without``.
 
-    Errata about wording are included only on request, for pages that show the text of a manual.
+    An erratum about a part in ``exactly`` is about that part as a whole. Errata about wording are included only on
+    request, for pages that show the text of a manual.
     """
 
     below, below_without = (tuple(f"{place}." for place in places) for places in (paths, without))
@@ -25,7 +28,12 @@ def errata(device: Device, *paths: str, without: Collection[str] = (), wording: 
         for item in device.errata
         if (wording or item.severity != "wording")
         and any(
-            (other in paths or other.startswith(below)) and other not in without and not other.startswith(below_without)
+            other in exactly
+            or (
+                (other in paths or other.startswith(below))
+                and other not in without
+                and not other.startswith(below_without)
+            )
             for other in item.affects
         )
     )
