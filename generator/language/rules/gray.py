@@ -10,6 +10,8 @@ from .flags import position_names
 from .walk import Fields, Spec, by_name, field_names, items, layouts, mapping
 
 _GRAY = re.compile(r"\bGray\b", re.IGNORECASE)
+#: Gray can also be a colour, except in the meaning of an interface.
+_GRAY_CODE = re.compile(r"\bGray[ -]code\b", re.IGNORECASE)
 _BINARY = re.compile(r"\bbinary\b", re.IGNORECASE)
 
 
@@ -39,12 +41,14 @@ def output_code(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def gray_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that an interface whose order codes name Gray code has a layout in Gray code."""
+    kinds = [*mapping(spec, "interfaces")]
+    only = kinds[0] if len(kinds) == 1 else ""
     for path, part in items(spec, "order_code", "parts"):
         for text, value in part["values"].items():
-            kind, meaning = value.get("interface", ""), value.get("meaning", "")
-            sent = list(_with_position(spec, raw, kind))
-            is_gray = _GRAY.search(meaning) and not _BINARY.search(meaning)
-            if is_gray and sent and not any("gray" in fields.owner for fields in sent):
+            kind, meaning = value.get("interface", only), value.get("meaning", "")
+            is_named = (_GRAY if "interface" in value else _GRAY_CODE).search(meaning) and not _BINARY.search(meaning)
+            sent = list(_with_position(spec, raw, kind)) if is_named else []
+            if sent and not any("gray" in fields.owner for fields in sent):
                 wrong = f"the meaning of {quoted(text)} says Gray, but no layout of {kind} has 'gray'"
                 report.add("output-code", (*path, "values", text, "meaning"), f"{wrong}, so decoders take it as binary")
 
