@@ -24,7 +24,7 @@ def crc(name: str, width: int, poly: int, xorout: int) -> Item:
 
 
 def layout_of(name: str, *fields: Item, **more: Any) -> Item:
-    return {"name": name, "from": "encoder", "source": "1", "fields": list(fields), **more}
+    return {"name": name, "note": "Made up", "from": "encoder", "source": "1", "fields": list(fields), **more}
 
 
 def digits(name: str, high: str, low: str) -> Item:
@@ -33,4 +33,4 @@ def digits(name: str, high: str, low: str) -> Item:
 
 
 def flag(name: str, active: str) -> Item:
-    return {"name": name, "active": active, "makes_position": "usable"}
+    return {"name": name, "active": active, "makes_position": "usable", "note": "Made up"}

@@ -275,7 +275,7 @@ interfaces:
     source: "5"
     clock: {min_hz: 100000, max_hz: 1000000, source: "5.1"}
     alignment: msb_left                   # or lsb_right
-    output_code: binary                   # or gray
+    output_code: binary                   # or gray, by_order_code
     timings:
       - {name: pause, symbol: Tp, meaning: Pause between two words, at_least_us: 20, source: "5.1"}
     layouts:
@@ -283,6 +283,7 @@ interfaces:
         printed_name: Structure of the position information
         from: encoder
         source: "5.2"
+        # gray: {of: position}            # needed for Gray code; add 'when: PARAMETER' if only some order codes have it
         # In the order sent, most significant first.
         fields:
 @FIELDS@          # An error bit after the position:

@@ -9,6 +9,7 @@ from ..order_codes.holding_only import held_by
 from ..order_codes.labels import Match
 from ..order_codes.narrowing import for_interface
 from ..order_codes.parameters import parameters_of, run_time_names
+from ..order_codes.with_numbers import with_code
 from ..say.erratum import erratum
 from ..say.evidence import grade
 from ..say.lines import WIDTH, pairs, wrapped
@@ -59,7 +60,7 @@ def variant_text(device: Device, match: Match) -> str:
     lines += alternative_lines(here)
     lines += _position([("", device.measurement_of(variant.interface))], variant.parameters)
     interface = here.interface(variant.interface)
-    lines += ["", *interface_lines(here, interface)]
+    lines += ["", *interface_lines(here, with_code(interface, variant))]
     for layout in interface.layouts:
         lines += ["", *frame_lines(here, layout, variant)]
     return "\n".join([*lines, *register_lines(here, variant), *_inputs_and_procedures(here), *_errata(here)])
@@ -136,7 +137,7 @@ def _errata(device: Device) -> list[str]:
         return []
     lines = ["", "Errata of the manual"]
     for item in found:
-        head, *parts = BY_NAME.lines(erratum(item))
+        head, *parts = BY_NAME.lines(erratum(item, whole=True))
         lines += [wrapped(head, WIDTH, "    ", "  "), *(wrapped(line, WIDTH, "      ", "    ") for line in parts)]
     more = len(device.errata) - len(found)
     return lines + (

@@ -82,8 +82,8 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
         notes.append(
             f"The widths are the {initial(device)} in {' and '.join(field_at(device, path) for path in widths)}."
         )
-    if layout.gray_of and layout.gray_when:
-        names = device.needed_parameters([layout.gray_when])
+    if layout.gray_of:
+        names = device.needed_parameters([layout.gray_when] if layout.gray_when else [])
         held = ", ".join(field_at(device, item.read_from) for item in device.run_time_parameters if item.name in names)
         decided = f", according to the factory default of {held}" if held else ""
         notes.append(f"{layout.gray_of} is in {'Gray code' if placed.gray else 'binary'}{decided}.")

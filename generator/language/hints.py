@@ -29,7 +29,7 @@ _BINARY = re.compile(r"(?:0[bB])([01]+)")
 _GROUPED = re.compile(r"-?[0-9]{1,3}(?:([_' ,])[0-9]{3})(?:\1[0-9]{3})*")
 _PLAIN = re.compile(r"-?(?:0x[0-9A-Fa-f]+|[0-9]+)")
 _WITH_UNIT = re.compile(r"(?P<number>[0-9]+(?:\.[0-9]+)?)\s*(?P<unit>[kKMG]?[hH]z|[pnuµm]?s|[nuµmc]?m|m?V)")
-_POLYNOMIAL = re.compile(r"(?:x(?:\s*\^\s*[0-9]+)?|1)(?:\s*\+\s*(?:x(?:\s*\^\s*[0-9]+)?|1))+", re.IGNORECASE)
+POLYNOMIAL = re.compile(r"(?:x(?:\s*\^\s*[0-9]+)?|1)(?:\s*\+\s*(?:x(?:\s*\^\s*[0-9]+)?|1))+", re.IGNORECASE)
 _DIGITS = re.compile(r"[0-9][0-9A-Fa-f]*|[0-9A-F]{2,}")
 _BYTES = re.compile(r"[0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*")
 _SHIFTED = re.compile(r"\(?1\s*<<\s*(\w+)\)?")
@@ -94,7 +94,7 @@ def number_hint(key: str, value: Any) -> str:
     if found := _WITH_UNIT.fullmatch(text):
         converted = _converted(Fraction(found["number"]), found["unit"].lower(), _unit(key))
         return f"; write {converted}, in {_word(_unit(key))}" if converted is not None else ""
-    if key == "poly" and _POLYNOMIAL.fullmatch(text):
+    if key == "poly" and POLYNOMIAL.fullmatch(text):
         return _polynomial_hint(text)
     return f"; write 0x{text.upper()}" if _DIGITS.fullmatch(text) else ""
 
@@ -165,13 +165,18 @@ def _fraction_hint(key: str, value: float) -> str:
 
 
 def _polynomial_hint(text: str) -> str:
-    terms = re.sub(r"\s", "", text.lower()).split("+")
-    powers = [int(term.partition("^")[2] or 1) if term.startswith("x") else 0 for term in terms]
+    powers = polynomial_powers(text)
     top = max(powers)
     if top > 64:
         return ""
-    rest = sum(1 << power for power in set(powers) - {top})
+    rest = sum(1 << power for power in powers - {top})
     return f"; write {rest:#x}, which omits x^{top}, and 'width: {top}'"
+
+
+def polynomial_powers(text: str) -> set[int]:
+    """Return the powers of a polynomial such as ``x^6 + x + 1``."""
+    terms = re.sub(r"\s", "", text.lower()).split("+")
+    return {int(term.partition("^")[2] or 1) if term.startswith("x") else 0 for term in terms}
 
 
 def key_hint(key: str, value: Any, known: Iterable[str]) -> str:

@@ -1,11 +1,12 @@
-"""Check that a frame requires the fields that distinguish it: from other frames, and from replies to other requests."""
+"""Check that a frame can be distinguished: from other frames, and from replies to other requests."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import combinations
 
 from ..language.problems import DocumentReport, Path
-from ..model import Constant, Device, Field, Interface, Layout, Number, Rs485, Spi
+from ..model import Biss, Constant, Device, Field, Interface, Layout, Number, Rs485, Spi, Ssi
 from .valid_parts import sound_so_far
 
 
@@ -18,6 +19,7 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
         _check_replies(interface, device.position_names(interface.name), report)
         if isinstance(interface, Rs485):
             continue
+        _check_positions(device, interface, report)
         frames = [item for item in interface.layouts if item.sender == "encoder"]
         for layout in (item for item in frames if device.tells_position(interface.name, item)):
             numbers = {item.name for item in layout.fields if isinstance(item.kind, Number)}
@@ -30,6 +32,32 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
                 wrong = f"'{field.name}' can be any number, but it is always {value:#x} in '{other.name}'"
                 way = f"a frame '{other.name}' would decode as '{layout.name}'; give this field its 'constant'"
                 report.add("frame-kind", (*owner, "fields", field.name), f"{wrong}, so {way}")
+
+
+def _check_positions(device: Device, interface: Interface, report: DocumentReport) -> None:
+    """Report two frames with the position that nothing distinguishes, unless a note says how a master knows them.
+
+    No request selects a frame over SSI and BiSS, so decoders would take each frame as the first layout.
+    """
+    frames = [item for item in interface.layouts if device.tells_position(interface.name, item)]
+    for first, other in combinations(frames if isinstance(interface, (Biss, Ssi)) else (), 2):
+        if other.note or first.channel != other.channel or _differ(first, other):
+            continue
+        wrong = f"'{first.name}' and '{other.name}' both contain the position, and nothing distinguishes their frames"
+        way = (
+            "if order codes differ in their frames, describe them in one layout with widths that depend on the order"
+            " code, or in two specs. If a master selects the frame, say how in a 'note' of the second layout"
+        )
+        here: Path = ("interfaces", interface.name, "layouts", other.name)
+        report.add("frame-kind", here, f"{wrong}, so decoders use '{first.name}'; {way}")
+        return
+
+
+def _differ(layout: Layout, other: Layout) -> bool:
+    """Return whether a selector or a constant of the same name distinguishes two frames."""
+    known = {item.name: item.kind.value for item in layout.fields if isinstance(item.kind, Constant)}
+    pairs = ((known.get(item.name), item.kind.value) for item in other.fields if isinstance(item.kind, Constant))
+    return bool(layout.selector) or any(one not in (None, two) for one, two in pairs)
 
 
 def _check_replies(interface: Interface, positions: frozenset[str], report: DocumentReport) -> None:

@@ -50,7 +50,8 @@ def _check_joins(layout: Layout, site: Site, low_first: bool) -> set[str]:
             if name in join.fields[:index]:
                 site.report("join-order", f"'{join.name}' contains '{name}' twice", "join", join.name, index)
             elif name in fields and (at_fault := _no_plain_bits(fields[name].kind)):
-                wrong = f"'{join.name}' contains '{name}', {at_fault}, or leave '{name}' out of '{join.name}'"
+                way = f"{', or' if ';' in at_fault else ';'} leave '{name}' out of '{join.name}'"
+                wrong = f"'{join.name}' contains '{name}', {at_fault}{way}"
                 site.report("join-of", wrong, "join", join.name, index)
         pairs = [pair for pair in pairwise(join.fields) if pair[0] != pair[1] and {*pair} <= fields.keys()]
         for index, (above, below) in enumerate(pairs, 1):
@@ -117,7 +118,7 @@ def _no_plain_bits(kind: Kind) -> str:
         case Number():
             return "which has 'zero_means'; leave 'zero_means' out"
         case Flag():
-            return "which is active low; write 'bits: 1' instead of 'active'"
+            return "which is active low"
         case Constant() | Unused() | CrcValue() | Parity() | Text():
             return "which is not a number; define it with 'bits' and no kind"
         case _:
@@ -125,20 +126,24 @@ def _no_plain_bits(kind: Kind) -> str:
 
 
 def _check_gray(layout: Layout, site: Site) -> None:
-    """Check that a number in Gray code has several contiguous bits."""
+    """Check that a number in Gray code has several contiguous bits. They can include a flag."""
     parts = [field for name in layout.names_in(layout.gray_of) for field in layout.fields if field.name == name]
-    other = next((field for field in parts if not isinstance(field.kind, (Number, Choice))), None)
+    other = next((field for field in parts if not isinstance(field.kind, (Number, Choice, Flag))), None)
     if other is not None or (len(parts) == 1 and parts[0].widest == 1):
         at_fault = other or parts[0]
         is_number_or_flag = isinstance(at_fault.kind, (Number, Choice, Flag))
         what = f"'{at_fault.name}' {'has one bit' if is_number_or_flag else 'is not a number'}"
         site.report("gray-of", f"{what}; only a number of several bits can be in Gray code", "gray", "of")
+    codes = {values[layout.gray_when] for values in site.sets if layout.gray_when in values}
+    if not codes <= {0, 1}:
+        wrong = f"'{layout.gray_when}' can be {max(codes)}; it must be 1 for Gray code, or 0 for binary"
+        site.report("gray-of", wrong, "gray", "when")
     pairs = ((item.name, of) for item in layout.fields if isinstance(item.kind, Parity) for of in item.kind.of)
     for name, of in pairs:
         if of in layout.names_in(layout.gray_of):
             wrong = (
-                f"'{name}' covers '{of}', which is sent in Gray code, so it is unclear which number is meant;"
-                " write 'bits: 1' instead of 'parity_of'"
+                f"'{name}' covers '{of}', which is sent in Gray code, of which decoders cannot check the parity;"
+                " write 'bits: 1' instead of 'parity_of', and compare the bit in your program"
             )
             site.report("gray-of", wrong, "fields", name, "parity_of")
     for above, below in pairwise(parts):

@@ -78,11 +78,9 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
             if kind.power_of_two:
                 _check_absent(field, "0 is not a power of two; leave 'power_of_two' out", site)
         case Flag():
-            if field.width != Expression(1):
-                site.report("width-mismatch", f"'{field.name}' is a flag, so it must have one bit, not {bits}")
+            _check_one_bit(field, "flag", site)
         case Parity():
-            if field.width != Expression(1):
-                site.report("width-mismatch", f"'{field.name}' is a parity bit, so it must have one bit, not {bits}")
+            _check_one_bit(field, "parity bit", site)
         case Choice():
             _check_choice(field, kind, site)
         case Constant() | Unused():
@@ -97,6 +95,17 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
             _check_crc(layout, field, kind, site)
         case _:
             assert_never(kind)
+
+
+def _check_one_bit(field: Field, what: str, site: Site) -> None:
+    if field.width.is_constant and field.width != Expression(1):
+        site.report("width-mismatch", f"'{field.name}' is a {what}, so it must have one bit, not {field.widest}")
+    elif not field.width.is_constant:
+        wrong = (
+            f"'{field.name}' is a {what}, so it has one bit for all order codes, but 'bits' is {field.width.render()}"
+        )
+        way = "leave 'bits' out, and describe the order codes that do not send it in a spec of their own"
+        site.report("width-mismatch", f"{wrong}; {way}")
 
 
 def _check_choice(field: Field, kind: Choice, site: Site) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
 from ..language.problems import DocumentReport, Path
-from ..model import Device, Interface, Layout, Measurement, Variant
+from ..model import Device, Interface, Layout, Measurement, Number, Variant
 from ..model.expressions import Expression
 from ..model.record import dataclass
 
@@ -15,6 +15,8 @@ _SEVERAL = 15
 _STEPS = ("step_um", "step_nm", "per_counts")
 #: Highest number in a step, like that of every number in a spec. C has to compute with it in 64 bits.
 _MOST = 2**53 - 1
+#: Nanometres in the units of a field whose counts are lengths.
+_NANOMETRES = {"nm": 1, "um": 1000, "µm": 1000, "μm": 1000, "mm": 1_000_000}
 _REVOLUTIONS = ("revolution", "revolutions", "turn", "turns")
 
 
@@ -89,6 +91,8 @@ def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, 
             return name, f"'{name}' is {value} for {case.variant.code}; it must be at least 1"
         if name in _STEPS and value > _MOST:
             return name, f"'{name}' is {value} for {case.variant.code}; it must be at most {_MOST}"
+    if (other_unit := _other_unit(case, values)) is not None:
+        return other_unit
     if key not in values or not case.width:
         return None
     for name, value in values.items():
@@ -113,6 +117,19 @@ def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, 
     )
 
 
+def _other_unit(case: _Case, values: Mapping[str, int]) -> tuple[str, str] | None:
+    """Return an error if the unit of the position is a length that differs from the step."""
+    key = next((name for name in ("step_um", "step_nm") if name in values), "")
+    fields = [case.layout.field(name) for name, _ in case.fields]
+    if not key or len(fields) != 1 or fields[0].unit not in _NANOMETRES:
+        return None
+    unit, per_counts = fields[0].unit, values.get("per_counts", 1)
+    if values[key] * _NANOMETRES["um" if key == "step_um" else "nm"] == _NANOMETRES[unit] * per_counts:
+        return None
+    wrong = f"'{key}' is {values[key]} for {case.variant.code}, but '{fields[0].name}' has 'unit: {unit}'"
+    return key, f"{wrong}, so a count is 1 {unit}; correct one of the two, or write 'unit: counts'"
+
+
 def _does_not_fit(
     device: Device, measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]
 ) -> tuple[str, str] | None:
@@ -123,11 +140,20 @@ def _does_not_fit(
     held = f"'{measurement.of}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
     if counts > 1 << case.width:
         return key, f"{said} do not fit, because {held}"
+    fields = [case.layout.field(name) for name, _ in case.fields]
+    is_signed = any(isinstance(field.kind, Number) and field.kind.signed for field in fields)
+    end = 1 << case.width
+    if len(fields) > 1 and measurement.highest is not None:
+        highest = measurement.highest.value(case.variant.parameters)
+        if highest >= end:
+            return "highest", f"'highest' is {highest}, but {held} and ends at {end - 1}"
     widths = _sources(device, *(case.layout.field(name).width for name, _ in case.fields))
     counted = _sources(device, *filter(None, (measurement.counts_per_turn, measurement.turns, measurement.modulus)))
     # A position of fixed width can begin with zeros, as manuals draw it. Decoders reject a position above the counts.
-    is_signed = len(case.fields) == 1 and case.layout.field(case.fields[0][0]).number.signed
-    if 2 * counts <= 1 << case.width and widths and counted <= widths and not (is_signed and measurement.highest):
+    # A length that wraps around at a power of two uses all bits of its field, unless 'highest' gives another range.
+    uses_all_bits = key == "modulus" and counts & (counts - 1) == 0 and not is_signed and measurement.highest is None
+    is_wide = uses_all_bits or (widths and counted <= widths and not (is_signed and measurement.highest))
+    if 2 * counts <= 1 << case.width and is_wide:
         return (
             key,
             (

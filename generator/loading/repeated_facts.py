@@ -13,6 +13,8 @@ from .from_mapping import Raw
 _COUNTED = re.compile(
     r"\b([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*) (?:counts|steps|positions|revolutions|turns|cpr)\b"
 )
+#: A meaning that is only a number. It is a count, or a number of revolutions.
+_ALONE = re.compile(r"([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*)")
 #: The addresses of the manufacturer ID over BiSS, each with the place of its byte in the number.
 _BISS_ID = {0x7E: 8, 0x7F: 0}
 #: Smallest number in a text that is assumed to be a count.
@@ -137,8 +139,9 @@ def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
     variants = [variant for variant in device.variants if variant.interface in interfaces]
     for index, part in enumerate(raw["order_code"]["parts"]):
         for text, value in part["values"].items():
-            named = [int(number.replace(",", "")) for number in _COUNTED.findall((value or {}).get("meaning", ""))]
-            named = [number for number in named if number >= _LEAST]
+            meaning = (value or {}).get("meaning", "")
+            found = [meaning] if _ALONE.fullmatch(meaning) else _COUNTED.findall(meaning)
+            named = [number for text_ in found if (number := int(text_.replace(",", ""))) >= _LEAST]
             if not named or not (value or {}).get("sets"):
                 continue
             codes = [variant for variant in variants if variant.parts.get(part["name"]) == text]

@@ -261,7 +261,9 @@ def _coding(placed: PlacedLayout, measurement: Measurement) -> str:
     layout: Layout = placed.layout
     is_gray = bool(layout.gray_of) and (placed.gray or not layout.gray_when)
     if is_gray and layout.gray_of != measurement.of:
-        raise NoRecord(f"only '{layout.gray_of}' is in Gray code, not the whole position")
+        has_more = set(layout.names_in(measurement.of)) < set(layout.names_in(layout.gray_of))
+        what = "with more than the position" if has_more else "not the whole position"
+        raise NoRecord(f"only '{layout.gray_of}' is in Gray code, {what}")
     return "gray" if is_gray else "binary"
 
 

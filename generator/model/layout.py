@@ -320,7 +320,7 @@ class Layout:
             for item in self.fields
         )
         placed = {item.name: item for item in every if item.width > 0}
-        gray = bool(self.gray_when and parameters.get(self.gray_when))
+        gray = bool(self.gray_of and (not self.gray_when or parameters.get(self.gray_when)))
         unused = tuple((placed[item.name], place) for item, place in self.unused if item.name in placed)
         return PlacedLayout(self, self.bits.value(parameters), tuple(placed.values()), gray, unused, parameters)
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from ..model import Device, Layout, Variant
+from ..model import Device, Interface, Layout, Ssi, Variant
 from ..model.expressions import Expression, Factor
 from .holding_only import names_of_members, parts_of
 
@@ -21,7 +21,18 @@ def applied(device: Device, variant: Variant) -> Device:
     """
     asked = {item.name for item in device.parameters if item.alternative}
     known = {name: value for name, value in variant.parameters.items() if name not in asked}
-    return replace(device, **{name: _filled(getattr(device, name), known) for name in _PARTS})
+    parts = {name: _filled(getattr(device, name), known) for name in _PARTS}
+    return replace(device, **{**parts, "interfaces": tuple(with_code(item, variant) for item in parts["interfaces"])})
+
+
+def with_code(interface: Interface, variant: Variant) -> Interface:
+    """Return the interface with the code that an order code has, if the manual says that it depends on it."""
+    if not isinstance(interface, Ssi) or interface.output_code is None or interface.name != variant.interface:
+        return interface
+    is_gray = {item.place(variant.parameters).gray for item in interface.layouts if item.sender == "encoder"}
+    if interface.output_code.code != "by_order_code" or len(is_gray) != 1:
+        return interface
+    return replace(interface, output_code=replace(interface.output_code, code="gray" if True in is_gray else "binary"))
 
 
 def _filled(item: Any, known: Mapping[str, int]) -> Any:

@@ -173,11 +173,16 @@ class FrameCrc:
 
 @dataclass(frozen=True, slots=True)
 class Gray:
-    """The bits are sent in Gray code if the parameter ``when`` is not 0."""
+    """The bits are sent in Gray code if the parameter ``when`` is not 0, or always if ``when`` is empty."""
 
     low: Expression
     width: Expression
     when: str
+
+    @property
+    def depends(self) -> bool:
+        """True if the code, or the position of its bits, depends on the order code."""
+        return bool(self.when) or not (self.low.is_constant and self.width.is_constant)
 
 
 # -- parts of a frame
@@ -342,9 +347,8 @@ class Codec:
         chosen = {name for item in self.alternatives for name in item.answers[0].sets}
         places = (place for item in self.layout.fields for place in (item.low, item.width))
         highest = (item.highest for item in self.checks if isinstance(item, (NotAbove, IsBetween)))
-        return self.gray is not None or any(
-            not chosen.issuperset(item.parameters) for item in (self.layout.bits, *places, *highest)
-        )
+        code = self.gray is not None and bool(self.gray.when)
+        return code or any(not chosen.issuperset(item.parameters) for item in (self.layout.bits, *places, *highest))
 
     @property
     def from_low(self) -> range:

@@ -67,7 +67,7 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
         return Findings()
     layout = decoded.layout.layout
     values = {item.name: item for item in decoded.fields}
-    active = [item.field for item in decoded.layout.fields if _speaks(item, values[item.name].raw)]
+    active = [item.field for item in decoded.layout.fields if _speaks(item, values[item.name])]
     register = "" if layout.sender == "encoder" else decoded.layout.name
     found = {item.name: alarm_of(device, item, register) for item in active}
     alarms = {
@@ -84,13 +84,13 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
     return Findings(tuple(_report(item, alarms[item.name]) for item in told), verdict, differences)
 
 
-def _speaks(item: PlacedField, raw: int) -> bool:
+def _speaks(item: PlacedField, found: DecodedField) -> bool:
     """Return whether a flag is active or unused bits differ from the manual."""
     match item.field.kind:
-        case Flag(active_low=low):
-            return bool(raw) != low
+        case Flag():
+            return bool(found.value)
         case Unused(value):
-            return raw != value & item.mask
+            return found.raw != value & item.mask
         case _:
             return False
 

@@ -13,10 +13,13 @@ from .words import sentence
 _SHORT = 100
 
 
-def errata(device: Device, *paths: str, without: Collection[str] = (), wording: bool = False) -> tuple[Erratum, ...]:
+def errata(
+    device: Device, *paths: str, without: Collection[str] = (), exactly: Collection[str] = (), wording: bool = False
+) -> tuple[Erratum, ...]:
     """Return the errata about these parts of the spec or anything inside them, except the parts ``without``.
 
-    Errata about wording are included only on request, for pages that show the text of a manual.
+    An erratum about a part in ``exactly`` is about that part as a whole. Errata about wording are included only on
+    request, for pages that show the text of a manual.
     """
 
     below, below_without = (tuple(f"{place}." for place in places) for places in (paths, without))
@@ -25,22 +28,28 @@ def errata(device: Device, *paths: str, without: Collection[str] = (), wording: 
         for item in device.errata
         if (wording or item.severity != "wording")
         and any(
-            (other in paths or other.startswith(below)) and other not in without and not other.startswith(below_without)
+            other in exactly
+            or (
+                (other in paths or other.startswith(below))
+                and other not in without
+                and not other.startswith(below_without)
+            )
             for other in item.affects
         )
     )
 
 
-def erratum(item: Erratum) -> Said:
+def erratum(item: Erratum, *, whole: bool = False) -> Said:
     """Return an erratum in three labelled parts: the printed text, the value used, and the reason.
 
-    The reason is omitted if it is long, unless wrong bytes could be sent. A change by an overlay or another edition
-    always has its reason. The short form keeps the value used if wrong bytes could be sent and the erratum is open.
+    The reason is omitted if it is long, unless ``whole`` is set or wrong bytes could be sent. A change by an overlay
+    or another edition always has its reason. The short form keeps the value used if wrong bytes could be sent and the
+    erratum is open.
     """
     if item.overlay or item.edition:
         return _change(item)
     at_stake = item.severity == "wrong_data"
-    with_reason = at_stake or len(item.why) <= _SHORT
+    with_reason = whole or at_stake or len(item.why) <= _SHORT
     used = sentence(item.used) + (f" {sentence(f'Only with {item.only}')}" if item.only else "")
     brief = f"Used: {used}" if at_stake and item.status == "open" else ""
     label = f"Erratum {item.name} ({item.status}, {item.severity.replace('_', ' ')})"

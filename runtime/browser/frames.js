@@ -9,7 +9,7 @@ function placed(family, layout, parameters) {
   const fields = (layout.fields ?? []).map((place) => explained(family.shared[place]))
     .map((field) => ({ field, name: field.name, low: at(field.low), width: at(field.width) }))
     .filter((item) => item.width > 0);
-  const gray = layout.gray && parameters[layout.gray.when] ? layout.gray : null;
+  const gray = layout.gray && (!layout.gray.when || parameters[layout.gray.when]) ? layout.gray : null;
   const holds = (only) => !only || Boolean(parameters[only.parameter]) === Boolean(only.holds);
   return {
     family, layout, parameters, fields, name: layout.name, bits: at(layout.bits),
@@ -167,7 +167,8 @@ function problemOf(item, number, plain) {
 /** The reports and the verdict of a valid frame or register. */
 function tell(found) {
   const { at, number } = found;
-  const active = new Set(at.fields.filter((item) => speaks(item, bits(number, item.low, item.width)))
+  const plain = fromGray(at, number);
+  const active = new Set(at.fields.filter((item) => speaks(item, bits(plain, item.low, item.width)))
     .map((item) => item.name));
   found.reports = at.tells.filter((item) => active.has(item.flag));
   if (at.layout.otherwise) {

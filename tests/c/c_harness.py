@@ -47,6 +47,7 @@ _HERE = Path(__file__).resolve().parent
 MADE_UP = {
     "banks": SPECS / "banks.yaml",
     "bits22": SPECS / "bits22.yaml",
+    "gray": SPECS / "gray.yaml",
     "long": SPECS / "long.yaml",
     "long_crc": SPECS / "long_crc.yaml",
     "ring_turns": SPECS / "ring_turns.yaml",

@@ -246,6 +246,7 @@ def test_decode_and_encode_are_inverse_for_every_order_code(machine: tuple[Devic
             "sma21": 45,
             "banks": 1,
             "bits22": 1,
+            "gray": 1,
             "long": 2,
             "long_crc": 2,
             "ring_turns": 8,
@@ -280,6 +281,7 @@ def test_disturbed_frames_have_the_same_fault_as_in_the_model(machine: tuple[Dev
     assert kinds >= {
         "banks": {"0", "2"},
         "bits22": {"0", "2"},
+        "gray": {"0"},
         "long": {"0", "2", "3"},
         "long_crc": {"0", "2", "3"},
         "ring_turns": {"0", "2", "4"},

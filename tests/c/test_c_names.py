@@ -69,7 +69,7 @@ def test_two_families_whose_names_meet(tmp_path: Path, capsys: pytest.CaptureFix
     shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", tmp_path)
     layout = text.index("      - name: single_cycle_data\n")
     for device, name in (("a", "biss_c"), ("a_biss", "c")):
-        again = text[layout:].replace("single_cycle_data", "another", 1)
+        again = text[layout:].replace("single_cycle_data\n", "another\n        channel: 2\n", 1)
         made = (
             (text + again)
             .replace("device: bits22", f"device: {device}")

@@ -202,3 +202,12 @@ def test_the_device_itself_is_as_it_was() -> None:
     assert amm5.layout("single_cycle_data").bits is before
     assert not before.is_constant
     assert applied(amm5, amm5.variant("AMM5A21/65KSC1")).layout("single_cycle_data").bits == Expression(45)
+
+
+def test_errata_and_code_of_an_interface_are_on_its_pages(pages: Files) -> None:
+    """SSI and RS-485 of the AMM5 came with edition 1.6. The AM36 sends Gray code or binary, by order code."""
+    for name in ("ssi", "AMM5A17-1BG1", "rs485", "AMM5A17-1JP1"):
+        assert "#erratum-edition_before_1_6_2)" in pages[f"docs/amm5/{name}.md"]
+    assert "edition_before_1_6_2" not in pages["docs/amm5/biss.md"].partition("## Frames")[0]
+    for code, output in (("BG", "binary"), ("GG", "Gray")):
+        assert f"- Code: {output} <small>" in pages[f"docs/am36/AM3616-4096-{code}.md"]

@@ -60,6 +60,9 @@ def test_show_one_code(capsys: pytest.CaptureFixture[str]) -> None:
     assert "28:8" in out
     assert "0 to 137,438,953,471" in " ".join(out.split())
     assert "rs485" not in out
+    errata = out.partition("\nErrata of the manual\n")[2].split("\n  Erratum ")[1:]
+    assert len(errata) > 5
+    assert all("\n    Why: " in item for item in errata)
 
 
 def shown(capsys: pytest.CaptureFixture[str], what: str) -> str:
@@ -70,6 +73,7 @@ def shown(capsys: pytest.CaptureFixture[str], what: str) -> str:
 def test_show_leaves_out_what_belongs_to_other_interfaces(capsys: pytest.CaptureFixture[str]) -> None:
     ssi, biss, rs485 = (shown(capsys, code) for code in ("SMA21-GG4-0050", "SMA21-SC4-0050", "SMA21-JP1-0001"))
     assert "ssi_gray 1" in ssi
+    assert "Code Gray [5.2 p.20]" in ssi
     assert "position is in Gray code" in ssi
     assert "Registers" not in ssi
     assert "profile_id" not in ssi

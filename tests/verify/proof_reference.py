@@ -103,7 +103,7 @@ def _out_of_gray(codec: Codec) -> Iterator[str]:
         join = next((item for item in layout.joins if item.name == layout.gray_of), Join("", (layout.gray_of,)))
         lowest = layout.field(join.fields[-1]).low
         yield from (
-            f"    if (p_{layout.gray_when} != 0) {{",
+            f"    if (p_{layout.gray_when} != 0) {{" if layout.gray_when else "    {",
             "        number sum = 0;",
             f"        for (int i = {layout.widest - 1}; i >= 0; i--)",
         )

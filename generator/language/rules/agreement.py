@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
+from ..hints import POLYNOMIAL, polynomial_powers
 from ..problems import DocumentReport, Path, is_slip, quoted
 from .walk import Has, Spec, by_name, explained, field_lists, items, leaves, leaves_of, mapping
 
@@ -88,6 +89,29 @@ def number_in_meaning(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             if key is not None and len(printed) == 1 and field[key] not in printed:
                 wrong = f"the meaning has {printed.pop():#x}, but {quoted(key)} is {field[key]:#x}"
                 report.add("printed-number", (*path, key), f"{wrong}; one of the two is wrong")
+
+
+def polynomial_in_note(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that a CRC does not have another polynomial in its note.
+
+    A hexadecimal number with one bit more than the CRC is a polynomial with its top bit.
+    """
+    for path, crc in items(spec, "crcs"):
+        note, top = crc.get("note", ""), 1 << crc["width"]
+        numbers = (
+            {} if _PLACE.search(note) else {found[0]: int(found[1] or found[2], 16) for found in _HEX.finditer(note)}
+        )
+        printed = {text: number for text, number in numbers.items() if number & 1 and top < number < 2 * top}
+        for found in POLYNOMIAL.finditer(note):
+            powers = polynomial_powers(found[0])
+            if max(powers) == crc["width"] and 0 in powers:
+                printed[found[0]] = sum(1 << power for power in powers)
+        whole = crc["poly"] + top
+        if printed and whole not in printed.values():
+            wrong = (
+                f"the note has {next(iter(printed))}, but 'poly' is {crc['poly']:#x}, or {whole:#x} with its top bit"
+            )
+            report.add("printed-number", (*path, "poly"), f"{wrong}; one of the two is wrong")
 
 
 def unused_bits(spec: Spec, raw: Spec, report: DocumentReport) -> None:

@@ -125,15 +125,26 @@ def _frame_faults(
             wrong = f"{quoted(name)} has 'crc_of', but in BiSS the CRC covers everything before it; leave 'crc_of' out"
             yield (*path, "crc_of"), f"{where}.{name}", wrong
         crc = crcs.get(field["crc"], {}) if "crc" in field else {}
-        if crc.get("xorout") == 0 and isinstance(width := crc.get("width"), int):
-            wrong = f"the CRC {quoted(field['crc'])} has 'xorout' 0, but BiSS sends the CRC inverted"
-            yield (*path, "crc"), f"crcs.{field['crc']}.xorout", f"{wrong}; write 'xorout: {(1 << width) - 1:#x}'"
+        for key, right, reason in _crc_faults(crc):
+            shown = f"{crc[key]:#x}" if crc[key] and key == "xorout" else str(crc[key]).lower()
+            wrong = f"the CRC {quoted(field['crc'])} has {quoted(key)} {shown}, but BiSS sends the CRC {reason}"
+            yield (*path, "crc"), f"crcs.{field['crc']}.{key}", f"{wrong}; write '{key}: {right}'"
     if {"error", "warning"} <= set(names) and names.index("error") > names.index("warning"):
         path, _ = sent[names.index("warning")]
         yield path, f"{where}.warning", "'warning' is before 'error', but BiSS sends nE before nW; swap the two"
     if not any("crc" in field for _, field in sent):
         right = "add a last field such as {name: crc, crc: NAME}"
         yield start, f"{where}.fields", f"the frame has no CRC, but a BiSS frame ends with one; {right}"
+
+
+def _crc_faults(crc: Spec) -> Iterator[tuple[str, str, str]]:
+    """Yield the keys of a CRC that contradict BiSS, each with the value to write and the reason."""
+    width, xorout = crc.get("width"), crc.get("xorout")
+    if isinstance(width, int) and 0 < width <= 64 and isinstance(xorout, int) and xorout < (1 << width) - 1:
+        yield "xorout", f"{(1 << width) - 1:#x}", "inverted"
+    for key in ("refin", "refout"):
+        if crc.get(key) is True:
+            yield key, "false", "most significant bit first"
 
 
 def _names(sent: list[tuple[Path, Spec]]) -> set[str]:

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from ...model import INTERFACES
 from ..problems import DocumentReport, Path, quoted, suggestion
 from .walk import Fields, Spec, by_name, field_lists, field_names, items, layouts, mapping
 
+#: Words in the name of a flag that signals an error. BiSS calls it nE.
+_ERROR = re.compile(r"(?<![A-Za-z])(?:nE|n?Err|(?i:errors?|faults?|failures?))(?![A-Za-z])")
+
 
 def makes_position_missing(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a flag in a frame with a position gives the verdict on the position while it is active."""
     groups = by_name(raw, "field_groups")
-    positions = {interface: _position_names(spec, interface) for interface in mapping(spec, "interfaces")}
+    positions = {interface: position_names(spec, interface) for interface in mapping(spec, "interfaces")}
     for fields in layouts(spec):
         has_position = not positions[fields.interface].isdisjoint(field_names(fields, groups))
         if fields.owner.get("from") != "encoder" or not has_position:
@@ -25,6 +29,19 @@ def makes_position_missing(spec: Spec, raw: Spec, report: DocumentReport) -> Non
                 wrong += " to the verdict on the position while this flag is active:"
                 right = "not_usable, usable_with_warning or usable"
                 report.add("makes-position-missing", path, f"{wrong} {right}")
+
+
+def error_usable(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that an active error does not leave the position usable, unless a note explains it."""
+    for fields in field_lists(spec):
+        for path, field in fields:
+            name = str(field.get("name", ""))
+            is_error = "active" in field and _ERROR.search(f"{name.replace('_', ' ')} {field.get('printed_name', '')}")
+            if not is_error or field.get("makes_position") != "usable" or "note" in field:
+                continue
+            wrong = f"{quoted(name)} leaves the position usable while it is active; write 'makes_position: not_usable'"
+            right = "or usable_with_warning. If the position is usable, explain it in a 'note' of the flag"
+            report.add("error-usable", (*path, "makes_position"), f"{wrong}, {right}")
 
 
 def flag_sums(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -57,7 +74,7 @@ def _has_name(field: Spec) -> bool:
     return isinstance(field.get("name"), str)
 
 
-def _position_names(spec: Spec, interface: str) -> set[str]:
+def position_names(spec: Spec, interface: str) -> set[str]:
     """Return the fields and joins that form the position: the measured ones, otherwise those named ``position``."""
     measurement = mapping(spec, "interfaces", interface, "measurement") or mapping(spec, "measurement")
     of = measurement.get("of", "position")

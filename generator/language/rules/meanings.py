@@ -19,9 +19,13 @@ _WITH_PREFIX = re.compile(r"0[xX][0-9A-Fa-f]+|0b[01]+")
 _WITH_SUFFIX = re.compile(r"((?:0[0-9A-F]*|[0-9A-F]*[A-F][0-9A-F]*))h")
 
 
-#: A length in micrometres, and a voltage: one with its tolerance, or two.
-_MICROMETRES = re.compile(r"(?<![\d.,])([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*) ?[µμ]m\b")
-_UNITS_OF_MICROMETRES = ("µm", "μm", "um", "micrometres", "micrometers")
+#: A length, and a voltage: one with its tolerance, or two.
+_LENGTH = re.compile(r"(?<![\d.,])([0-9]{1,3}(?:,[0-9]{3})+|[0-9]+(?:\.[0-9]+)?) ?(mm|[µμ]m|nm)\b(?!/)")
+_NANOMETRES = {
+    **dict.fromkeys(("nm", "nanometres", "nanometers"), 1),
+    **dict.fromkeys(("µm", "μm", "um", "micrometres", "micrometers"), 1000),
+    **dict.fromkeys(("mm", "millimetres", "millimeters"), 1_000_000),
+}
 _BITS = re.compile(r"\b([1-9][0-9]?)[ -]bits?\b")
 _VOLT = r"\+?([0-9]+(?:\.[0-9]+)?) ?V(?: ?DC|dc)?"
 _ONE_VOLTAGE = re.compile(rf"{_VOLT}(?: ?± ?([0-9]+(?:\.[0-9]+)?) ?%)?")
@@ -38,11 +42,15 @@ def value_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                     word = "Gray" if right else "binary"
                     wrong = f"the meaning of {quoted(text)} says {word}, so {quoted(name)} must be {right}"
                     report.add("meaning-mismatch", (*here, "sets", name), wrong)
-            lengths = [int(found.replace(",", "")) for found in _MICROMETRES.findall(meaning)]
+            lengths = {
+                Fraction(number.replace(",", "")) * _NANOMETRES[unit]: f"{number} {unit}"
+                for number, unit in _LENGTH.findall(meaning)
+            }
             for name, number in sets.items():
-                unit = mapping(raw, "parameters", name).get("unit")
-                if lengths and unit in _UNITS_OF_MICROMETRES and number not in lengths:
-                    wrong = f"the meaning of {quoted(text)} says {lengths[0]} µm, but {quoted(name)} is {number}"
+                unit = str(mapping(raw, "parameters", name).get("unit"))
+                if lengths and unit in _NANOMETRES and number * _NANOMETRES[unit] not in lengths:
+                    says = next(iter(lengths.values()))
+                    wrong = f"the meaning of {quoted(text)} says {says}, but {quoted(name)} is {number} {unit}"
                     report.add("meaning-mismatch", (*here, "sets", name), wrong)
             bits = [int(found) for found in _BITS.findall(meaning)]
             sets = mapping(value, "sets")

@@ -102,7 +102,7 @@ def _held(device: Device, layout: Layout, codec: Codec) -> list[str]:
     """Return those parameters of the layout that registers hold."""
     places = (place for item in layout.fields for place in (item.low, item.width))
     names = {name for item in (layout.bits, *places) for name in item.parameters}
-    names |= {codec.gray.when} if codec.gray is not None else set()
+    names |= {codec.gray.when} if codec.gray is not None and codec.gray.when else set()
     needed = device.needed_parameters(names)
     return [item.name for item in device.run_time_parameters if item.name in needed]
 

@@ -127,7 +127,7 @@ class StructCodec:
         if self.asked and not plan.depends:
             return False
         return (
-            plan.gray is not None
+            (plan.gray is not None and plan.gray.depends)
             or any(op.depends for op in plan.terms)
             or self.struct.unused.depends
             or any(depends(op) for op in self.encoder.refusals)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import Annotated, Any, TypedDict
 
 from ...model import Device, Erratum
@@ -37,9 +37,9 @@ class OnPage:
     def __init__(self, device: Device, folder: str = "") -> None:
         self._device, self._page, self._told = device, f"{folder}{ERRATA}", set[str]()
 
-    def __call__(self, *paths: str) -> str:
+    def __call__(self, *paths: str, exactly: Collection[str] = ()) -> str:
         """Return, as a list, the errata about these paths in the spec or about anything inside them."""
-        own, elsewhere = _by_origin(self._device, *paths)
+        own, elsewhere = _by_origin(self._device, *paths, exactly=exactly)
         lines = [self._line(item) for item in own if item.severity != "wording"]
         wording = [item for item in own if item.severity == "wording"]
         if wording:
@@ -75,9 +75,9 @@ class Badges:
     def __init__(self, device: Device) -> None:
         self._device, self._told, self._editions = device, dict[str, Erratum](), dict[str, Erratum]()
 
-    def __call__(self, *paths: str) -> str:
+    def __call__(self, *paths: str, exactly: Collection[str] = ()) -> str:
         """Return links to the errata about these paths in the spec or about anything inside them, in one line."""
-        own, elsewhere = _by_origin(self._device, *paths)
+        own, elsewhere = _by_origin(self._device, *paths, exactly=exactly)
         about = [item for item in own if item.severity != "wording"]
         self._told |= {item.name: item for item in about}
         self._editions |= {item.name: item for item in elsewhere}
@@ -114,9 +114,9 @@ class Badges:
 _MARKS = {"open": "⚠", "settled": "✓"}
 
 
-def _by_origin(device: Device, *paths: str) -> tuple[list[Erratum], list[Erratum]]:
+def _by_origin(device: Device, *paths: str, exactly: Collection[str]) -> tuple[list[Erratum], list[Erratum]]:
     """Return the errata of the manual about these paths, and the differences in other editions."""
-    found = errata(device, *paths, wording=True)
+    found = errata(device, *paths, exactly=exactly, wording=True)
     elsewhere = [item for item in found if item.edition and not device.edition]
     return [item for item in found if item not in elsewhere], elsewhere
 

@@ -106,6 +106,7 @@ def _interface(device: Device, interface: Interface) -> Section:
     return {
         "interface": interface,
         "rows": list(fact_tables.interface_rows(device, interface)),
+        "path": place,
         "paths": [f"{place}.{name}" for name in _FACTS],
         "timing_paths": [f"{place}.{item.name}" for item in interface.timings]
         + [f"{place}.timings", *(f"timings.{item.name}" for item in device.timings)],

@@ -205,8 +205,9 @@ class Coder:
 
     @property
     def gray_when(self) -> str:
-        """Attribute of the variant that is true if the encoder sends Gray code."""
-        return self.context.parameters[self.plan.gray.when] if self.plan.gray is not None else ""
+        """Attribute of the variant that is true if the encoder sends Gray code. Empty if it always or never does."""
+        gray = self.plan.gray
+        return self.context.parameters[gray.when] if gray is not None and gray.when else ""
 
     # -- joined numbers and values from the manual
 

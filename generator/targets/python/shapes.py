@@ -51,7 +51,7 @@ class Shape:
         yield "crc", self._crc(of.crc) if of.crc is not None else None
         if of.gray is not None:
             bits = literal(self._shown((of.gray.low, of.gray.width)))
-            yield "gray", Code(f"{bits} if variant.{coder.gray_when} else None")
+            yield "gray", Code(f"{bits} if variant.{coder.gray_when} else None" if coder.gray_when else str(bits))
         terms = [f"{value:#x} << {coder.number(place.low)}" for place, value in of.fixed]
         yield "fixed", Code(" | ".join(f"({item})" if len(terms) > 1 else item for item in terms)) if terms else None
         yield "position", coder.measured
