@@ -50,7 +50,7 @@ ASKING = {
         ("device", "usage"),
         ("enumerations", "__init__"),
         ("examples", "asking"),
-        ("examples", "repeats"),
+        ("examples", "is_signed"),
         ("registers", "_with_masks"),
         ("structs", "__init__"),
         ("structs", "member"),

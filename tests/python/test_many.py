@@ -307,12 +307,14 @@ def test_counts_go_on_from_table_to_table(families: dict[str, Family]) -> None:
     assert pieces == expected
 
 
-def test_a_position_that_the_encoder_does_not_send(families: dict[str, Family]) -> None:
+def test_a_negative_position_of_a_signed_field(families: dict[str, Family]) -> None:
+    """The wide reply has 48 bits in two's complement."""
     sma21 = families["sma21"].module
     encoder = sma21.lookup("SMA21-JP1-0005")
     frames = sma21.WidePositionReply.encode_many({"position": [3, -1]})
-    with pytest.raises(ValueError, match=r"position must be 0 to \d+, got -1"):
-        encoder.decode_many(frames, sma21.WidePositionReply).unwrapped()
+    assert encoder.decode_many(frames, sma21.WidePositionReply).unwrapped().tolist() == [3, -1]
+    with pytest.raises(ValueError, match="position must be -140737488355328 to 140737488355327, got 140737488355328"):
+        encoder.unwrap(0, 1 << 47)
 
 
 def lookup_of(families: dict[str, Family], label: str) -> Any:

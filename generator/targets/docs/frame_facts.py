@@ -15,7 +15,7 @@ from ...model import (
     Verdict,
 )
 from ...plan.reports import reportings
-from ...plan.values import Active, meaning_of
+from ...plan.values import Active, TwosComplement, meaning_of
 from ...plan.verdicts import Judgement, Only, Speaks
 from ...say.crc import inverted, reflected
 from ...say.markdown import STYLE, code, link, text
@@ -62,7 +62,8 @@ def frame_facts(family: Device, layout: Layout, variant: Variant) -> Iterator[tu
         elif not of_byte and item.field.printed_name and deciding(item.field) in {"0", "1"}:
             by_level.setdefault("Not used by this encoder", []).append(at)
     yield from ((label, ", ".join(_with_places(names))) for label, names in by_level.items())
-    yield from (("Signed", _signed(family, item, placed)) for item in placed.fields if item.field.number.signed)
+    signed = [item for item in placed.fields if isinstance(meaning_of(item.field), TwosComplement)]
+    yield from (("Signed", _signed(family, item, placed)) for item in signed)
     judgement = next((item.judgement for item in reportings(family) if item.codec.layout.name == layout.name), None)
     if judgement is not None:
         yield "Position", verdict_line(judgement, variant, checked is not None)
