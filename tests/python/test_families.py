@@ -449,10 +449,9 @@ def test_counts_go_on_where_the_position_starts_again(lika: Any, devices: Mappin
                 true += direction * step
                 count = encoder.unwrap(count, true % size)
                 assert count == true
-        with pytest.raises(lika.RangeError):
-            encoder.unwrap(0, size)
-        with pytest.raises(lika.RangeError):
-            encoder.unwrap(0, -1)
+        for position in (encoder.highest + 1, encoder.lowest - 1):
+            with pytest.raises(lika.RangeError):
+                encoder.unwrap(0, position)
 
 
 # ------------------------------------------------------------------------------------------------------- identification

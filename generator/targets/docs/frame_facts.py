@@ -53,6 +53,8 @@ def frame_facts(family: Device, layout: Layout, variant: Variant) -> Iterator[tu
     checked = family.crc_of(layout)
     yield "CRC", crc_line(family, checked) if checked is not None else "none"
     by_level: dict[str, list[tuple[str, str]]] = {}
+    # The layout of a page has other notes, and the range of a position is known for that of the family.
+    layout = next(item for item in family.interface(variant.interface).layouts if item.name == layout.name)
     placed = layout.place(variant.parameters)
     for item in placed.fields:
         of_byte = frame_bytes(layout, placed.bits, item.high, item.low) if layout.in_bytes else ""
