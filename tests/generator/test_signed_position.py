@@ -273,7 +273,7 @@ def test_the_input_of_a_crc_over_bits_is_not_called_reflected(
     given = f"refin: {str(refin).lower()}, refout: {str(refout).lower()}"
     keys = ", ".join(f"crcs.biss_6.{key}" for key, value in (("refin", refin), ("refout", refout)) if value)
     erratum = (
-        'errata:\n  - {name: reflected, source: "1", printed: It is reflected, used: The same, why: No encoder does this.,'
+        'errata:\n  - {name: reflected, source: "1", printed: Reflected, used: The same, why: No encoder does this.,'
         f" status: settled, severity: wording, affects: [{keys}]}}\n"
     )
     (tmp_path / "scale.yaml").write_text(text.replace("refin: false, refout: false", given) + erratum, encoding="utf-8")
