@@ -72,6 +72,17 @@ def is_number(meaning: Meaning) -> bool:
             assert_never(meaning)
 
 
+def is_named(meaning: Meaning) -> bool:
+    """Return whether the value is one of several names."""
+    match meaning:
+        case Named():
+            return True
+        case Raw() | TwosComplement() | ZeroMeans() | Active() | DigitRuns() | Characters():
+            return False
+        case _:
+            assert_never(meaning)
+
+
 def meaning_of(field: Field) -> Meaning:
     """Return the meaning of the bits of a field.
 

@@ -249,7 +249,8 @@ def test_the_example_of_an_interface_with_words_and_bytes(tmp_path: Path) -> Non
         .replace("          - {name: status, bits: 6}\n", "")
     )
     short = short.replace("        carried_as: bytes\n        byte_order: high_byte_first\n", "")
-    (tmp_path / "long.yaml").write_text(text[:at] + short + text[at:], encoding="utf-8")
+    long = text[at:].replace("ssi_word\n", "ssi_word\n        note: The master sends more clocks for it.\n", 1)
+    (tmp_path / "long.yaml").write_text(text[:at] + short + long, encoding="utf-8")
     include = write(tmp_path, devices_of(tmp_path))
     header = " ".join((include / "test" / "long_ssi.h").read_text(encoding="ascii").replace("\n * ", " ").split())
     assert "Lengths for receive.h and receive_frame.h by order code: bits in ssi_short, ssi_word" in header

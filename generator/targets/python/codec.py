@@ -21,6 +21,7 @@ from ...plan.values import (
     Raw,
     TwosComplement,
     ZeroMeans,
+    is_named,
     is_number,
     meaning_of,
 )
@@ -115,14 +116,14 @@ class Coder:
     @property
     def finds_ranges(self) -> bool:
         """True if ``decode`` can raise RangeError."""
-        named = any(isinstance(part.meaning, Named) for part in self.plan.parts)
+        named = any(is_named(part.meaning) for part in self.plan.parts)
         return named or Fault.RANGE in self.plan.faults()
 
     @property
     def chosen(self) -> list[Part]:
         """Named values, which ``decode`` looks up after all checks."""
         parts = self.plan.parts
-        return [item for item in parts if isinstance(item.meaning, Named) and not self.selects(item.field)]
+        return [item for item in parts if is_named(item.meaning) and not self.selects(item.field)]
 
     @property
     def bases(self) -> str:
@@ -213,7 +214,7 @@ class Coder:
 
     def assigned(self, field: Field, bits: Expr) -> Iterator[tuple[str, Expr]]:
         """Yield the attributes of a field of a joined number, with their values."""
-        enum = self.enum(field) if isinstance(meaning_of(field), Named) else ""
+        enum = self.enum(field) if is_named(meaning_of(field)) else ""
         return assigned(self.context.scope, self.names, enum, field, bits)
 
     def whole_width(self, whole: Whole) -> Expr:

@@ -9,7 +9,7 @@ from ...model import Alternative, Crc, Device, Field, Layout, Register
 from ...model.record import dataclass
 from ...plan.crcs import Carrier, CrcFunction, carriers, crc_functions
 from ...plan.reports import Reporting, reportings
-from ...plan.values import Named, meaning_of
+from ...plan.values import is_named, meaning_of
 from ...say.words import sentence
 from .expr import Scope
 from .names import (
@@ -37,7 +37,7 @@ def byte_order(owner: Layout | Register) -> str:
 def is_one_choice(register: Register) -> bool:
     """Return whether a register consists only of one choice among named values."""
     only = register.layout.fields[0]
-    return bool(register.values) and isinstance(meaning_of(only), Named) and only.width == register.layout.bits
+    return bool(register.values) and is_named(meaning_of(only)) and only.width == register.layout.bits
 
 
 def _values(field: Field) -> _Values:
@@ -105,7 +105,7 @@ class Context:
         found: dict[_Values, Field] = {}
         for layout in self.coded_layouts():
             for item in layout.fields:
-                if isinstance(meaning_of(item), Named):
+                if is_named(meaning_of(item)):
                     found.setdefault(_values(item), item)
         return found
 

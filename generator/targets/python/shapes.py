@@ -12,7 +12,7 @@ from ...model.expressions import Expression
 from ...plan.codec import FrameCrc, allowed_values
 from ...plan.description import Column, Name, describe
 from ...plan.reports import Reporting
-from ...plan.values import Named, meaning_of
+from ...plan.values import is_named, meaning_of
 from ...plan.verdicts import Only
 from .bits import others
 from .codec import Coder
@@ -63,7 +63,7 @@ class Shape:
     def _column(self, item: Column) -> Call:
         """Return a column with its name in messages, if that differs, and the only values of its field."""
         field, name = self.coder.layout.field(item.name), self.coder.names.attribute(item.name)
-        values: Literal = Code(self.coder.enum(field)) if isinstance(meaning_of(field), Named) else None
+        values: Literal = Code(self.coder.enum(field)) if is_named(meaning_of(field)) else None
         if self.coder.selects(field):
             values = allowed_values(self.coder.layout, field)
         column = self._record(item)
