@@ -47,7 +47,7 @@ class Encoder:
         return Cast("uint32_t", self.given(field)) if self.struct.enumeration(field) else self.given(field)
 
     def joined(self, whole: Whole) -> Expr:
-        return self.reader.joined(whole, self.given)
+        return self.reader.joined(whole, self._bits_given)
 
     def total(self, field: Field) -> Expr:
         """Return the number that a field's runs of digits form."""
