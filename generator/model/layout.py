@@ -224,7 +224,7 @@ class Layout:
         """Return the names of the fields of a join, most significant first. For a field, return its own name."""
         return next((item.fields for item in self.joins if item.name == name), (name,))
 
-    @property
+    @cached_property
     def member_names(self) -> frozenset[str]:
         """Names of its fields and joins."""
         return frozenset((*(item.name for item in self.fields), *(item.name for item in self.joins)))
