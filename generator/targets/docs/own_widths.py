@@ -23,7 +23,7 @@ def with_own_widths(family: Device, device: Device, variant: Variant) -> Device:
     """Return the device with the width of the order code in the notes of its frames, in place of the range."""
     ranges = [(range_of(family, item), item) for item in family.parameters if item.name in variant.parameters]
     written = [text for text, _ in ranges]
-    # Two quantities with the same range cannot be told apart in a text.
+    # In a text, two quantities with the same range look alike.
     widths = {text: str(variant.parameters[item.name]) for text, item in ranges if text and written.count(text) == 1}
     return replace(device, interfaces=tuple(_interface(item, widths) for item in device.interfaces))
 
