@@ -11,7 +11,7 @@ endif
 AXE = axe-playwright-python==0.1.8
 export CC CXX
 
-.PHONY: generate lint quick quick-outputs quick-tests test verify bench bench-python bench-tool house mutants check spec-page templates-page rules-page site release clean
+.PHONY: generate lint quick quick-outputs quick-tests test verify bench bench-python bench-tool mutants check spec-page templates-page rules-page site release clean
 
 generate: .venv/.installed
 	@$(PY) -m codewheel generate
@@ -21,6 +21,7 @@ generate: .venv/.installed
 lint: .venv/.installed
 	@$(PY) -m ruff format --check --quiet --output-format concise .
 	@$(PY) -m ruff check --quiet --output-format concise .
+	@report=$$($(dir $(PY))lint-imports --no-cache) || { echo "$$report" | sed -n '/^Broken/,$$p'; exit 1; }
 
 # Everything that a change of wording or of a rule needs, in half a minute: all tests except the slow ones.
 # Compiled tests are kept even if the environment forbids it, because compiling takes a third of the time.
@@ -69,10 +70,6 @@ bench-python: .venv/.installed
 bench-tool: .venv/.installed
 	@$(PY) -m pip install --quiet --disable-pip-version-check 'cantools>=41' 'nunavut>=3.0' peakrdl || echo "make: some peers cannot be installed and are left out"
 	@$(PY) benchmarks/tool_speed.py $(TOOL)
-
-# Figures of the code. HOUSE="--against COMMIT" adds a column for an earlier commit, HOUSE=--list lists the places.
-house: .venv/.installed
-	@$(PY) benchmarks/house.py $(HOUSE)
 
 # Planted mistakes of a transcriber that pass check, by class of fact. MUTANTS=--write also writes docs/mutants.md.
 mutants: .venv/.installed

@@ -1,0 +1,69 @@
+"""Rules for the repository that no linter holds. Rules for imports are in ``pyproject.toml``."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+#: Widest line of a template. ruff has the same limit for Python.
+COLUMNS = 120
+#: A place of this machine, in a text.
+MACHINE_PLACE = re.compile(r"(?<![\w.}*)\\/])/(dev|etc|home|proc|root|run|sys|tmp|var)/\w")
+
+
+def test_the_map_names_each_package() -> None:
+    named_packages = re.findall(r"`generator/(\w+)/` \|", CONTRIBUTING)
+    packages = [path.parent.name for path in (ROOT / "generator").glob("*/__init__.py")]
+    assert sorted(named_packages) == sorted(packages)
+
+
+def test_files_that_the_recipes_name_exist() -> None:
+    bases = (ROOT, ROOT / "generator")
+    folders = {path.name for base in bases for path in base.iterdir() if path.is_dir()}
+    named_paths = {path for path in re.findall(r"`([\w.-]+/[\w./-]*)`", CONTRIBUTING) if path.split("/")[0] in folders}
+    missing_paths = {path for path in named_paths if not any((base / path).exists() for base in bases)}
+    # The first one is from the recipe for an interface, and the others are examples of any target.
+    examples = {"generator/model/interfaces/endat.py", "generator/targets/NAME/files.py", "templates/NAME/"}
+    assert missing_paths == examples
+
+
+def test_no_line_of_a_template_is_too_wide_to_read() -> None:
+    """In a template, ``{# -#}`` at the end of a line goes on with the next one."""
+    wide_lines = [
+        f"{path.relative_to(ROOT)}:{number}"
+        for path in sorted((ROOT / "templates").rglob("*.jinja"))
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+        if len(line) > COLUMNS
+    ]
+    assert wide_lines == []
+
+
+@pytest.mark.parametrize(("word", "most"), [("zero_means", 3), ("active_low", 3), ("xorout", 6)])
+def test_a_word_of_the_language_is_in_few_files_of_the_targets(word: str, most: int) -> None:
+    paths = [path for folder in ("generator/targets", "templates") for path in (ROOT / folder).rglob("*")]
+    sources = [path.read_text(encoding="utf-8") for path in paths if path.suffix in (".py", ".jinja")]
+    assert len([source for source in sources if re.search(rf"\b{word}\b", source)]) <= most
+
+
+@pytest.mark.slow
+def test_no_test_names_a_place_of_the_machine() -> None:
+    """Require tests and benchmarks to stay in temporary folders: no device, no fixed path, not even to be refused.
+
+    If a guard in our code fails, a test run by root would replace the device or delete the file.
+    """
+    sources = [path for folder in ("tests", "benchmarks") for path in sorted((ROOT / folder).rglob("*.py"))]
+    places = [place for path in sources if path != Path(__file__) for place in _machine_places(path)]
+    assert places == []
+
+
+def _machine_places(path: Path) -> Iterator[str]:
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        is_place = isinstance(node, ast.Constant) and isinstance(node.value, str) and MACHINE_PLACE.search(node.value)
+        if is_place or (isinstance(node, ast.Attribute) and node.attr == "devnull"):
+            yield f"{path.relative_to(ROOT)}:{node.lineno}"
