@@ -31,7 +31,7 @@ _FEWEST, _MOST = 4, 256
 _NUMBER = 4
 #: Targets whose parts of a family one process makes. The files for masters and their page need the same settings. The
 #: longest ones come first. C is second, because this process has done half the work when it has looked for problems.
-_TOGETHER = (("masters", "docs"), ("c",), ("python",), ("biss",), ("opcua",), ("browser",))
+_TOGETHER = (("masters", "docs"), ("c",), ("python",), ("biss",), ("browser",))
 
 
 @dataclass(frozen=True)

@@ -137,7 +137,7 @@ EXCEPTIONS = {
     ("README.md", ": $ python3 -m venv"): "fetches packages. test_readme.py runs and compares the lines after it",
     ("generated/browser/README.md", ": decode.html"): "the address of a page; test_browser_page.py opens such ones",
     ("README.md", ": make generate"): "each line sets up an environment or takes minutes",
-    ("CONTRIBUTING.md", ": spec "): "a drawing of the packages. tests/test_house_rules.py compares the map with them",
+    ("CONTRIBUTING.md", ": spec "): "a drawing of the packages. lint-imports compares the imports with them",
     ("docs/rs485.md", "yaml: "): "has ... for the layouts; the files that it names are checked",
     ("docs/rs485.md", "c: "): "has ... for calls; test_exchanges.py compiles and runs a program with them",
     ("docs/spi.md", "yaml: "): "has ... for the layouts; the file that it names is checked",
@@ -146,6 +146,7 @@ EXCEPTIONS = {
     ("docs/why-a-crc-fails.md", ": mistake "): "measured over 20,000 frames; test_why.py holds a short run against it",
     ("generated/python/README.md", ": pip install"): "fetches nothing but changes the reader's own environment",
     ("examples/rust-target/README.md", ": pip install"): "as above; test_the_readme runs the line after it",
+    ("examples/opcua-target/README.md", ": pip install"): "test_the_installed_target runs both lines",
     (
         "examples/rust-target/README.md",
         "toml: ",

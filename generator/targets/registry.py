@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 #: Built-in targets, in the order in which they are listed and run. They run by default, registered ones only on
 #: request.
-BUILT_IN = ("python", "c", "biss", "opcua", "docs", "browser", "masters")
+BUILT_IN = ("python", "c", "biss", "docs", "browser", "masters")
 #: Those of them that cannot express everything. ``check`` asks only these for problems.
 WITH_PROBLEMS = ("c",)
 GROUP = "codewheel.targets"

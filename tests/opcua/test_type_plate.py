@@ -9,6 +9,9 @@ from __future__ import annotations
 import asyncio
 import dataclasses
 import os
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -16,8 +19,10 @@ from xml.etree import ElementTree
 import pytest
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.targets.opcua.files import generate
+from codewheel_opcua import generate
 
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "examples/opcua-target"
 POWERTRAIN, DI = "http://opcfoundation.org/UA/Powertrain/", "http://opcfoundation.org/UA/DI/"
 #: Nodesets in the order of their dependencies, in the folder ``UA_NODESETS``.
 REAL = (
@@ -67,6 +72,18 @@ def test_a_number_that_its_type_cannot_hold_is_left_out(amm5: Device) -> None:
         (_, text) = generate(Library((dataclasses.replace(amm5, variants=(variant,)),))).values()
         assert (f">{2**bits}<" in text) == (SINGLE in text) == has_it
         assert ">65536<" in text
+
+
+@pytest.mark.slow
+def test_the_installed_target(tmp_path: Path) -> None:
+    """The commands of its README, with ``--target`` so that nothing is installed into this environment."""
+    shutil.copytree(PACKAGE, tmp_path / "source", ignore=shutil.ignore_patterns("__pycache__", "build", "*.egg-info"))
+    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", str(tmp_path / "site")]
+    subprocess.run([*pip, str(tmp_path / "source")], check=True, timeout=300)
+    generate_plates = [sys.executable, "-m", "codewheel", "generate", "specs/lika", "-o", str(tmp_path / "out")]
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path / "site")}
+    subprocess.run([*generate_plates, "--target", "opcua"], cwd=ROOT, env=environment, check=True, timeout=300)
+    assert "PtAssetEncoder" in (tmp_path / "out/opcua/lika-amm5/AMM5A21-65KSC1.xml").read_text(encoding="utf-8")
 
 
 @pytest.mark.slow

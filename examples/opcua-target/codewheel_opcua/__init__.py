@@ -7,14 +7,15 @@ not part of this project. A server must load it first.
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, TypedDict
 
-from ...model import Biss, Device, Ssi, Variant
-from ...render import Templates, our_templates
-from ...say.lines import plain
-from .. import NO_OPTIONS, Library, Options, Target
-from ..file_names import names_of_codes
-from ..licence import licence_in
+from codewheel.model import Biss, Device, Ssi, Variant
+from codewheel.render import Templates
+from codewheel.say.lines import plain
+from codewheel.targets import NO_OPTIONS, Library, Options, Target
+from codewheel.targets.file_names import names_of_codes
+from codewheel.targets.licence import licence_in
 
 #: Values of EncoderType (7.8.9) and EncoderProtocol (7.8.13) with their names.
 _SINGLE_TURN, _MULTI_TURN, _LINEAR = (0, "ROT_SINGLE_TURN"), (1, "ROT_MULTI_TURN"), (4, "LINEAR_ABSOLUTE")
@@ -109,7 +110,7 @@ def _protocol(device: Device, variant: Variant) -> tuple[int, str] | None:
 
 
 TEMPLATES = Templates(
-    our_templates("opcua"),
+    Path(__file__).parent / "templates",
     values={"type_plate.xml.jinja": Plate},
     filters={"text": plain},
     autoescape=True,

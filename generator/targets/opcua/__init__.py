@@ -1,1 +1,0 @@
-"""Target for OPC UA type plates."""
