@@ -83,7 +83,7 @@ def test_the_installed_target(tmp_path: Path) -> None:
     generate_plates = [sys.executable, "-m", "codewheel", "generate", "specs/lika", "-o", str(tmp_path / "out")]
     environment = {**os.environ, "PYTHONPATH": str(tmp_path / "site")}
     subprocess.run([*generate_plates, "--target", "opcua"], cwd=ROOT, env=environment, check=True, timeout=300)
-    assert "PtAssetEncoder" in (tmp_path / "out/opcua/lika-amm5/AMM5A21-65KSC1.xml").read_text(encoding="utf-8")
+    assert ">AMM5A21/65KSC1<" in (tmp_path / "out/opcua/lika-amm5/AMM5A21-65KSC1.xml").read_text(encoding="utf-8")
 
 
 @pytest.mark.slow
