@@ -11,7 +11,7 @@ endif
 AXE = axe-playwright-python==0.1.8
 export CC CXX
 
-.PHONY: generate lint quick quick-outputs quick-tests test verify bench bench-python bench-tool mutants check spec-page templates-page rules-page site release clean
+.PHONY: generate lint quick quick-outputs quick-tests test verify bench bench-python bench-tool mutants check spec-page rules-page site release clean
 
 generate: .venv/.installed
 	@$(PY) -m codewheel generate
@@ -92,9 +92,6 @@ release: .venv/.installed
 spec-page: .venv/.installed
 	@$(PY) -m codewheel.language.language_page docs/spec-language.md
 	@$(PY) -m codewheel.dump.schema generator/language/show.schema.json
-
-templates-page: .venv/.installed
-	@$(PY) -m codewheel.targets.templates_page docs/templates.md
 
 # CI sets CODEWHEEL_LOCKED. Then the packages of .ci/requirements.txt are present, and no others are installed.
 .PHONY: bench-packages

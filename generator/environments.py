@@ -1,4 +1,4 @@
-"""The Jinja environments in which templates are rendered: ours, and a sandbox for templates of the user.
+"""The Jinja environments in which templates are rendered. A user's templates are code that the user trusts.
 
 Errors in a user's template are reported with file and line.
 """
@@ -22,7 +22,6 @@ from jinja2 import (
 )
 
 from .compiled import CompiledTemplates
-from .sandbox import Sandbox
 from .say.lines import plain, wrapped
 from .template_fault import SUFFIX, TemplateFault
 
@@ -57,8 +56,6 @@ class _OwnTemplates(FileSystemLoader):
 
     def get_source(self, environment: Environment, template: str) -> tuple[str, str, Callable[[], bool]]:
         path = self.folder / template
-        if not path.resolve().is_relative_to(self.folder.resolve()):
-            raise TemplateFault(f"{path.as_posix()}: this path is outside the folder of templates")
         try:
             found = super().get_source(environment, template)
         except TemplateNotFound:
@@ -93,11 +90,7 @@ def text_of(templates: Settings, template: str, values: Mapping[str, object], ow
         TemplateFault: A user's template has an error.
     """
     try:
-        made = environment(templates, own)
-        if isinstance(made, Sandbox):
-            text = made.text_of(template, values)
-        else:
-            text = made.get_template(template).render(values)
+        text = environment(templates, own).get_template(template).render(values)
         text.encode()
         return text
     except TemplateFault:
@@ -110,12 +103,10 @@ def text_of(templates: Settings, template: str, values: Mapping[str, object], ow
 
 @cache
 def environment(templates: Settings, own: Path | None = None) -> Environment:
-    """Return the environment for rendering templates. It is a sandbox if the user has templates."""
+    """Return the environment for rendering templates. Those of the user in ``own`` come first."""
     shipped = FileSystemLoader(templates.folder, encoding="utf-8-sig")
     by_name = PrefixLoader({_SHIPPED: shipped})
-    # The two environments compile templates differently, so code for the sandbox is not cached.
-    kind = Environment if own is None else Sandbox
-    made = kind(
+    made = Environment(
         loader=shipped if own is None else ChoiceLoader([own_loader(own), by_name, shipped]),
         bytecode_cache=CompiledTemplates() if own is None else None,
         undefined=StrictUndefined,
@@ -128,8 +119,6 @@ def environment(templates: Settings, own: Path | None = None) -> Environment:
     tests: dict[str, Callable[..., bool]] = {name: partial(_is, kind) for name, kind in templates.tests.items()}
     made.tests.update(tests)
     made.globals |= templates.functions
-    if isinstance(made, Sandbox):
-        made.finish({*COMMON_FILTERS, *templates.filters})
     return made
 
 
@@ -151,8 +140,6 @@ def _reason(error: Exception) -> str:
         return f"there is no template '{plain(error.name)}'"
     if isinstance(error, UnicodeEncodeError):
         return f"the text contains U+{ord(error.object[error.start]):04X}, which is not a character"
-    if isinstance(error, MemoryError):
-        return "the template uses too much memory"
     module = type(error).__module__
     kind = "" if module.startswith("jinja2") else f"{type(error).__name__}: "
     return f"{kind}{plain(error)}"

@@ -12,8 +12,7 @@ from pathlib import Path
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.targets import Library
-from codewheel.targets.templates_page import faults
-from codewheel_rust import TEMPLATES, names
+from codewheel_rust import names
 from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, layout_of
 from rust_frames import decoding
 from rust_harness import CRATES, LIBRARY, PACKAGE, ROOT, SPECS, Program, compiled, write
@@ -45,10 +44,6 @@ def test_it_uses_what_the_page_on_targets_tells_of() -> None:
         assert f"`{module}" in page or (
             module.startswith("codewheel.say.") and "`codewheel.say.field` and similar modules" in page
         )
-
-
-def test_its_templates_are_described() -> None:
-    assert list(faults(TEMPLATES)) == []
 
 
 def test_it_is_installed_and_generates(codewheel: Run, tmp_path: Path) -> None:
