@@ -11,6 +11,7 @@ WORDS: Mapping[str, tuple[str, ...]] = {
     "movement": ("rotary", "linear"),
     "coding": ("binary", "gray"),
     "status_active": ("low", "high", "mixed", "none"),
+    "singleturn_codes": ("all", "some", "unknown", "none"),
 }
 
 #: Descriptions of the items that are whole numbers, or None if the manual does not say.

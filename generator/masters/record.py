@@ -30,6 +30,7 @@ from ..model import (
     Unused,
     Variant,
 )
+from ..model.only import applying
 from ..order_codes.run_time import decided
 from ..say.evidence import document
 from ..say.parameter import initial
@@ -133,16 +134,17 @@ def record(
     parts = tuple(_parts(placed, measurement, variant))
     crc = _crc(device, placed)
     actives = {part.active or "low" for part in parts if part.role == "status"}
+    widths = _widths(parts)
+    numbers = widths | _crc_numbers(crc) | _times(interface, variant.code) | _supply(device, variant)
+    numbers |= _measured(measurement, variant, widths["multiturn_bits"] or 0)
     words = {
         "interface": variant.interface,
         "movement": device.movement,
         "coding": _coding(placed, measurement),
         "status_active": "none" if not actives else actives.pop() if len(actives) == 1 else "mixed",
+        "singleturn_codes": _singleturn_codes(device.movement, widths["singleturn_bits"], numbers["counts_per_turn"]),
     }
-    widths = _widths(parts)
-    numbers = widths | _crc_numbers(crc) | _times(interface) | _supply(device, variant)
-    numbers |= _measured(measurement, variant, widths["multiturn_bits"] or 0)
-    cables = cable_table(device, interface)
+    cables = cable_table(device, interface, variant.code)
     timeout = timeout_words(interface.timeout) if isinstance(interface, Biss) and interface.timeout is not None else ""
     notes = (
         *_answer_notes(deciding, taken),
@@ -237,6 +239,9 @@ def _position(
         return
     turns = measurement.turns.value(variant.parameters) if measurement.turns is not None else 1
     turn_bits = (turns - 1).bit_length()
+    counts = measurement.counts_per_turn.value(variant.parameters) if measurement.counts_per_turn is not None else None
+    if turn_bits and counts is not None and counts & (counts - 1):
+        raise NoRecord(f"'{item.name}' has {counts} counts per revolution, so no bits of it are the revolutions")
     if turn_bits:
         yield Part(f"{item.name}_turns", "multiturn", turn_bits)
     yield Part(item.name, "singleturn", item.width - turn_bits)
@@ -302,21 +307,22 @@ def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
     }
 
 
-def _times(interface: Biss | Ssi) -> dict[str, int | None]:
-    """Return clock and times. A time-out in clock periods is longest at the slowest clock."""
+def _times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
+    """Return clock and times of an order code. A time-out in clock periods is longest at the slowest clock."""
     timeout = interface.timeout if isinstance(interface, Biss) else None
     longest = None
     if timeout is not None and timeout.at_most_ns is not None:
         longest = -(-timeout.at_most_ns // 1000)
     elif timeout is not None and timeout.half_clock_periods is not None:
         longest = -(-timeout.half_clock_periods * 500_000 // interface.clock.min_hz)
-    pause = next((item.at_least_us for item in interface.timings if item.name == "pause"), None)
+    timings = {timing.name: timing for timing in applying(interface.timings, code)}
+    pause, busy = timings.get("pause"), timings.get("busy")
     return {
         "clock_min_hz": interface.clock.min_hz,
         "clock_max_hz": interface.clock.max_hz,
         "timeout_us": longest,
-        "busy_us": next((item.at_most_us for item in interface.timings if item.name == "busy"), None),
-        "pause_us": pause,
+        "busy_us": busy.at_most_us if busy is not None else None,
+        "pause_us": pause.at_least_us if pause is not None else None,
     }
 
 
@@ -334,6 +340,15 @@ def _measured(measurement: Measurement, variant: Variant, multiturn_bits: int) -
         known["turns"] = min(known["turns"], 1 << multiturn_bits)
     step = measurement.micrometres(variant.parameters)
     return known | {"step_um": _whole(step, 1), "step_pm": _whole(step, 1_000_000)}
+
+
+def _singleturn_codes(movement: str, singleturn_bits: int | None, counts_per_turn: int | None) -> str:
+    """Return ``all`` if every value of the singleturn bits is a position within a turn, and ``some`` if fewer are."""
+    if movement == "linear":
+        return "none"
+    if counts_per_turn is None or singleturn_bits is None:
+        return "unknown"
+    return "all" if counts_per_turn == 1 << singleturn_bits else "some"
 
 
 def _whole(step: Fraction | None, per_um: int) -> int | None:

@@ -25,7 +25,13 @@ AS_PRINTED = {"zero_bit": "as_printed"}
 def test_every_item(record_of: RecordOf) -> None:
     """SMA21-SC1-0050: 4 zero bits, 20 bits of 50 µm, nE, nW, CRC 6; clock and time-out of 6.5; 16 µs at most."""
     found = record_of("SMA21-SC1-0050")
-    assert found.words == {"interface": "biss", "movement": "linear", "coding": "binary", "status_active": "low"}
+    assert found.words == {
+        "interface": "biss",
+        "movement": "linear",
+        "coding": "binary",
+        "status_active": "low",
+        "singleturn_codes": "none",
+    }
     assert found.numbers == {
         "multiturn_bits": 0,
         "singleturn_bits": 20,
