@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
-
 GENERATOR = Path(__file__).parent.parent / "generator"
 #: Members of the model whose items have ``only``.
 RESTRICTED = {"timings", "alarms", "contacts", "leds", "characteristics", "errata"}

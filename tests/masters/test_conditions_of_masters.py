@@ -259,3 +259,103 @@ leds:
     assert "at least 90 µs (only with EXAMPLE-Y)" in pages["ssi"]
     picture = next(text for text in map(Path.read_text, made.rglob("*timing*.svg")))
     assert "Tp, at least 20 µs (only with EXAMPLE-X), at least 90 µs (only with EXAMPLE-Y)" in picture
+
+
+SIEMENS = """\
+          - {name: multiturn, bits: 11, unit: revolutions}
+          - {name: singleturn, bits: 17, unit: counts}
+          - {name: special, bits: 6}
+          - {name: parity, parity_of: [multiturn, singleturn, special]}
+        join: {position: [multiturn, singleturn]}"""
+
+
+def test_special_bits_and_parity_of_siemens(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The example on p. 154: 34 bits with the position in 33 to 6, six special bits, then an even parity bit.
+
+    The position of the example is in Gray code, over which a spec has no parity. The numbers are the same in binary.
+    """
+    write_spec(tmp_path, SIEMENS, counts=1 << 17, turns=1 << 11)
+    found = settings_of(capsys, tmp_path, "siemens_posinput")
+    assert {name: found[name] for name in list(found)[:5]} == {
+        "Frame length": 34,
+        "Code type": "Dual",
+        "Bit number of LSB of the position value": 6,
+        "Bit number of MSB of the position value": 33,
+        "Parity": "even",
+    }
+    assert "special bits, which the module ignores" in found["notes"]
+    assert settings_of(capsys, tmp_path, "beckhoff_el5042")["Offset LSB Bit [Bit]"] == 6 + 1
+    assert settings_of(capsys, tmp_path, "galil_ssi")["refusals"] == [
+        "The description of this master does not say how it handles 'special' and 'parity' in the frame."
+    ]
+
+
+DELTA = """\
+          - {name: multiturn, bits: 12, unit: revolutions}
+          - {name: singleturn, bits: 13, unit: counts}
+          - {name: status, bits: 3}
+        join: {position: [multiturn, singleturn]}"""
+
+
+def test_status_data_of_delta(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Example 2 of the AS02HC, p. 14-15: 12 + 13 bits down to b3, then 3 bits of status data. Bit 0 is sent last."""
+    write_spec(tmp_path, DELTA, counts=1 << 13, turns=1 << 12)
+    omron = settings_of(capsys, tmp_path, "omron_nx")
+    status = (omron["Valid Data Length"], omron["Status Data Start Bit"], omron["Status Data Length"])
+    assert status == (28, 12 + 13, 3)
+    siemens = settings_of(capsys, tmp_path, "siemens_posinput")
+    assert (siemens["Frame length"], siemens["Bit number of LSB of the position value"]) == (28, 3)
+
+
+def test_parity_of_delta(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Example 3 of the AS02HC: 17 bits of position and an even parity bit over these 17."""
+    write_spec(tmp_path, position(17, "          - {name: parity, parity_of: [position]}"), counts=1 << 17)
+    found = settings_of(capsys, tmp_path, "siemens_posinput")
+    assert (found["Frame length"], found["Bit number of MSB of the position value"]) == (17, 16)
+    assert found["Parity"] == "even"
+    assert settings_of(capsys, tmp_path, "omron_nx")["refusals"] == [
+        "The public pages do not show the parity settings. For this encoder: parity bits 1."
+    ]
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "left", "right", "padding"),
+    [
+        (["{name: life, bits: 4}"], [], 4, 0, 0),
+        ([HIGH.strip()[2:]], ["{name: zero, bits: 2, unused: 0}"], 1, 0, 2),
+        ([], ["{name: life, bits: 4}", "{name: zero, bits: 2, unused: 0}"], 0, 4 + 2, 0),
+    ],
+)
+def test_other_bits(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    before: list[str],
+    after: list[str],
+    left: int,
+    right: int,
+    padding: int,
+) -> None:
+    """The record of a frame with bits that the common frame lacks is shown, and its bits are counted by side."""
+    fields = [*before, "{name: position, bits: 13, unit: counts}", *after]
+    write_spec(tmp_path, "\n".join(f"          - {field}" for field in fields), counts=1 << 13)
+    assert main(["master", "EXAMPLE-X", "--specs", str(tmp_path), "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)["record"]
+    counted = (record["other_bits_left"], record["other_bits_right"], record["padding_right"], record["frame_bits"])
+    assert counted == (left, right, padding, 13 + left + right + padding)
+
+
+CRC = """\
+crcs:
+  - {name: crc_8, width: 8, poly: 0x07, init: 0, refin: false, refout: false, xorout: 0, source: "1"}
+"""
+
+
+def test_crc_over_ssi(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Bits of a CRC after the position are below it, so that they are not part of the position."""
+    write_spec(tmp_path, position(13, "          - {name: crc, crc: crc_8}"), counts=1 << 13, more=CRC)
+    siemens = settings_of(capsys, tmp_path, "siemens_posinput")
+    assert (siemens["Frame length"], siemens["Bit number of LSB of the position value"]) == (13 + 8, 8)
+    assert siemens["Bit number of MSB of the position value"] == 20
+    assert settings_of(capsys, tmp_path, "beckhoff_el5042")["Offset LSB Bit [Bit]"] == 8
+    (reason,) = settings_of(capsys, tmp_path, "galil_ssi")["refusals"]
+    assert reason.startswith("A CRC has no parameter.")
