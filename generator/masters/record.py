@@ -142,7 +142,7 @@ def record(
     words = {
         "interface": variant.interface,
         "movement": device.movement,
-        "coding": _coding(placed, measurement),
+        "coding": _coding(placed, measurement, parts),
         "status_active": "none" if not actives else actives.pop() if len(actives) == 1 else "mixed",
         "parity": _parity(placed, parts),
         "singleturn_codes": _singleturn_codes(device.movement, widths["singleturn_bits"], numbers["counts_per_turn"]),
@@ -297,14 +297,18 @@ def _parity(placed: PlacedLayout, parts: Sequence[Part]) -> str:
     return "odd" if kind.odd else "even"
 
 
-def _coding(placed: PlacedLayout, measurement: Measurement) -> str:
+def _coding(placed: PlacedLayout, measurement: Measurement, parts: Sequence[Part]) -> str:
+    """Return the code of the position, with ``gray_with_status`` if the code includes all status bits after it."""
     layout: Layout = placed.layout
-    is_gray = bool(layout.gray_of) and (placed.gray or not layout.gray_when)
-    if is_gray and layout.gray_of != measurement.of:
-        has_more = set(layout.names_in(measurement.of)) < set(layout.names_in(layout.gray_of))
-        what = "with more than the position" if has_more else "not the whole position"
-        raise NoRecord(f"only '{layout.gray_of}' is in Gray code, {what}")
-    return "gray" if is_gray else "binary"
+    if not layout.gray_of or (layout.gray_when and not placed.gray):
+        return "binary"
+    if layout.gray_of == measurement.of:
+        return "gray"
+    coded, of_position = set(layout.names_in(layout.gray_of)), set(layout.names_in(measurement.of))
+    if coded == of_position | {part.name for part in parts if part.role == "status"}:
+        return "gray_with_status"
+    what = "with more than the position" if of_position < coded else "not the whole position"
+    raise NoRecord(f"only '{layout.gray_of}' is in Gray code, {what}")
 
 
 def _widths(parts: Sequence[Part]) -> dict[str, int | None]:

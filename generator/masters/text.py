@@ -22,6 +22,7 @@ from .writing import Writing, write_order
 
 VERSION = 1
 
+_CODINGS = {"binary": "binary", "gray": "Gray", "gray_with_status": "Gray, position and status bits as one number"}
 _MARKS = {"documented": "", "inferred": " *", "tried": " +"}
 
 
@@ -45,7 +46,7 @@ def facts(record: Record) -> Iterator[tuple[str, str]]:
         yield "Other bits", ", ".join(others)
     yield "Data bits", _data(record)
     yield "Order", ", ".join(f"{part.name} {part.bits}" for part in record.parts) + ", most significant bit first"
-    yield "Code", {"binary": "binary", "gray": "Gray"}[record.words["coding"]]
+    yield "Code", _CODINGS[record.words["coding"]]
     yield "CRC", _crc(record)
     if record.words["parity"] != "none":
         yield "Parity", f"{record.words['parity']}, last bit"

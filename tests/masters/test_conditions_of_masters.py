@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
+from codewheel.masters.sheet import sheet
 from test_master_limits import changed
 
 RecordOf = Callable[[str], Any]
@@ -116,6 +117,23 @@ def test_gray_code_without_the_power_fail_bit_of_keb(tmp_path: Path, capsys: pyt
     assert "the drive cannot read the bit" in found["notes"]
 
 
+def test_power_fail_bit_in_the_gray_code_of_keb(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], masters: Any, record_of: RecordOf
+) -> None:
+    """P. 247: if the data word is Gray coded, the PFB must be as well. PFB at end 2, format 8, Gray code 16."""
+    write_spec(tmp_path, position(13, HIGH, "        join: {word: [position, pfb]}"), counts=1 << 13, code="gray")
+    spec = tmp_path / "example_x.yaml"
+    spec.write_text(spec.read_text(encoding="utf-8").replace("gray: {of: position}", "gray: {of: word}"), "utf-8")
+    found = settings_of(capsys, tmp_path, "keb_f6")
+    assert found["SSI data format"].split()[0] == str(2 + 8 + 16)
+    for master in ("omron_nx", "siemens_posinput", "synapticon", "linuxcnc_hostmot2", "galil_ssi", "beckhoff_el5042"):
+        assert settings_of(capsys, tmp_path, master)["refusals"], master
+    low = changed(record_of("AM3616/4096-GG"), coding="gray_with_status", status_active="low", status_bits=1)
+    assert [item.reason for item in sheet(masters["keb_f6"], low).refusals] == [
+        "A Power Fail Bit is 1 for an error. For this encoder: status active low."
+    ]
+
+
 @pytest.mark.parametrize(
     ("fields", "counts", "turns", "code", "resolution"),
     [
@@ -142,8 +160,6 @@ def test_encoder_resolution_of_omron(
 
 def test_remainder_gray_code_of_omron(masters: Any, record_of: RecordOf) -> None:
     """W524 p. 7-46: a singleturn encoder has its resolution, a multiturn encoder in Gray code must have 0."""
-    from codewheel.masters.sheet import sheet
-
     encoder = record_of("AM3616/4096-GG")
     single = changed(encoder, multiturn_bits=0, singleturn_bits=9, counts_per_turn=360, singleturn_codes="some")
     values = {setting.name: setting.value for setting in sheet(masters["omron_nx"], single).settings}
