@@ -269,10 +269,11 @@ leds:
         "Pause between two words: at least 20 µs (only with EXAMPLE-X)",
         "Pause between two words: at least 90 µs (only with EXAMPLE-Y)",
         "| 2 | Spare (only EXAMPLE-Y) |",
+        "| at least 90 µs (only with EXAMPLE-Y) |",
         "| red | Error. Only with `EXAMPLE-Y`. |",
     ):
         assert shown in page, shown
-    assert "at least 90 µs (only with EXAMPLE-Y)" in pages["ssi"]
+    assert "| at least 90 µs (only with EXAMPLE-Y) |" in pages["ssi"]
     picture = next(text for text in map(Path.read_text, made.rglob("*timing*.svg")))
     assert "Tp, at least 20 µs (only with EXAMPLE-X), at least 90 µs (only with EXAMPLE-Y)" in picture
 
@@ -332,6 +333,22 @@ def test_parity_of_delta(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> 
     assert settings_of(capsys, tmp_path, "omron_nx")["refusals"] == [
         "The public pages do not show the parity settings. For this encoder: parity bits 1."
     ]
+
+
+@pytest.mark.parametrize(
+    "parity",
+    [
+        "{name: parity, parity_of: [position], over: odd_bits}",
+        "{name: parity, parity_of: [singleturn]}",
+    ],
+)
+def test_parity_over_a_part_of_the_frame(tmp_path: Path, capsys: pytest.CaptureFixture[str], parity: str) -> None:
+    """The modules check the parity of the whole frame, so that a parity over a part of its bits is a special bit."""
+    joined = JOINED.replace("        join:", f"          - {parity}\n        join:")
+    fields = joined if "singleturn" in parity else position(13, f"          - {parity}")
+    write_spec(tmp_path, fields, counts=512 if fields == joined else 1 << 13, turns=16 if fields == joined else 1)
+    found = settings_of(capsys, tmp_path, "siemens_posinput")
+    assert (found["Frame length"], found["Bit number of LSB of the position value"], found["Parity"]) == (14, 1, "none")
 
 
 @pytest.mark.parametrize(
