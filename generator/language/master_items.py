@@ -9,8 +9,10 @@ from dataclasses import dataclass
 WORDS: Mapping[str, tuple[str, ...]] = {
     "interface": ("biss", "ssi"),
     "movement": ("rotary", "linear"),
-    "coding": ("binary", "gray"),
+    "coding": ("binary", "gray", "gray_with_status"),
     "status_active": ("low", "high", "mixed", "none"),
+    "parity": ("none", "even", "odd"),
+    "singleturn_codes": ("all", "some", "unknown", "none"),
 }
 
 #: Descriptions of the items that are whole numbers, or None if the manual does not say.
@@ -24,7 +26,10 @@ NUMBERS: Mapping[str, str] = {
     "status_bits": "status bits after the data",
     "data_and_status_bits": "data bits and status bits",
     "crc_bits": "CRC bits",
-    "frame_bits": "all bits from the first data bit to the last CRC bit",
+    "other_bits_left": "other bits before the position",
+    "other_bits_right": "other bits after the position",
+    "parity_bits": "1 if a parity bit over the whole frame is its last bit",
+    "frame_bits": "all bits of the frame, without the parity bit",
     "crc_polynomial": "CRC polynomial with its top bit, or 0 without a CRC",
     "crc_polynomial_without_top_bit": "CRC polynomial without its top bit",
     "crc_polynomial_without_last_1": "CRC polynomial without its trailing 1 (Koopman notation)",

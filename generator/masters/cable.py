@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..model import Biss, Device, Ssi, assert_never
+from ..model.only import applying
 from ..model.record import dataclass
 from ..say.words import hertz
 
@@ -69,13 +70,14 @@ class CableTable:
         return f"For a cable {longest.cable}, according to the table in {self.origin}."
 
 
-def cable_table(device: Device, interface: Ssi | Biss) -> CableTable:
-    """Return the table for an interface, without rows if there is none."""
+def cable_table(device: Device, interface: Ssi | Biss, code: str = "") -> CableTable:
+    """Return the table for an interface, without rows if there is none, and its errata about an order code or all."""
     match interface:
         case Ssi():
             path = f"interfaces.{interface.name}.cable_lengths"
             rows = tuple(CableRow(item.shorter_than_m, item.below_hz, True) for item in interface.cable_lengths)
-            return CableTable(rows, _MANUAL, tuple(item.name for item in device.errata if path in item.affects))
+            errata = applying(device.errata, code) if code else device.errata
+            return CableTable(rows, _MANUAL, tuple(erratum.name for erratum in errata if path in erratum.affects))
         case Biss():
             return CableTable(tuple(CableRow(metres, clock, False) for metres, clock in _BISS), _PUBLIC, ())
         case _:

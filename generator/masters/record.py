@@ -24,12 +24,14 @@ from ..model import (
     Interface,
     Layout,
     Measurement,
+    Parity,
     PlacedField,
     PlacedLayout,
     Ssi,
     Unused,
     Variant,
 )
+from ..model.only import applying
 from ..order_codes.run_time import decided
 from ..say.evidence import document
 from ..say.parameter import initial
@@ -54,8 +56,9 @@ class Undecided(NoRecord):
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A run of bits in the frame. ``role`` is ``padding``, ``multiturn``, ``singleturn``, ``status`` or ``crc``.
+    """A run of bits in the frame.
 
+    ``role`` is ``padding``, ``multiturn``, ``singleturn``, ``status``, ``crc``, ``parity`` or ``other``.
     ``active`` of a status bit is ``low``, ``high``, or empty if it never changes.
     """
 
@@ -116,8 +119,8 @@ def record(
 
     Raises:
         Undecided: The frame depends on an answer that is missing.
-        NoRecord: The order code has no BiSS or SSI interface, its frame does not have the common form (padding,
-            position, padding, status, CRC), or no clock is known for this cable length.
+        NoRecord: The order code has no BiSS or SSI interface, its position is not in one piece, or no clock is known
+            for this cable length.
     """
     interface = device.interface(variant.interface)
     if not isinstance(interface, (Biss, Ssi)):
@@ -133,16 +136,18 @@ def record(
     parts = tuple(_parts(placed, measurement, variant))
     crc = _crc(device, placed)
     actives = {part.active or "low" for part in parts if part.role == "status"}
+    widths = _widths(parts)
+    numbers = widths | _crc_numbers(crc) | _times(interface, variant.code) | _supply(device, variant)
+    numbers |= _measured(measurement, variant, widths["multiturn_bits"] or 0)
     words = {
         "interface": variant.interface,
         "movement": device.movement,
-        "coding": _coding(placed, measurement),
+        "coding": _coding(placed, measurement, parts),
         "status_active": "none" if not actives else actives.pop() if len(actives) == 1 else "mixed",
+        "parity": _parity(placed, parts),
+        "singleturn_codes": _singleturn_codes(device.movement, widths["singleturn_bits"], numbers["counts_per_turn"]),
     }
-    widths = _widths(parts)
-    numbers = widths | _crc_numbers(crc) | _times(interface) | _supply(device, variant)
-    numbers |= _measured(measurement, variant, widths["multiturn_bits"] or 0)
-    cables = cable_table(device, interface)
+    cables = cable_table(device, interface, variant.code)
     timeout = timeout_words(interface.timeout) if isinstance(interface, Biss) and interface.timeout is not None else ""
     notes = (
         *_answer_notes(deciding, taken),
@@ -188,44 +193,68 @@ def _frame(interface: Interface, measurement: Measurement, variant: Variant) -> 
     raise NoRecord(f"no frame of {interface.title} carries '{measurement.of}'")
 
 
+#: Roles in the common frame that masters expect, in the order sent. Zero bits may be on both sides of the position.
+_ORDER = ("before", "position", "after", "status", "crc")
+
+
 def _parts(placed: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[Part]:
-    """Yield the fields in the order sent, after checking that they are padding, position, padding, status bits, CRC."""
+    """Yield the parts of the frame in the order sent. What the common frame does not have there is ``other``."""
     layout = placed.layout
     of_position = layout.names_in(measurement.of)
-    order = ["before", "position", "after", "status", "crc"]
-    stage, top = 0, placed.bits
+    stage, top = "before", placed.bits
     for item in placed.fields:
         if item.high + 1 != top:
             raise NoRecord(f"the bits of '{layout.name}' above '{item.name}' have no meaning in the spec")
         top = item.low
-        kind = _stage(item, of_position, order[stage])
-        if kind not in order[stage:]:
-            raise NoRecord(
-                f"no master expects '{item.name}' at this place: "
-                "the common frame is padding, position, padding, status bits, CRC"
-            )
-        stage = order.index(kind)
-        if kind == "position":
+        role = _role(item, placed, of_position, stage)
+        if role in _ORDER:
+            stage = role
+        elif stage in ("position", "after"):
+            stage = "status"  # Zero bits from here on are not next to the position.
+        if role == "position":
             yield from _position(item, item.name == of_position[-1], len(of_position) > 1, measurement, variant)
         else:
-            yield Part(
-                item.name, {"before": "padding", "after": "padding"}.get(kind, kind), item.width, _active(item.field)
-            )
+            shown = "padding" if role in ("before", "after") else role
+            yield Part(item.name, shown, item.width, _active(item.field) if role == "status" else "")
     if top:
         raise NoRecord(f"the last bits of '{layout.name}' have no meaning in the spec")
 
 
-def _stage(item: PlacedField, of_position: Sequence[str], stage: str) -> str:
-    """Return the part of the common frame that a field belongs to. ``stage`` is the stage of its predecessor."""
+def _role(item: PlacedField, placed: PlacedLayout, of_position: Sequence[str], stage: str) -> str:
+    """Return the role of a field, with ``before`` and ``after`` for zero bits. ``stage`` is the last one reached."""
     if item.name in of_position:
+        if stage not in ("before", "position"):
+            raise NoRecord(f"the position is not in one piece: other bits are sent before '{item.name}'")
         return "position"
-    if isinstance(item.field.kind, CrcValue):
+    if stage == "position" and item.low > placed.place_of(of_position[-1])[0]:
+        raise NoRecord(f"the position is not in one piece: '{item.name}' is sent within it")
+    role = _expected_role(item, stage)
+    if role in _ORDER[_ORDER.index(stage) :] and (stage != "before" or role == "before"):
+        return role
+    return "parity" if _is_parity_of_frame(item, placed) else "other"
+
+
+def _expected_role(item: PlacedField, stage: str) -> str:
+    """Return the role of a field that is not part of the position, from its kind."""
+    kind = item.field.kind
+    if isinstance(kind, CrcValue):
         return "crc"
-    if isinstance(item.field.kind, (Constant, Unused)) and item.field.kind.value == 0:
+    if isinstance(kind, (Constant, Unused)) and kind.value == 0:
         return "before" if stage == "before" else "after"
-    if item.width == 1 and isinstance(item.field.kind, (Flag, Constant, Unused)):
-        return "status"
-    raise NoRecord(f"'{item.name}' is not a position, status bit or CRC, and the rules for masters cover only these")
+    return "status" if item.width == 1 and isinstance(kind, (Flag, Constant, Unused)) else "other"
+
+
+def _is_parity_of_frame(item: PlacedField, placed: PlacedLayout) -> bool:
+    """Return whether a field is the last one, and a parity bit over all other bits that are not always 0."""
+    kind = item.field.kind
+    if not isinstance(kind, Parity) or kind.over or item.low:
+        return False
+    covered = {name for of in kind.of for name in placed.layout.names_in(of)} | {*kind.constants}
+    return all(other.name in covered or other is item or _is_zero(other) for other in placed.fields)
+
+
+def _is_zero(item: PlacedField) -> bool:
+    return isinstance(item.field.kind, (Constant, Unused)) and item.field.kind.value == 0
 
 
 def _position(
@@ -237,6 +266,9 @@ def _position(
         return
     turns = measurement.turns.value(variant.parameters) if measurement.turns is not None else 1
     turn_bits = (turns - 1).bit_length()
+    counts = measurement.counts_per_turn.value(variant.parameters) if measurement.counts_per_turn is not None else None
+    if turn_bits and counts is not None and counts & (counts - 1):
+        raise NoRecord(f"'{item.name}' has {counts} counts per revolution, so no bits of it are the revolutions")
     if turn_bits:
         yield Part(f"{item.name}_turns", "multiturn", turn_bits)
     yield Part(item.name, "singleturn", item.width - turn_bits)
@@ -257,23 +289,36 @@ def _crc(device: Device, placed: PlacedLayout) -> Crc | None:
     return crc
 
 
-def _coding(placed: PlacedLayout, measurement: Measurement) -> str:
+def _parity(placed: PlacedLayout, parts: Sequence[Part]) -> str:
+    """Return the parity of a frame that ends in a parity bit over the whole of it, or ``none``."""
+    kind = placed.fields[-1].field.kind
+    if parts[-1].role != "parity" or not isinstance(kind, Parity):
+        return "none"
+    return "odd" if kind.odd else "even"
+
+
+def _coding(placed: PlacedLayout, measurement: Measurement, parts: Sequence[Part]) -> str:
+    """Return the code of the position, with ``gray_with_status`` if the code includes all status bits after it."""
     layout: Layout = placed.layout
-    is_gray = bool(layout.gray_of) and (placed.gray or not layout.gray_when)
-    if is_gray and layout.gray_of != measurement.of:
-        has_more = set(layout.names_in(measurement.of)) < set(layout.names_in(layout.gray_of))
-        what = "with more than the position" if has_more else "not the whole position"
-        raise NoRecord(f"only '{layout.gray_of}' is in Gray code, {what}")
-    return "gray" if is_gray else "binary"
+    if not layout.gray_of or (layout.gray_when and not placed.gray):
+        return "binary"
+    if layout.gray_of == measurement.of:
+        return "gray"
+    coded, of_position = set(layout.names_in(layout.gray_of)), set(layout.names_in(measurement.of))
+    if coded == of_position | {part.name for part in parts if part.role == "status"}:
+        return "gray_with_status"
+    what = "with more than the position" if of_position < coded else "not the whole position"
+    raise NoRecord(f"only '{layout.gray_of}' is in Gray code, {what}")
 
 
 def _widths(parts: Sequence[Part]) -> dict[str, int | None]:
     bits = {
         role: sum(part.bits for part in parts if part.role == role)
-        for role in ("multiturn", "singleturn", "padding", "status", "crc")
+        for role in ("multiturn", "singleturn", "padding", "status", "crc", "other", "parity")
     }
     first = next(index for index, part in enumerate(parts) if part.role in ("multiturn", "singleturn"))
-    left = sum(part.bits for part in parts[:first])
+    left = sum(part.bits for part in parts[:first] if part.role == "padding")
+    other_left = sum(part.bits for part in parts[:first] if part.role == "other")
     position = bits["multiturn"] + bits["singleturn"]
     data = position + bits["padding"]
     return {
@@ -286,7 +331,10 @@ def _widths(parts: Sequence[Part]) -> dict[str, int | None]:
         "status_bits": bits["status"],
         "data_and_status_bits": data + bits["status"],
         "crc_bits": bits["crc"],
-        "frame_bits": data + bits["status"] + bits["crc"],
+        "other_bits_left": other_left,
+        "other_bits_right": bits["other"] - other_left,
+        "parity_bits": bits["parity"],
+        "frame_bits": data + bits["status"] + bits["crc"] + bits["other"],
     }
 
 
@@ -302,21 +350,22 @@ def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
     }
 
 
-def _times(interface: Biss | Ssi) -> dict[str, int | None]:
-    """Return clock and times. A time-out in clock periods is longest at the slowest clock."""
+def _times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
+    """Return clock and times of an order code. A time-out in clock periods is longest at the slowest clock."""
     timeout = interface.timeout if isinstance(interface, Biss) else None
     longest = None
     if timeout is not None and timeout.at_most_ns is not None:
         longest = -(-timeout.at_most_ns // 1000)
     elif timeout is not None and timeout.half_clock_periods is not None:
         longest = -(-timeout.half_clock_periods * 500_000 // interface.clock.min_hz)
-    pause = next((item.at_least_us for item in interface.timings if item.name == "pause"), None)
+    timings = {timing.name: timing for timing in applying(interface.timings, code)}
+    pause, busy = timings.get("pause"), timings.get("busy")
     return {
         "clock_min_hz": interface.clock.min_hz,
         "clock_max_hz": interface.clock.max_hz,
         "timeout_us": longest,
-        "busy_us": next((item.at_most_us for item in interface.timings if item.name == "busy"), None),
-        "pause_us": pause,
+        "busy_us": busy.at_most_us if busy is not None else None,
+        "pause_us": pause.at_least_us if pause is not None else None,
     }
 
 
@@ -334,6 +383,15 @@ def _measured(measurement: Measurement, variant: Variant, multiturn_bits: int) -
         known["turns"] = min(known["turns"], 1 << multiturn_bits)
     step = measurement.micrometres(variant.parameters)
     return known | {"step_um": _whole(step, 1), "step_pm": _whole(step, 1_000_000)}
+
+
+def _singleturn_codes(movement: str, singleturn_bits: int | None, counts_per_turn: int | None) -> str:
+    """Return ``all`` if every value of the singleturn bits is a position within a turn, and ``some`` if fewer are."""
+    if movement == "linear":
+        return "none"
+    if counts_per_turn is None or singleturn_bits is None:
+        return "unknown"
+    return "all" if counts_per_turn == 1 << singleturn_bits else "some"
 
 
 def _whole(step: Fraction | None, per_um: int) -> int | None:

@@ -232,6 +232,7 @@ def sheet(master: Master, record: Record) -> Sheet:
         for item in master.limits
         if _applies(item, record) and not _keeps(item, record)
     ]
+    refusals += _refusals_of_parts(master, record)
     settings: list[Setting] = []
     refused: list[tuple[Refusal, set[str]]] = []
     for item in master.settings:
@@ -255,6 +256,36 @@ def sheet(master: Master, record: Record) -> Sheet:
     writing = writing_of(rules, [item.name for item in settings], master.devices, master.standing)
     unusable = (f"Not for {listed(sorted(devices))}. {refusal.reason}" for refusal, devices in refused)
     return Sheet(master, (), tuple(settings), (*unusable, *notes), writing, barred=barred)
+
+
+def _refusals_of_parts(master: Master, record: Record) -> list[Refusal]:
+    """Return a refusal if the frame has parts that the master's description does not mention."""
+    items = {part.name: item for part, item in zip(record.parts, _items_of_parts(record.parts), strict=True) if item}
+    mentioned = _mentioned((master.limits, master.settings)) if items else set[str]()
+    names = [f"'{name}'" for name, item in items.items() if item not in mentioned]
+    if not names:
+        return []
+    reason = f"The description of this master does not say how it handles {listed(names)} in the frame."
+    return [Refusal(reason, "inferred", "")]
+
+
+def _items_of_parts(parts: Sequence[Part]) -> Iterator[str]:
+    """Yield the item that counts the bits of each part, or an empty string for the parts of the common frame."""
+    side = "left"
+    for part in parts:
+        if part.role in ("multiturn", "singleturn"):
+            side = "right"
+        yield {"other": f"other_bits_{side}", "parity": "parity_bits"}.get(part.role, "")
+
+
+def _mentioned(rule: Any) -> set[str]:
+    """Return the items of a record on which rules depend."""
+    if isinstance(rule, (list, tuple)):
+        return set[str]().union(*map(_mentioned, rule))
+    if not isinstance(rule, Mapping):
+        return set()
+    names = _mentioned(tuple(rule.values())) | {str(rule[key]) for key in ("item", "of") if key in rule}
+    return names | set(Expression.parse(rule["value"]).parameters) if isinstance(rule.get("value"), str) else names
 
 
 def _devices_of(item: Raw, master: Master) -> set[str]:

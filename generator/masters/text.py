@@ -22,6 +22,7 @@ from .writing import Writing, write_order
 
 VERSION = 1
 
+_CODINGS = {"binary": "binary", "gray": "Gray", "gray_with_status": "Gray, position and status bits as one number"}
 _MARKS = {"documented": "", "inferred": " *", "tried": " +"}
 
 
@@ -40,10 +41,15 @@ def facts(record: Record) -> Iterator[tuple[str, str]]:
         f"{counted(number['padding_left'] or 0, 'zero bit')} before the position, {number['padding_right']} after it",
     )
     yield "Status bits", _status(record)
+    others = [part.name for part in record.parts if part.role == "other"]
+    if others:
+        yield "Other bits", ", ".join(others)
     yield "Data bits", _data(record)
     yield "Order", ", ".join(f"{part.name} {part.bits}" for part in record.parts) + ", most significant bit first"
-    yield "Code", {"binary": "binary", "gray": "Gray"}[record.words["coding"]]
+    yield "Code", _CODINGS[record.words["coding"]]
     yield "CRC", _crc(record)
+    if record.words["parity"] != "none":
+        yield "Parity", f"{record.words['parity']}, last bit"
     slowest, fastest = number["clock_min_hz"], number["clock_max_hz"]
     row = record.cable_row
     highest = f"at most {hertz(fastest)}" if fastest is not None else ""
@@ -119,6 +125,12 @@ def legend(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool
     return f"Settings from the documentation of each master.{inferred} {tried}"
 
 
+def refusal(reason: Refusal) -> str:
+    """Return a refusal with its mark and source."""
+    source = f" [{cited(reason.source)}]" if reason.source else ""
+    return f"{reason.reason}{mark(reason)}{source}"
+
+
 def bound(setting: Setting) -> str:
     """Return ``at least ``, ``at most ``, ``below `` or an empty string."""
     return f"{setting.bound.replace('_', ' ')} " if setting.bound else ""
@@ -182,10 +194,7 @@ def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sh
         lines += ["", wrapped(f"According to their documentation, these cannot use {record.code}:", WIDTH)]
     for item in refusing:
         lines.append(wrapped(f"{item.master.title} ({item.master.name})", WIDTH, "    ", "  "))
-        lines += [
-            wrapped(f"{reason.reason}{mark(reason)} [{cited(reason.source)}]", WIDTH, "      ", "    ")
-            for reason in item.refusals
-        ]
+        lines += [wrapped(refusal(reason), WIDTH, "      ", "    ") for reason in item.refusals]
     silent = [item.master.title for item in sheets if not item.speaks]
     if silent:
         title = INTERFACES[record.words["interface"]].title

@@ -3,11 +3,28 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from fnmatch import translate
 from functools import cache
 from glob import escape
+from typing import Protocol, TypeVar
 
 _PARTS = re.compile(r"\.\.\.|…|x|[^.…x]+|\.")
+
+
+class Restricted(Protocol):
+    """A fact with the order codes to which it applies."""
+
+    @property
+    def only(self) -> str: ...
+
+
+_Fact = TypeVar("_Fact", bound=Restricted)
+
+
+def applying(facts: Iterable[_Fact], code: str) -> tuple[_Fact, ...]:
+    """Return the facts that apply to an order code."""
+    return tuple(fact for fact in facts if fits(fact.only, code))
 
 
 def fits(only: str, code: str) -> bool:

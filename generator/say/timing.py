@@ -14,6 +14,11 @@ def timing(item: Timing) -> Said:
     return said(bounds(item), about, label=item.symbol or item.name, source=item.source)
 
 
+def bounds_with_codes(item: Timing) -> str:
+    """Return the duration as text, with the order codes to which it applies unless these are all."""
+    return f"{bounds(item)} (only with {item.only})" if item.only else bounds(item)
+
+
 def bounds(item: Timing) -> str:
     """Return the duration as text, such as ``at least 12 µs``."""
     named = (("at least", item.at_least_us), ("typically", item.typical_us), ("at most", item.at_most_us))

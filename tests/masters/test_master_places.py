@@ -261,7 +261,7 @@ def test_an_unknown_width_is_said(sheet_of: SheetOf) -> None:
     """The page on object 32EF:0C was not available, and the pages of the TM PosInput show no data record."""
     (crc,) = [item for item in sheet_of("beckhoff_ax8000", CODE).settings if item.name == "CRC polynome"]
     assert {(place.type, place.kind, place.bits, place.default) for place in crc.places} == {("", "", None, None)}
-    length = sheet_of("siemens_posinput", "AMM5A21/65KBG1").settings[0]
+    length = sheet_of("siemens_posinput", "AM3616/4096-BG").settings[0]
     assert [(place.location, place.type) for place in length.places] == [("", "")]
 
 

@@ -25,7 +25,14 @@ AS_PRINTED = {"zero_bit": "as_printed"}
 def test_every_item(record_of: RecordOf) -> None:
     """SMA21-SC1-0050: 4 zero bits, 20 bits of 50 µm, nE, nW, CRC 6; clock and time-out of 6.5; 16 µs at most."""
     found = record_of("SMA21-SC1-0050")
-    assert found.words == {"interface": "biss", "movement": "linear", "coding": "binary", "status_active": "low"}
+    assert found.words == {
+        "interface": "biss",
+        "movement": "linear",
+        "coding": "binary",
+        "status_active": "low",
+        "parity": "none",
+        "singleturn_codes": "none",
+    }
     assert found.numbers == {
         "multiturn_bits": 0,
         "singleturn_bits": 20,
@@ -36,6 +43,9 @@ def test_every_item(record_of: RecordOf) -> None:
         "status_bits": 2,
         "data_and_status_bits": 26,
         "crc_bits": 6,
+        "other_bits_left": 0,
+        "other_bits_right": 0,
+        "parity_bits": 0,
         "frame_bits": 32,
         "crc_polynomial": 67,
         "crc_polynomial_without_top_bit": 3,
@@ -177,8 +187,8 @@ def test_what_is_open_is_not_decided(record_of: RecordOf) -> None:
     assert record_of("ASC8525/SC1 left_out").notes[0].startswith("With zero_bit=left_out: Not sent, as ")
 
 
-def test_other_frames_are_refused(devices: Mapping[str, Device]) -> None:
-    """The rules do not cover a field of another kind or at another place."""
+def test_other_frames(devices: Mapping[str, Device]) -> None:
+    """A field of another kind or at another place is other bits. Bits without a meaning are refused."""
     device = devices["asc85"]
     variant = find(device, "ASC8525/SC1").variant
     interface = device.interface("biss")
@@ -190,12 +200,12 @@ def test_other_frames_are_refused(devices: Mapping[str, Device]) -> None:
         return replace(device, interfaces=others)
 
     position, zero, error, warning, crc = layout.fields
-    with pytest.raises(NoRecord, match="'warning' is not a position, status bit or CRC"):
-        record(with_fields(position, zero, error, replace(warning, kind=Number()), crc), variant, answers=AS_PRINTED)
+    for kind in (Number(), Constant()):
+        other = with_fields(position, zero, error, replace(warning, kind=kind), crc)
+        roles = {part.name: part.role for part in record(other, variant, answers=AS_PRINTED).parts}
+        assert (roles["error"], roles["warning"], roles["crc"]) == ("status", "other", "crc")
     with pytest.raises(NoRecord, match="the bits of 'single_cycle_data' above 'error' have no meaning"):
         record(with_fields(position, error, warning, crc), variant, answers=AS_PRINTED)
-    with pytest.raises(NoRecord, match="no master expects 'warning' at this place"):
-        record(with_fields(position, zero, error, replace(warning, kind=Constant()), crc), variant, answers=AS_PRINTED)
     bare = replace(with_fields(replace(position, name="angle"), zero, error, warning, crc), measurement=None)
     with pytest.raises(NoRecord, match="no frame of BiSS C-mode carries 'position'"):
         record(bare, variant, answers=AS_PRINTED)

@@ -391,13 +391,13 @@ def test_other_masters(told: Told, master: str, code: str, expected: dict[str, A
 
 
 def test_example_of_siemens(told: Told) -> None:
-    """13 + 12 bits in a frame of 25 have MSB 24 and LSB 0. 16 + 21 bits in one of 37 have 36 and 0."""
-    found = told("siemens_posinput", "AMM5A21/65KBG1")
+    """13 + 12 bits in a frame of 25 have MSB 24 and LSB 0. 12 + 16 bits in one of 28 have 27 and 0."""
+    found = told("siemens_posinput", "AM3616/4096-BG")
     assert (
         found["Frame length"],
         found["Bit number of MSB of the position value"],
         found["Bit number of LSB of the position value"],
-    ) == (37, 36, 0)
+    ) == (28, 27, 0)
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from ...model.record import dataclass
 from ...say.evidence import document
 from ...say.interface import settings
 from ...say.markdown import STYLE, cited, text
-from ...say.timing import bounds
+from ...say.timing import bounds_with_codes
 from ...say.words import counted, hertz, nanoseconds, timeout_words
 
 Row = tuple[str, ...]
@@ -76,9 +76,8 @@ def _pauses(device: Device, interface: Ssi | Biss) -> Iterator[str]:
     """Yield the time between frames, and the time until the encoder answers."""
     match interface:
         case Ssi():
-            pause = next((item for item in interface.timings if item.symbol == "Tp"), None)
-            if pause is not None:
-                yield f"Pause between two words: {bounds(pause)} ({cited(pause.source)})."
+            for pause in (timing for timing in interface.timings if timing.symbol == "Tp"):
+                yield f"Pause between two words: {bounds_with_codes(pause)} ({cited(pause.source)})."
         case Biss():
             if interface.timeout is not None:
                 yield f"Time-out after a frame: {timeout_words(interface.timeout)} ({cited(interface.timeout.source)})."

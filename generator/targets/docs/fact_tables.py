@@ -32,7 +32,7 @@ from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.numbers import quantity
 from ...say.place import hexadecimal
 from ...say.procedure import read_back, step
-from ...say.timing import bounds
+from ...say.timing import bounds_with_codes
 from ...say.words import counted, number
 from .layout_tables import named
 from .page_links import ERRATA
@@ -75,7 +75,8 @@ def step_rows(device: Device, item: Procedure) -> Iterator[tuple[str, ...]]:
 def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
     """Yield the name, meaning, duration and source of each time."""
     for item in timings:
-        yield joined([code(item.name), text(item.symbol)]), text(item.meaning), bounds(item), cited(item.source)
+        duration = text(bounds_with_codes(item))
+        yield joined([code(item.name), text(item.symbol)]), text(item.meaning), duration, cited(item.source)
 
 
 def crc_rows(device: Device, crc: Crc) -> Iterator[tuple[str, str]]:

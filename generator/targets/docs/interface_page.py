@@ -52,7 +52,7 @@ def over_values(
         "has_masters": has_masters,
         "short_rows": list(_short_rows(here, interface, variants)),
         "pictures": pictures,
-        "timing": wave(family, family.interface(interface.name)),
+        "timing": wave(here, interface),
         "delivered": [
             item.name for item in family.interface(interface.name).layouts if follows_registers(family, item)
         ],

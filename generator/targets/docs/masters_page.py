@@ -170,6 +170,10 @@ def _places(taken: Told) -> Iterator[Row]:
             yield tuple(map(text, (name, place, data, words.default or "not given", source)))
 
 
+def _source(reason: Refusal) -> str:
+    return f" \\[{text(cited(reason.source))}\\]" if reason.source else ""
+
+
 def _mark(rule: Setting | Refusal) -> str:
     """Return the mark of a rule, which is outside the text to copy."""
     found = text(mark(rule))
@@ -198,9 +202,7 @@ def _refused(sheets: Told) -> Iterator[str]:
     found: dict[str, list[Group]] = {}
     for group, item in sheets:
         if item.refusals:
-            reasons = " ".join(
-                f"{text(reason.reason)}{_mark(reason)} \\[{text(cited(reason.source))}\\]" for reason in item.refusals
-            )
+            reasons = " ".join(f"{text(reason.reason)}{_mark(reason)}{_source(reason)}" for reason in item.refusals)
             found.setdefault(reasons, []).append(group)
     for reasons, groups in found.items():
         yield f"{_label(groups)}: {reasons}"

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from ...model import (
     Connector,
+    Contact,
     Device,
     Variant,
 )
@@ -34,7 +35,7 @@ class Wiring:
 def wiring(device: Device) -> Wiring:
     """Return one table with the contacts of every connector and cable for each signal."""
     columns = _columns(device.connectors)
-    signals = dict.fromkeys(item.signal for connector in device.connectors for item in connector.contacts)
+    signals = dict.fromkeys(_signal(item) for connector in device.connectors for item in connector.contacts)
     kinds = ["Wire" if column[0].kind == "cable" else "Pin" for column in columns]
     names = _short_names([column[0].title for column in columns])
     head = [kind if kinds.count(kind) == 1 else name for kind, name in zip(kinds, names, strict=True)]
@@ -64,8 +65,13 @@ def _columns(connectors: Sequence[Connector]) -> list[list[Connector]]:
 def _by_signal(connector: Connector) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
     for item in connector.contacts:
-        found.setdefault(item.signal, []).append(item.contact)
+        found.setdefault(_signal(item), []).append(item.contact)
     return found
+
+
+def _signal(contact: Contact) -> str:
+    """Return the signal of a contact, with the order codes that have it unless these are all."""
+    return f"{contact.signal} (only {contact.only})" if contact.only else contact.signal
 
 
 def _contacts(column: Sequence[Connector], signal: str) -> str:

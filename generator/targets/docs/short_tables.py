@@ -12,7 +12,7 @@ from ...say.name import Titled, heading, title
 from ...say.place import addresses
 from ...say.procedure import step
 from ...say.text import said
-from ...say.timing import bounds
+from ...say.timing import bounds_with_codes
 from ...say.words import counted, sentence
 from .fact_tables import example_facts
 from .layout_tables import (
@@ -88,7 +88,10 @@ def time_rows(timings: Iterable[Timing]) -> Iterator[Row]:
     """Yield rows of duration, time."""
     for item in timings:
         names = "</small> <small>".join(filter(None, (text(item.symbol), code(item.name))))
-        yield bounds(item), f"{text(item.meaning)} <small>{names}</small> <small>{cited(item.source)}</small>"
+        yield (
+            text(bounds_with_codes(item)),
+            f"{text(item.meaning)} <small>{names}</small> <small>{cited(item.source)}</small>",
+        )
 
 
 def example_rows(device: Device, examples: Iterable[Example]) -> Iterator[Row]:
@@ -107,7 +110,8 @@ def led_rows(device: Device) -> Iterator[Row]:
         yield f"**{text(item.title)}**", f"<small>{cited(item.source)}</small>"
         for state in item.states:
             hands = (link("Step by step", f"hardware.md#by-hand-{name}") + "." for name in state.by_hand)
-            yield text(state.state), joined([text(sentence(state.meaning)), *hands], " ")
+            codes = [f"Only with {code(state.only)}."] if state.only else []
+            yield text(state.state), joined([text(sentence(state.meaning)), *codes, *hands], " ")
 
 
 def setting_lines(device: Device, interface: Interface) -> Iterator[str]:

@@ -17,7 +17,7 @@ from ...say.box import DATA, colour
 from ...say.evidence import document
 from ...say.interface import REPLIES, word_lengths
 from ...say.name import words
-from ...say.timing import bounds
+from ...say.timing import bounds_with_codes
 from ...say.words import counted, microseconds, timeout_words
 from .svg import card, number, rect, text, width
 
@@ -87,8 +87,9 @@ def wave(device: Device, interface: Interface) -> Wave | None:
 
 
 def _time(interface: Interface, symbol: str) -> str:
-    found = next((item for item in interface.timings if item.symbol == symbol), None)
-    return f"{symbol}, {bounds(found)}" if found is not None else symbol
+    """Return a symbol with its times, each with the order codes to which it applies."""
+    timings = [timing for timing in interface.timings if timing.symbol == symbol]
+    return ", ".join([symbol, *map(bounds_with_codes, timings)])
 
 
 def _ssi(interface: Ssi) -> Wave:

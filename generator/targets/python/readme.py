@@ -17,6 +17,7 @@ from ...model import (
     Variant,
     number_to_bytes,
 )
+from ...model.only import applying
 from ...model.record import dataclass
 from ...plan.measurement import counts
 from ...plan.values import (
@@ -195,7 +196,7 @@ class Readme:
         variant = self._example_variant("rs485")
         if variant is None:
             return None
-        cleared = [name for alarm in self.device.alarms for name in alarm.cleared_by]
+        cleared = [name for alarm in applying(self.device.alarms, variant.code) for name in alarm.cleared_by]
         over = [item for item in self._procedures.values() if item.procedure.interface == variant.interface]
         resets = [item for item in over if item.procedure.name in cleared and not item.arguments]
         best = max(resets, key=lambda item: cleared.count(item.procedure.name), default=None)

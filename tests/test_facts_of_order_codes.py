@@ -1,0 +1,90 @@
+"""Every module that reads facts with ``only`` either keeps those of its order codes or shows the codes beside them."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+GENERATOR = Path(__file__).parent.parent / "generator"
+#: Members of the model whose items have ``only``.
+RESTRICTED = {"timings", "alarms", "contacts", "leds", "characteristics", "errata"}
+
+#: Modules that read them, by the reason why no order code gets the fact of another.
+READERS = {
+    "keeps those of the order code, with applying or fits": {
+        "masters/cable.py",
+        "masters/record.py",
+        "order_codes/holding_only.py",
+        "order_codes/narrowing.py",
+        "targets/python/readme.py",
+    },
+    "reads a device that held_by has reduced to the order codes": {
+        "commands/show.py",
+        "targets/docs/order_code_page.py",
+    },
+    "finds the alarm of a flag, which has the same only, and callers treat the flag of other codes as unexplained": {
+        "say/report.py",
+        "targets/docs/verdict_page.py",
+    },
+    "needs only names, links or procedures, which do not depend on the order code": {
+        "reference/registers.py",
+        "targets/c/chosen.py",
+        "targets/docs/glossary.py",
+        "targets/docs/interface_page.py",
+        "targets/docs/page_links.py",
+    },
+    "builds the family, or passes its facts to one of the others": {
+        "loading/editions.py",
+        "loading/library.py",
+        "loading/overlays.py",
+        "targets/docs/files.py",
+    },
+    "reads the errata of a cable table, which the record has chosen": {
+        "masters/text.py",
+        "targets/docs/masters_page.py",
+    },
+    "plays an encoder whose user sets the flags": {
+        "virtual/encoder.py",
+        "virtual/memory.py",
+    },
+    "shows the order codes beside each fact": {
+        "changes/families.py",
+        "changes/interfaces.py",
+        "changes/surroundings.py",
+        "dump/plain.py",
+        "readings/interfaces.py",
+        "readings/surroundings.py",
+        "say/erratum.py",
+        "say/interface.py",
+        "say/origin.py",
+        "targets/c/device.py",
+        "targets/c/interfaces.py",
+        "targets/docs/clock_and_cable.py",
+        "targets/docs/connector_pictures.py",
+        "targets/docs/cross_family_pages.py",
+        "targets/docs/family_pages.py",
+        "targets/docs/hardware_steps.py",
+        "targets/docs/inline_errata.py",
+        "targets/docs/interface_sections.py",
+        "targets/docs/pin_tables.py",
+        "targets/docs/short_tables.py",
+        "targets/docs/timing_pictures.py",
+    },
+}
+
+
+def readers() -> dict[str, set[str]]:
+    """Return the restricted members that each module reads."""
+    found: dict[str, set[str]] = {}
+    for path in sorted(GENERATOR.rglob("*.py")):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        names = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)} & RESTRICTED
+        if names:
+            found[str(path.relative_to(GENERATOR))] = names
+    return found
+
+
+def test_every_reader_is_known() -> None:
+    known = {module for modules in READERS.values() for module in modules}
+    assert {module: names for module, names in readers().items() if module not in known} == {}
+    assert known <= readers().keys()
