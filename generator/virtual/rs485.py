@@ -158,7 +158,9 @@ class Rs485Line:
             self._count(asked)
         return number_to_bytes(layout, number, placed.bits)
 
-    def _memory(self, asked: DataId, layout: Layout, given: dict[str, int | str | bool]) -> dict[str, int | bool] | None:
+    def _memory(
+        self, asked: DataId, layout: Layout, given: dict[str, int | str | bool]
+    ) -> dict[str, int | bool] | None:
         """Carry out an access to the EEPROM, and return the values for the reply: the busy flag, if any, and the data.
 
         Return None if the EEPROM is busy and the reply cannot report it.
