@@ -126,6 +126,10 @@ lock:
 tools:
 	@command -v $(firstword $(CC)) >/dev/null 2>&1 || { echo "make: no C compiler '$(CC)'; install one (Debian: apt-get install gcc) or set CC" >&2; exit 1; }
 	@command -v $(firstword $(CXX)) >/dev/null 2>&1 || { echo "make: no C++ compiler '$(CXX)'; install one (Debian: apt-get install g++) or set CXX" >&2; exit 1; }
+	@mkdir -p build
+	@printf '#include <stdio.h>\nint main(void) { return puts("") < 0; }\n' | $(CC) -x c - -o build/it || { echo "make: '$(CC)' cannot compile and link a program; install the C library (Debian: apt-get install libc6-dev) or set CC" >&2; exit 1; }
+	@printf '#include <cstdio>\nint main() { return std::puts("") < 0; }\n' | $(CXX) -x c++ - -o build/it || { echo "make: '$(CXX)' cannot compile and link a program; install the C++ library (Debian: apt-get install g++) or set CXX" >&2; exit 1; }
+	@rm -f build/it
 
 .venv/.installed: pyproject.toml
 	@command -v $(PYTHON) >/dev/null 2>&1 || { echo "make: no '$(PYTHON)'; install Python 3.10 or newer (Debian: apt-get install python3) or set PYTHON" >&2; exit 1; }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from codewheel.commands.frame_text import FrameTextError, frame_lines
 from codewheel.commands.look_up import find
 from codewheel.order_codes.run_time import RegisterError
 from codewheel.targets import Library
+from working_tools import require
 
 ROOT = Path(__file__).resolve().parents[2]
 BISS, RS485, SSI = "AMM5A21/65KSC1", "AMM5A23/65KJP1", "AMM5A21/65KBG1"
@@ -159,9 +159,7 @@ def test_times_are_not_part_of_the_frame(library: Library) -> None:
 )
 def test_a_negative_position_has_an_angle_of_its_revolution(position: int, shown: str) -> None:
     """-1000 of 8,192 counts is 360° - 43.95° of the revolution before the first one."""
-    node = shutil.which("node")
-    if node is None:
-        pytest.skip("needs Node")
+    node = require(["node"])
     text = (ROOT / "runtime" / "browser" / "result.js").read_text(encoding="utf-8")
     function = text[text.index("function measured(") :].split("\n}\n", 1)[0] + "\n}\n"
     found = f'{{ verdict: "usable", at: {{}}, fields: [{{ name: "position", value: {position}n }}] }}'
