@@ -20,24 +20,24 @@ pytestmark = [
 BROKEN = {
     "no sanitizer runtime": (
         ["clang", "-std=c99", "-fsanitize=address,undefined", "-O1"],
-        'case "$*" in *-fsanitize*) echo "ld: error: cannot find libclang_rt.asan.a" >&2; exit 1 ;; esac\nexec REAL "$@"',
+        'case "$*" in *-fsanitize*) echo "ld: error: no libclang_rt.asan.a" >&2; exit 1 ;; esac\nexec REAL "$@"',
         (
             "clang cannot compile and link a program with -fsanitize=address,undefined "
-            "(ld: error: cannot find libclang_rt.asan.a), so this is not shown; "
+            "(ld: error: no libclang_rt.asan.a), so this is not shown; "
             "apt-get install clang libclang-rt-14-dev llvm"
         ),
     ),
     "no headers of C": (
         ["gcc", "-std=c99"],
-        'echo "it.c:1:10: fatal error: stdint.h: No such file or directory" >&2; exit 1',
+        'echo "trial.c:1:10: fatal error: stdint.h: No such file or directory" >&2; exit 1',
         (
-            "gcc cannot compile and link a program (it.c:1:10: fatal error: stdint.h: No such file or directory), "
+            "gcc cannot compile and link a program (trial.c:1:10: fatal error: stdint.h: No such file or directory), "
             "so this is not shown; apt-get install gcc libc6-dev"
         ),
     ),
     "no headers of C++": (
         ["g++", "-x", "c++"],
-        'case "$*" in *it.cpp*) echo "error: no cstdint" >&2; exit 1 ;; esac',
+        'case "$*" in *trial.cpp*) echo "error: no cstdint" >&2; exit 1 ;; esac',
         "g++ cannot compile and link a program (error: no cstdint), so this is not shown; apt-get install g++",
     ),
     "a program that does not run": (
@@ -47,9 +47,9 @@ BROKEN = {
     ),
     "no newlib": (
         ["arm-none-eabi-gcc", "-mthumb"],
-        'case "$*" in *--version*) exit 0 ;; esac\necho "fatal error: string.h: No such file or directory" >&2; exit 1',
+        'case "$*" in *--version*) exit 0 ;; esac\necho "fatal error: string.h: not found" >&2; exit 1',
         (
-            "arm-none-eabi-gcc cannot compile with the headers of C (fatal error: string.h: No such file or directory), "
+            "arm-none-eabi-gcc cannot compile with the headers of C (fatal error: string.h: not found), "
             "so this is not shown; apt-get install gcc-arm-none-eabi libnewlib-arm-none-eabi"
         ),
     ),

@@ -1,7 +1,7 @@
 """Programs that tests run. One that is present but cannot do its job counts as missing, with the reason.
 
-A compiler may lack the headers and libraries of C or the runtime of its sanitizers, which are packages of their own. Each
-program is therefore tried once per test run, with a tiny example of its job.
+A compiler may lack the headers and libraries of C or the runtime of its sanitizers, which are packages of their own.
+Each program is therefore tried once per test run, with a tiny example of its job.
 """
 
 from __future__ import annotations
@@ -64,10 +64,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) { (void)data; (void)size; return 0; }
 """
 #: A page whose text has a width and a height only with fonts.
-_PAGE = "<p><span>it works</span><script>const it = document.querySelector('span'); \
-document.title = it.offsetWidth * it.offsetHeight > 100 ? 'drawn' : 'empty';</script>"
+_PAGE = "<p><span>it works</span><script>const span = document.querySelector('span'); \
+document.title = span.offsetWidth * span.offsetHeight > 100 ? 'drawn' : 'empty';</script>"
 #: The newest parts of the language that the page and its tests use.
-_SCRIPT = "const it = {}; it.a ??= 'xx'; if (it?.a.replaceAll('x', 'y') !== 'yy' || 2n ** 64n < 1n) process.exit(1);"
+_SCRIPT = "const box = {}; box.a ??= 'xx'; if (box?.a.replaceAll('x', 'y') !== 'yy' || 2n ** 64n < 1n) process.exit(1);"
 _RUST = 'fn main() { println!("it works"); }\n'
 #: Options with which cross compilers find their headers, where they need any.
 _CROSS = {
@@ -127,7 +127,7 @@ def _tried(path: str, name: str, sanitizers: tuple[str, ...], is_cxx: bool) -> s
 def _compiles(path: str, name: str, folder: Path, sanitizers: tuple[str, ...], is_cxx: bool) -> str:
     """Compile, link and run a program with these sanitizers."""
     is_fuzzer = any("fuzzer" in option for option in sanitizers)
-    source, program = folder / ("it.cpp" if is_cxx else "it.c"), folder / "it"
+    source, program = folder / ("trial.cpp" if is_cxx else "trial.c"), folder / "trial"
     source.write_text(_FUZZER if is_fuzzer else _CXX if is_cxx else _C, encoding="utf-8")
     language = ["-x", "c++"] if is_cxx else []
     with_options = f" with {' '.join(sanitizers)}" if sanitizers else ""
@@ -135,22 +135,21 @@ def _compiles(path: str, name: str, folder: Path, sanitizers: tuple[str, ...], i
     error = _error(failed, [path, *sanitizers, *language, str(source), "-o", str(program)])
     if error:
         return error
-    return _error(
-        f"{name} compiles a program{with_options} that does not run", [str(program), *["-runs=1"] * is_fuzzer]
-    )
+    run = [str(program), "-runs=1"] if is_fuzzer else [str(program)]
+    return _error(f"{name} compiles a program{with_options} that does not run", run)
 
 
 def _compiles_for_another_machine(path: str, name: str, folder: Path) -> str:
     """Compile a unit that includes the headers of C."""
-    source = folder / ("it.cpp" if name.endswith("++") else "it.c")
-    source.write_text("#include <stdint.h>\n#include <string.h>\nint it;\n", encoding="utf-8")
-    command = [path, *_CROSS.get(name, []), "-c", str(source), "-o", str(folder / "it.o")]
+    source = folder / ("trial.cpp" if name.endswith("++") else "trial.c")
+    source.write_text("#include <stdint.h>\n#include <string.h>\nint unused;\n", encoding="utf-8")
+    command = [path, *_CROSS.get(name, []), "-c", str(source), "-o", str(folder / "trial.o")]
     return _error(f"{name} cannot compile with the headers of C", command)
 
 
 def _draws(path: str, folder: Path) -> str:
     """Start Chromium with a page, and look whether its text is drawn."""
-    (folder / "it.html").write_text(_PAGE, encoding="utf-8")
+    (folder / "trial.html").write_text(_PAGE, encoding="utf-8")
     options = [
         "--headless=new",
         "--no-sandbox",
@@ -158,7 +157,7 @@ def _draws(path: str, folder: Path) -> str:
         "--no-first-run",
         f"--user-data-dir={folder / 'user'}",
     ]
-    command = [path, *options, "--dump-dom", (folder / "it.html").as_uri()]
+    command = [path, *options, "--dump-dom", (folder / "trial.html").as_uri()]
     try:
         done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=120)
     except (OSError, subprocess.TimeoutExpired):
@@ -173,14 +172,14 @@ def _runs_scripts(path: str, folder: Path) -> str:
 
 
 def _links_rust(path: str, folder: Path) -> str:
-    (folder / "it.rs").write_text(_RUST, encoding="utf-8")
-    command = [path, str(folder / "it.rs"), "-o", str(folder / "it")]
+    (folder / "trial.rs").write_text(_RUST, encoding="utf-8")
+    command = [path, str(folder / "trial.rs"), "-o", str(folder / "trial")]
     return _error("rustc cannot compile and link a program", command)
 
 
 def _starts(path: str, folder: Path) -> str:
-    """Ask for the version. A program whose libraries are missing does not answer."""
-    return _error(f"{Path(path).name} does not start", [path, "--version"])
+    """Ask for the version. The system reports with 126 or 127 that it cannot start a program or find its libraries."""
+    return _error(f"{Path(path).name} does not start", [path, "--version"], lambda code: code < 0 or code in (126, 127))
 
 
 _TRIALS: dict[str, Callable[[str, Path], str]] = {
@@ -197,13 +196,13 @@ _TRIALS: dict[str, Callable[[str, Path], str]] = {
 }
 
 
-def _error(failed: str, command: Sequence[str]) -> str:
+def _error(failed: str, command: Sequence[str], is_failure: Callable[[int], bool] = bool) -> str:
     """Return the words with the first error of a command, or an empty string if it succeeds."""
     try:
         done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=120)
     except (OSError, subprocess.TimeoutExpired) as error:
         return f"{failed} ({type(error).__name__})"
-    if done.returncode == 0:
+    if not is_failure(done.returncode):
         return ""
     lines = [line.strip() for line in (done.stderr + done.stdout).splitlines() if line.strip()]
     first = next((line for line in lines if "error" in line.lower()), lines[0] if lines else "no message")
