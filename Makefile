@@ -1,4 +1,5 @@
-# make generate and make test need no other set-up. Both create .venv on their first run.
+# make generate and make test need no other set-up. Both create .venv on their first run: the former installs the
+# packages that codewheel needs, the latter also those of the extra 'test'.
 PYTHON ?= python3
 CC ?= cc
 CXX ?= c++
@@ -18,7 +19,7 @@ generate: .venv/.installed
 
 # The format of the Python files, and the linter's rules in pyproject.toml.
 # .venv/bin/ruff format fixes the format, and .venv/bin/ruff check --fix some findings of the linter.
-lint: .venv/.installed
+lint: .venv/.tested
 	@$(PY) -m ruff format --check --quiet --output-format concise .
 	@$(PY) -m ruff check --quiet --output-format concise .
 	@report=$$($(dir $(PY))lint-imports --no-cache) || { echo "$$report" | sed -n '/^Broken/,$$p'; exit 1; }
@@ -29,25 +30,26 @@ quick: export PYTHONDONTWRITEBYTECODE =
 quick: lint
 	@$(MAKE) --no-print-directory --jobs=2 quick-outputs quick-tests
 
-quick-outputs: .venv/.installed
+quick-outputs: .venv/.tested
 	@$(PY) -m mypy --no-error-summary generator runtime/python/codewheel_runtime
 	@said=$$($(PY) -m codewheel generate --check) || { echo "$$said"; exit 1; }
 
-quick-tests: .venv/.installed
+quick-tests: .venv/.tested
 	@$(PY) -m pytest -n auto --dist worksteal -m 'not slow'
 
-test: .venv/.installed tools
-	@$(PY) -m pytest -rs -n auto --dist worksteal
+# TESTS selects files.
+test: .venv/.tested tools
+	@$(PY) -m pytest -rs -n auto --dist worksteal $(TESTS)
 
 # The longer evidence on the C headers. make verify-proof, for example, runs only tests/verify/test_proof.py.
-verify: .venv/.installed tools bench-packages engines axe
+verify: .venv/.tested tools bench-packages engines axe
 	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q tests/verify
 
-verify-%: .venv/.installed tools
+verify-%: .venv/.tested tools
 	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q tests/verify/test_$*.py
 
 # The Python package has several such files.
-verify-python: .venv/.installed tools
+verify-python: .venv/.tested tools
 	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q tests/verify/test_python_*.py
 
 verify-footprint: bench-packages
@@ -57,22 +59,22 @@ verify-stream: engines
 verify-site: axe
 
 # Size and speed of the C headers next to hand-written decoders and other generators. BENCH=--write also writes docs/footprint.md.
-bench: .venv/.installed tools bench-packages
+bench: .venv/.tested tools bench-packages
 	@$(PY) benchmarks/footprint.py $(BENCH)
 	@$(PY) benchmarks/around.py $(BENCH)
 
 # The Python package for one frame and for a million, next to hand-written code and installable peers.
-bench-python: .venv/.installed
+bench-python: .venv/.tested
 	@$(PY) -m pip install --quiet --disable-pip-version-check bitstruct 'cantools>=41' construct kaitaistruct || echo "make: some peers cannot be installed and are left out"
 	@$(PY) benchmarks/python_speed.py
 
 # The command line as a multiple of a Python program that does nothing, next to other tools. TOOL=--rounds=3 is quicker.
-bench-tool: .venv/.installed
+bench-tool: .venv/.tested
 	@$(PY) -m pip install --quiet --disable-pip-version-check 'cantools>=41' 'nunavut>=3.0' peakrdl || echo "make: some peers cannot be installed and are left out"
 	@$(PY) benchmarks/tool_speed.py $(TOOL)
 
 # Planted mistakes of a transcriber that pass check, by class of fact. MUTANTS=--write also writes docs/mutants.md.
-mutants: .venv/.installed
+mutants: .venv/.tested
 	@$(PY) benchmarks/mutants.py $(MUTANTS)
 
 check: .venv/.installed
@@ -82,11 +84,11 @@ rules-page: .venv/.installed
 	@$(PY) docs/site/rules_page.py
 
 # The pages as a static site in build/site, to be opened as files or put on any server.
-site: .venv/.installed
+site: .venv/.tested
 	@$(PY) docs/site/build_site.py
 
 # Wheels, sdists and archives of a release in build/release, each of them checked. Publishes nothing.
-release: .venv/.installed
+release: .venv/.tested
 	@sh .ci/release
 
 spec-page: .venv/.installed
@@ -95,16 +97,16 @@ spec-page: .venv/.installed
 
 # CI sets CODEWHEEL_LOCKED. Then the packages of .ci/requirements.txt are present, and no others are installed.
 .PHONY: bench-packages
-bench-packages: .venv/.installed
+bench-packages: .venv/.tested
 	@[ -n "$$CODEWHEEL_LOCKED" ] || $(PY) -m pip install --quiet --disable-pip-version-check --editable '.[bench]' || echo "make: the packages of the extra 'bench' cannot be installed, so the footprint is not shown"
 
 .PHONY: engines
-engines: .venv/.installed
+engines: .venv/.tested
 	@[ -n "$$CODEWHEEL_LOCKED" ] || $(PY) -m pip install --quiet --disable-pip-version-check --editable '.[engines]' || echo "make: the packages of the extra 'engines' cannot be installed, so Dask and DuckDB are left out"
 
 # The script only, without the browser that the package would install.
 .PHONY: axe
-axe: .venv/.installed
+axe: .venv/.tested
 	@[ -d build/axe ] || $(PY) -m pip install --quiet --disable-pip-version-check --no-deps --target build/axe '$(AXE)' || echo "make: axe-core cannot be installed, so the site is not checked with it"
 
 # The newest packages that pyproject.toml allows, for CI, with their hashes. Needs uv (pip install uv).
@@ -118,6 +120,10 @@ lock:
 tools:
 	@command -v $(firstword $(CC)) >/dev/null 2>&1 || { echo "make: no C compiler '$(CC)'; install one (Debian: apt-get install gcc) or set CC" >&2; exit 1; }
 	@command -v $(firstword $(CXX)) >/dev/null 2>&1 || { echo "make: no C++ compiler '$(CXX)'; install one (Debian: apt-get install g++) or set CXX" >&2; exit 1; }
+	@mkdir -p build
+	@printf '#include <stdio.h>\nint main(void) { return puts("") < 0; }\n' | $(CC) -x c - -o build/it || { echo "make: '$(CC)' cannot compile and link a program; install the C library (Debian: apt-get install libc6-dev) or set CC" >&2; exit 1; }
+	@printf '#include <cstdio>\nint main() { return std::puts("") < 0; }\n' | $(CXX) -x c++ - -o build/it || { echo "make: '$(CXX)' cannot compile and link a program; install the C++ library (Debian: apt-get install g++) or set CXX" >&2; exit 1; }
+	@rm -f build/it
 
 .venv/.installed: pyproject.toml
 	@command -v $(PYTHON) >/dev/null 2>&1 || { echo "make: no '$(PYTHON)'; install Python 3.10 or newer (Debian: apt-get install python3) or set PYTHON" >&2; exit 1; }
@@ -125,6 +131,11 @@ tools:
 	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { echo "make: '$(PYTHON)' has no venv module; install it (Debian: apt-get install python3-venv)" >&2; exit 1; }
 	@echo "setting up .venv"
 	@$(PYTHON) -m venv .venv
+	@$(PY) -m pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+.venv/.tested: .venv/.installed
+	@echo "installing the packages for the tests"
 	@$(PY) -m pip install --quiet --disable-pip-version-check --editable '.[test]'
 	@touch $@
 

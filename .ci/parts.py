@@ -1,4 +1,7 @@
-"""Run lint, the tests and each part of the longer evidence, two parts at a time, and count what did not run.
+"""Run lint, the README's commands in a clone, and each part of the longer evidence. Count what did not run.
+
+The clone has no environment, so its ``make`` sets one up as on a user's machine. Files with tests that were skipped
+there, for example because an optional package is missing, run again here, with the locked packages.
 
 Exit codes: 0 if all ran and passed, 1 if something failed, 2 if something did not run. ``--allow-missing`` or
 ``CODEWHEEL_ALLOW_MISSING`` turns 2 into 0. The last line has the sum of pytest's own counts.
@@ -12,6 +15,7 @@ import re
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections import Counter
@@ -34,14 +38,20 @@ class Log:
     def __init__(self, missing: list[str]) -> None:
         self.failed = list[str]()
         self.not_run = [f"not installed: {name}" for name in missing]
+        #: Files with tests that were skipped in the clone.
+        self.skipped_files = set[str]()
         self.counts = Counter[str]()
         self.lock = threading.Lock()
 
-    def read(self, part: str, line: str) -> None:
+    def read(self, command: str, line: str, in_clone: bool) -> None:
         """Take skipped tests and the closing counts from a line that pytest has written."""
         skipped = re.match(r"SKIPPED \[(\d+)\] (.*)", line)
         if skipped and not KNOWN.search(skipped[2]):
-            self.not_run.append(f"{skipped[1]} skipped in make {part}: {skipped[2]}")
+            file = re.match(r"tests/[\w/]+\.py", skipped[2])
+            if in_clone and file:
+                self.skipped_files.add(file[0])
+            else:
+                self.not_run.append(f"{skipped[1]} skipped in {command}: {skipped[2]}")
         if re.match(r"(=+ )?\d+ \w+(, \d+ \w+)* in [\d.]+s", line):
             self.counts.update({word: int(number) for number, word in re.findall(r"(\d+) ([a-z]+)", line)})
 
@@ -54,10 +64,34 @@ class Log:
         return 1 if self.failed else 2 if self.not_run and not allow_missing else 0
 
 
-def run(part: str, seconds: float, lines: list[str]) -> int | None:
-    """Make a part, collect its output, and return its exit code, or None if it was killed after this many seconds."""
+def readme_commands() -> list[str]:
+    """Return the commands with ``make`` that the README prints, in its order."""
+    blocks = re.findall(r"^```\w*\n(.*?)^```", Path("README.md").read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    return [line for block in blocks for line in block.splitlines() if line.startswith("make ")]
+
+
+def clone(folder: str) -> bool:
+    """Clone the last commit into a folder. Return whether that was possible."""
+    with tempfile.NamedTemporaryFile("w", suffix=".gitconfig") as settings:
+        # The checkout may belong to another user, as in a container.
+        settings.write("[safe]\n\tdirectory = *\n")
+        settings.flush()
+        variables = {**os.environ, "GIT_CONFIG_GLOBAL": settings.name}
+        return subprocess.run(["git", "clone", "--quiet", ".", folder], env=variables, check=False).returncode == 0
+
+
+def run(command: str, seconds: float, lines: list[str], folder: str = ".") -> int | None:
+    """Run a command, collect its output, and return its exit code, or None if it was killed after this many seconds.
+
+    In another folder than this one, the packages are not the locked ones.
+    """
+    variables = dict(os.environ)
+    if folder != ".":
+        variables.pop("CODEWHEEL_LOCKED", None)
     made = subprocess.Popen(
-        ["make", part],
+        ["sh", "-c", command],
+        cwd=folder,
+        env=variables,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
@@ -82,25 +116,37 @@ def parts() -> list[str]:
     found = sorted({re.sub("python_.*", "python", path.stem.removeprefix("test_")) for path in files})
     done = subprocess.run(["git", "rev-list", "--count", "HEAD"], capture_output=True, text=True)
     first = int(done.stdout or 0) % len(found)
-    return [f"verify-{name}" for name in found[first:] + found[:first]]
+    return [f"make verify-{name}" for name in found[first:] + found[:first]]
 
 
-def take(part: str, deadline: float, log: Log) -> None:
-    """Run a part if there is time for it, then print its output and record its result."""
+def take(command: str, deadline: float, log: Log, folder: str = ".") -> None:
+    """Run a command if there is time for it, then print its output and record its result."""
     begun, lines = time.time(), list[str]()
     enough = deadline - begun >= LEAST
     with log.lock:
-        print(f"== make {part}", flush=True)
-    code = run(part, deadline - begun, lines) if enough else None
+        print(f"== {command}", flush=True)
+    code = run(command, deadline - begun, lines, folder) if enough else None
     with log.lock:
         for line in lines:
             print(line, end="")
-            log.read(part, line)
-        print(f"== make {part}: {time.time() - begun:.0f} s", flush=True)
+            log.read(command, line, folder != ".")
+        print(f"== {command}: {time.time() - begun:.0f} s", flush=True)
         if code is None:
-            log.not_run.append(f"make {part}: {'ended at the deadline' if enough else 'no time left'}")
+            log.not_run.append(f"{command}: {'ended at the deadline' if enough else 'no time left'}")
         elif code != 0:
-            log.failed.append(f"make {part}")
+            log.failed.append(command)
+
+
+def take_readme(deadline: float, log: Log) -> None:
+    """Run the commands of the README in a clone without an environment, and the tests that it skipped here."""
+    with tempfile.TemporaryDirectory() as folder:
+        if not clone(folder):
+            log.failed.append("git clone")
+            return
+        for command in readme_commands():
+            take(command, deadline, log, folder)
+    if log.skipped_files:
+        take(f"make test TESTS='{' '.join(sorted(log.skipped_files))}'", deadline, log)
 
 
 def main() -> int:
@@ -112,11 +158,11 @@ def main() -> int:
     os.environ.update(SIZES | os.environ)
     log = Log([name for name in given.missing.split(",") if name])
     deadline = given.started + DEADLINE
-    for part in ("lint", "test"):
-        take(part, deadline, log)
+    take("make lint", deadline, log)
+    take_readme(deadline, log)
     os.environ["PYTEST_XDIST_AUTO_NUM_WORKERS"] = str(max(1, (os.cpu_count() or 1) // LANES))
     with ThreadPoolExecutor(LANES) as lanes:
-        list(lanes.map(lambda part: take(part, deadline, log), parts()))
+        list(lanes.map(lambda command: take(command, deadline, log), parts()))
     return log.close(given.allow_missing or bool(os.environ.get("CODEWHEEL_ALLOW_MISSING")))
 
 

@@ -12,7 +12,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+#: The name under which it is installed.
+CHROMIUM = next(filter(shutil.which, ("chromium", "chromium-browser", "google-chrome")), "chromium")
 #: Addresses that a page may request.
 _OWN = ("file://", "data:", "about:")
 _FLAGS = (
@@ -43,7 +44,6 @@ class Browser:
     """One page of one browser. ``complaints`` lists the errors of its console and requests since the last ``open``."""
 
     def __init__(self, profile: Path) -> None:
-        assert CHROMIUM is not None
         self._process, self._write, answers = _started([CHROMIUM, *_FLAGS, f"--user-data-dir={profile}"])
         self._input = os.fdopen(answers, "rb")
         self._buffer, self._count, self._session = b"", 0, ""

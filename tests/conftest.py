@@ -16,6 +16,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+import working_tools
 from codewheel import cache
 from codewheel.commands import check, outputs
 from codewheel.loading import library as loading
@@ -100,6 +101,13 @@ def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
         patch.setattr(cache, "default_folder", lambda: None)
         yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _tools_are_tried_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> None:
+    """The processes of a run share the results."""
+    own = tmp_path_factory.getbasetemp()
+    working_tools.results = (own.parent if hasattr(pytestconfig, "workerinput") else own) / "tools"
 
 
 def _once(read: Callable[..., Any]) -> Callable[..., Any]:

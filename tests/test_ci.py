@@ -16,7 +16,14 @@ import pytest
 pytestmark = pytest.mark.slow
 
 CI = Path(__file__).resolve().parents[1] / ".ci"
-PASSES = 'echo "====== 3 passed, 1 skipped in 0.10s ======"\necho "$1" >> order\n'
+#: A make that records what it is called with, and where: in the clone or here, with packages that are locked or not.
+PASSES = """echo "====== 3 passed, 1 skipped in 0.10s ======"
+if [ -e cloned ]; then place=clone; else place=here; fi
+echo "$place$CODEWHEEL_LOCKED $*" >> "$ORDER"
+"""
+README = "Text.\n\n```\nmake first\nmake second\n```\n\n```console\n$ make other\n```\n"
+#: A git that counts commits, and whose clones are marked folders.
+GIT = 'case "$1" in clone) shift 3; mkdir -p "$1"; touch "$1/cloned" ;; *) echo COMMITS ;; esac\n'
 
 
 def program(path: Path, text: str) -> Path:
@@ -32,9 +39,11 @@ def parts(folder: Path, make: str, *arguments: str, commits: int = 0, **environm
     for name in ("a", "python_columns", "z"):
         (folder / "tests" / "verify").mkdir(parents=True, exist_ok=True)
         (folder / "tests" / "verify" / f"test_{name}.py").touch()
+    (folder / "README.md").write_text(README, encoding="utf-8")
     program(folder / "bin" / "make", make)
-    program(folder / "bin" / "git", f"echo {commits}\n")
-    variables = {**os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}", **environment}
+    program(folder / "bin" / "git", GIT.replace("COMMITS", str(commits)))
+    variables = {**os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}", "ORDER": str(folder / "order")}
+    variables |= environment
     command = [sys.executable, str(CI / "parts.py"), *arguments]
     done = subprocess.run(command, capture_output=True, text=True, cwd=folder, env=variables, check=False)
     assert not done.stderr
@@ -43,10 +52,53 @@ def parts(folder: Path, make: str, *arguments: str, commits: int = 0, **environm
 
 def test_every_part_is_made(tmp_path: Path) -> None:
     code, out = parts(tmp_path, PASSES)
-    made = (tmp_path / "order").read_text(encoding="utf-8").split()
-    assert (code, made[:2], sorted(made[2:])) == (0, ["lint", "test"], ["verify-a", "verify-python", "verify-z"])
-    assert [f"== make {part}" in out.splitlines() for part in made] == [True] * 5
-    assert out.endswith("\n15 passed, 0 failed, 5 skipped\n")
+    made = (tmp_path / "order").read_text(encoding="utf-8").splitlines()
+    verify = ["here verify-a", "here verify-python", "here verify-z"]
+    assert (code, made[:3], sorted(made[3:])) == (0, ["here lint", "clone first", "clone second"], verify)
+    assert [f"== make {part.split()[1]}" in out.splitlines() for part in made] == [True] * 6
+    assert out.endswith("\n18 passed, 0 failed, 6 skipped\n")
+
+
+def test_the_readme_prints_the_commands(module: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(CI.parent)
+    assert module.readme_commands() == ["make generate", "make test"]
+
+
+def test_the_clone_is_a_real_one(module: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It has the files of the last commit, and no environment."""
+    monkeypatch.chdir(CI.parent)
+    assert module.clone(str(tmp_path / "clone"))
+    assert (tmp_path / "clone" / "Makefile").exists()
+    assert not (tmp_path / "clone" / ".venv").exists()
+
+
+def test_only_the_clone_has_packages_that_are_not_locked(tmp_path: Path) -> None:
+    parts(tmp_path, PASSES, CODEWHEEL_LOCKED="1")
+    made = (tmp_path / "order").read_text(encoding="utf-8").splitlines()
+    assert made[:3] == ["here1 lint", "clone first", "clone second"]
+    assert all(part.startswith("here1 ") for part in made[3:])
+
+
+@pytest.mark.parametrize("is_still_skipped", [False, True])
+def test_files_that_the_clone_skips_run_here(is_still_skipped: bool, tmp_path: Path) -> None:
+    skips = """[ "$1" = second ] && for line in 7 9; do echo "SKIPPED [1] tests/python/test_b.py:$line: no pandas"; done
+[ "$1" = first ] && echo "SKIPPED [1] tests/test_a.py:1: no polars"
+"""
+    again = 'case "$*" in test*) echo "SKIPPED [1] tests/test_a.py:1: no polars" ;; esac\n' if is_still_skipped else ""
+    code, out = parts(tmp_path, skips + again + PASSES)
+    made = (tmp_path / "order").read_text(encoding="utf-8").splitlines()
+    assert made[3] == "here test TESTS=tests/python/test_b.py tests/test_a.py"
+    assert code == (2 if is_still_skipped else 0)
+    command = "make test TESTS='tests/python/test_b.py tests/test_a.py'"
+    message = f"DID NOT RUN: 1\n  1 skipped in {command}: tests/test_a.py:1: no polars\n"
+    assert (message in out) == is_still_skipped
+
+
+def test_without_a_clone_ci_fails(tmp_path: Path) -> None:
+    (tmp_path / "bin").mkdir()
+    program(tmp_path / "no" / "git", '[ "$1" != clone ]\n')
+    code, out = parts(tmp_path, PASSES, PATH=f"{tmp_path / 'no'}:{tmp_path / 'bin'}:{os.environ['PATH']}")
+    assert (code, "FAILED: 1\n  git clone\n" in out) == (1, True)
 
 
 SKIPS = 'echo "SKIPPED [2] tests/verify/test_a.py:9: {}"\n' + PASSES
@@ -60,10 +112,13 @@ SKIPS = 'echo "SKIPPED [2] tests/verify/test_a.py:9: {}"\n' + PASSES
         (
             SKIPS.format("no clang here"),
             [],
-            "DID NOT RUN: 5\n  2 skipped in make lint: tests/verify/test_a.py:9: no cl",
+            (
+                "DID NOT RUN: 5\n  2 skipped in make lint: tests/verify/test_a.py:9: no clang here\n"
+                "  2 skipped in make test TESTS='tests/verify/test_a.py': tests/verify/test_a.py:9: no cl"
+            ),
         ),
         (SKIPS.format("no Python 3.14 here, so"), [], ""),
-        (PASSES, ["--started", str(time.time() - 84.5 * 60)], "DID NOT RUN: 5\n  make lint: no time left\n"),
+        (PASSES, ["--started", str(time.time() - 87.5 * 60)], "DID NOT RUN: 6\n  make lint: no time left\n"),
     ],
 )
 def test_what_did_not_run_is_an_error_unless_allowed(
@@ -97,13 +152,13 @@ def test_each_commit_begins_with_another_part(
     parts(tmp_path, PASSES, commits=commits)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PATH", str(tmp_path / "bin"), prepend=os.pathsep)
-    assert module.parts() == [f"verify-{name}" for name in order.split()]
+    assert module.parts() == [f"make verify-{name}" for name in order.split()]
 
 
 def test_a_part_ends_at_the_deadline(module: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     program(tmp_path / "make", "sleep 600 & sleep 600\n")
     monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
-    assert module.run("test", 0.2, []) is None
+    assert module.run("make test", 0.2, []) is None
 
 
 #: Tools that .ci/run needs on a machine, apart from those that it installs.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -16,7 +17,7 @@ def commands(*targets: str) -> str:
     """Return the commands that make would run if the virtual environment existed."""
     if shutil.which("make") is None:
         pytest.skip("make is not installed")
-    command = ["make", "--dry-run", "--assume-old=.venv/.installed", *targets]
+    command = ["make", "--dry-run", "--assume-old=.venv/.installed", "--assume-old=.venv/.tested", *targets]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout
@@ -33,3 +34,35 @@ def test_quick_leaves_out_slow_tests_and_test_none() -> None:
     assert re.findall(r"-m (ruff|mypy|codewheel|pytest)\b", quick) == ["ruff", "ruff", "mypy", "codewheel", "pytest"]
     assert "-m 'not slow'" in quick
     assert "slow" not in commands("test")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("target", ["generate", "check", "test", "lint", "verify", "site"])
+def test_only_targets_that_test_install_the_packages_for_tests(target: str) -> None:
+    """Users of the outputs need four packages."""
+    installs = re.findall(r"--editable (\S+)$", dry_run_in_a_clone(target), re.MULTILINE)
+    needs_tests = target not in ("generate", "check")
+    assert installs[:2] == [".", "'.[test]'"] if needs_tests else installs == ["."]
+
+
+def dry_run_in_a_clone(target: str) -> str:
+    """Return the commands that make would run without a virtual environment."""
+    if shutil.which("make") is None:
+        pytest.skip("make is not installed")
+    command = ["make", "--dry-run", "--file", str(ROOT / "Makefile"), target]
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "pyproject.toml").touch()
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_the_tests_install_what_they_build_with() -> None:
+    """Some tests build packages without isolation, so the environment needs what the packages require for this."""
+    listed = re.findall(r"^test = \[(.*)\]$", (ROOT / "pyproject.toml").read_text(encoding="utf-8"), re.MULTILINE)
+    required = set[str]()
+    for path in (ROOT / "pyproject.toml", *(ROOT / "generated" / "python").rglob("pyproject.toml")):
+        (found,) = re.findall(r"^requires = \[(.*)\]$", path.read_text(encoding="utf-8"), re.MULTILINE)
+        required.update(re.findall(r'"([^"]+)"', found))
+    assert required
+    assert required <= set(re.findall(r'"([^"]+)"', listed[0]))

@@ -134,7 +134,16 @@ def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> Bit
     if _NUMBER.fullmatch(compact):
         number = int(compact, 16)
         return BitText(number, number.bit_length(), exact=False)
-    remedy = say.write_number(str(placed.bits))
-    if len(pieces) == 1 and re.fullmatch(r"[0-9A-Fa-f]{1,40}", compact):
-        remedy = say.write_hex(compact) + (say.or_bits(compact) if not set(compact) - set("01") else "")
+    readings = list(_readings(compact, placed.bits)) if len(pieces) == 1 else []
+    remedy = say.write_one_of(", ".join(readings)) if readings else say.write_number(str(placed.bits))
     raise FrameTextError(say.no_bits(quoted(visible(text)), str(placed.bits), remedy))
+
+
+def _readings(digits: str, bits: int) -> Iterator[str]:
+    """Yield the possible meanings of digits without a prefix that fit into the bits. The page has the same rule."""
+    if re.fullmatch(r"0|[1-9][0-9]{0,39}", digits) and not int(digits) >> bits:
+        yield say.if_decimal(f"0x{int(digits):X}")
+    if re.fullmatch(r"[0-9A-Fa-f]{1,40}", digits) and not int(digits, 16) >> bits:
+        yield say.if_hex(digits)
+    if re.fullmatch(r"[01]{1,40}", digits):
+        yield say.if_bits(digits)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from textwrap import fill
 
-from ..virtual import FAULTS, VirtualEncoder, motion
+from ..model import INTERFACES
+from ..virtual import FAULTS, VirtualEncoder, faults_of, motion
 from ..virtual.serve import has_terminals, line_of, listen_tcp, serve, terminal
 from .arguments import held_bytes
 from .terminal import Stop
@@ -19,9 +20,13 @@ _HOW = (
 
 
 def more_help() -> str:
-    """Return how to use the port, and the faults."""
-    faults = (f"  {name:<10}{effect}" for name, effect in FAULTS.items())
-    return "\n".join([fill(_HOW, 79), "", "faults:", *faults])
+    """Return how to use the port, and the faults of each interface."""
+    lines = [fill(_HOW, 79)]
+    for interface in dict.fromkeys(interface for effects in FAULTS.values() for interface in effects):
+        effects = faults_of(interface)
+        lines += ["", f"faults over {INTERFACES[interface].short}:"]
+        lines += [f"  {name:<10}{effect}" for name, effect in effects.items()]
+    return "\n".join(lines)
 
 
 def run(chosen: argparse.Namespace) -> int:

@@ -39,13 +39,30 @@ def write_bits(bits: str, length: str) -> str:
     return f"Write 0b and all {bits} bits in the order sent, or {length} hex bytes with zeros in front"
 
 
-def write_hex(digits: str) -> str:
-    return f"Write 0x{digits} if it is hex"
+def no_order_code(text: str, remedy: str) -> str:
+    """Return the message for text that is not a frame, if no order code states its length."""
+    return f"{text} is not a frame. {remedy}"
 
 
-def or_bits(digits: str) -> str:
-    """Return the end of ``write_hex`` for digits that are all 0 or 1."""
-    return f", 0b{digits} if it is bits"
+def write_any() -> str:
+    return "Write 0b and all bits in the order sent, 0x and hex digits, or the bytes like 02 00 12 34 00 24"
+
+
+def write_one_of(readings: str) -> str:
+    """Return the remedy for digits without a prefix. ``readings`` are their possible meanings, separated by commas."""
+    return f"Write {readings}"
+
+
+def if_decimal(hexadecimal: str) -> str:
+    return f"{hexadecimal} if it is decimal"
+
+
+def if_hex(digits: str) -> str:
+    return f"0x{digits} if it is hex"
+
+
+def if_bits(digits: str) -> str:
+    return f"0b{digits} if it is bits"
 
 
 def also(names: str) -> str:

@@ -7,6 +7,7 @@ from .biss import BissLine as BissLine
 from .encoder import VirtualEncoder as VirtualEncoder
 from .faults import FAULTS as FAULTS
 from .faults import Faults as Faults
+from .faults import faults_of as faults_of
 from .motion import motion as motion
 from .rs485 import Rs485Line as Rs485Line
 from .spi import SpiLine as SpiLine

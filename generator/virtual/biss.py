@@ -10,14 +10,15 @@ from collections.abc import Generator
 from ..model import Crc
 from ..reference.crc import compute_bits
 from .encoder import VirtualEncoder
+from .faults import BUSY_S
 from .levels import ByLevels
 
 #: Number of zeros after which a control frame can start, and that abort one.
 ZEROS = 14
 #: CRC of control data: x^4 + x + 1, inverted.
 _CRC = Crc("control", 4, 0x3, 0, False, False, 0xF, "", ())
-#: Faults of RS-485 that a clocked line cannot have.
-_NONE = ("doubled", "echo", "junk")
+#: Fewest and most clocks by which the start bit is late.
+_LATE = {"late": (1, 8), "busy": (9, 40)}
 
 
 class BissLine(ByLevels):
@@ -70,24 +71,23 @@ class BissLine(ByLevels):
         cds = self._control(cdm)
         word = encoder.frame(encoder.layouts("encoder")[0])
         data = [word >> place & 1 for place in range(self.bits - 1, -1, -1)]
-        late = [0] * (faults.random.randint(1, 8) if fault == "late" else 0)
+        late = [0] * faults.random.randint(*_LATE.get(fault, (0, 0)))
         bits = [*[0] * self.acknowledge, *late, 1, cds, *data, 0]
-        place = faults.random.randrange(self.acknowledge, len(bits))
-        if fault in _NONE:
-            raise ValueError(f"the fault '{fault}' is only for RS-485")
-        if fault == "flip":
-            bits[place] ^= 1
-        elif fault in ("short", "brownout"):
-            bits[place:] = [1] * (len(bits) - place)
-        elif fault == "low":
+        if fault == "low":
             bits = [0] * len(bits)
-        elif fault in ("high", "lost") or encoder.is_off():
+        elif fault in ("high", "lost", "restart") or encoder.is_off():
             bits = [1] * len(bits)
+        elif fault == "flip":
+            bits[faults.random.randrange(self.acknowledge + 1, len(bits) - 1)] ^= 1
+        elif fault in ("short", "brownout"):
+            last_zero = len(data) - 1 - data[::-1].index(0) if 0 in data else 0
+            place = faults.random.randint(self.acknowledge, self.acknowledge + 2 + last_zero)
+            bits[place:] = [1] * (len(bits) - place)
         if fault in ("restart", "brownout"):
             encoder.restart()
             self._access = None
         elif fault == "busy":
-            encoder.be_busy(0.02)
+            encoder.be_busy(BUSY_S)
         return bits
 
     def clock(self, ma: int) -> int:

@@ -64,7 +64,8 @@ class VirtualEncoder:
         faults: The faults, and the number of times that each was injected.
 
     Raises:
-        ValueError: There is no such order code, edition, register, answer or fault, or an answer is missing.
+        ValueError: There is no such order code, edition, register, answer or fault, the interface cannot have this
+            fault, or an answer is missing.
     """
 
     def __init__(
@@ -86,7 +87,7 @@ class VirtualEncoder:
         self.variant = decided(self.device, match.variant, self.answers)
         self._placed: tuple[Variant, dict[str, PlacedLayout]] = (self.variant, {})
         self.position = position
-        self.faults = Faults(faults, seed)
+        self.faults = Faults(self.variant.interface, faults, seed)
         self.flags: set[str] = set()
         self._offset = 0
         self._off_until = self._busy_until = 0.0

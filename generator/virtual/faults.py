@@ -4,31 +4,78 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from math import isfinite
 from typing import Protocol
 
-#: The faults that a virtual encoder can have, with their effect.
-FAULTS = {
-    "lost": "there is no reply",
-    "short": "the end of the reply is missing",
-    "doubled": "the reply comes twice",
-    "late": "the reply comes 5 to 40 ms late",
-    "flip": "one bit of the reply is inverted",
-    "echo": "the request comes back before the reply",
-    "junk": "random bytes come before the reply",
-    "low": "the line is low for 20 ms",
-    "high": "the line is high for 20 ms",
-    "busy": "the encoder is busy for 20 ms",
-    "restart": "the supply is off for 20 ms",
-    "brownout": "the supply fails within a reply, for 20 ms",
+from ..model import INTERFACES
+
+#: Faults that a virtual encoder can have, by name: the effect on each interface that can have the fault.
+FAULTS: Mapping[str, Mapping[str, str]] = {
+    "lost": {
+        "rs485": "there is no reply",
+        "biss": "the data line stays high",
+        "ssi": "the data line stays high",
+        "spi": "all bits are 1",
+    },
+    "short": {
+        "rs485": "the end of the reply is missing",
+        "biss": "the end of the frame is missing, and the line is high",
+        "ssi": "the end of the word is missing, and the line is high",
+        "spi": "the end of the word is missing, and its bits are 1",
+    },
+    "doubled": {"rs485": "the reply comes twice"},
+    "late": {
+        "rs485": "the reply comes 5 to 40 ms late",
+        "biss": "the start bit comes 1 to 8 clocks late",
+    },
+    "flip": {
+        "rs485": "one bit of the reply is inverted",
+        "biss": "one bit of CDS or the data is inverted",
+        "ssi": "one bit of the word is inverted",
+        "spi": "one bit of the word is inverted",
+    },
+    "echo": {"rs485": "the request comes back before the reply"},
+    "junk": {"rs485": "random bytes come before the reply"},
+    "low": {
+        "rs485": "the line is low for 20 ms",
+        "biss": "the data line is low for the whole frame",
+        "ssi": "the data line is low for the whole word",
+        "spi": "all bits are 0",
+    },
+    "high": {
+        "rs485": "the line is high for 20 ms",
+        "biss": "the data line is high for the whole frame",
+        "ssi": "the data line is high for the whole word",
+        "spi": "all bits are 1",
+    },
+    "busy": {
+        "rs485": "the encoder is busy for 20 ms: it reports this, or does not reply",
+        "biss": "the start bit comes 9 to 40 clocks late, and register accesses wait for 20 ms",
+        "ssi": "the encoder is busy for 20 ms: it reports this, or the data line is low",
+    },
+    "restart": {
+        "rs485": "the supply is off for 20 ms",
+        "biss": "the supply is off for 20 ms",
+        "ssi": "the supply is off for 20 ms",
+        "spi": "the supply is off for 20 ms",
+    },
+    "brownout": {
+        "rs485": "the supply fails within the reply, for 20 ms",
+        "biss": "the supply fails within the frame, for 20 ms",
+        "ssi": "the supply fails within the word, for 20 ms",
+        "spi": "the supply fails within the word, for 20 ms",
+    },
 }
+#: Seconds for which the fault ``busy`` keeps an encoder busy.
+BUSY_S = 0.02
 
 
 class Faults:
     """Faults to inject.
 
     Args:
+        interface: Interface of the encoder, such as ``rs485``.
         texts: Names, each with a rate per reply, such as ``flip:1e-3``. Without a rate, every reply has the fault.
         seed: Seed of the random sequence.
 
@@ -36,13 +83,13 @@ class Faults:
         injected: Number of times that each fault was injected.
 
     Raises:
-        ValueError: There is no such fault, or the rate is not 0 to 1.
+        ValueError: There is no such fault, this interface cannot have it, or the rate is not 0 to 1.
     """
 
-    def __init__(self, texts: Iterable[str] = (), seed: int = 0) -> None:
+    def __init__(self, interface: str, texts: Iterable[str] = (), seed: int = 0) -> None:
         self.random = random.Random(seed)
         self.injected: Counter[str] = Counter()
-        self._rates = [_rate(text) for text in ([texts] if isinstance(texts, str) else texts)]
+        self._rates = [_rate(interface, text) for text in ([texts] if isinstance(texts, str) else texts)]
 
     def draw(self) -> str:
         """Return the fault of the next reply, or an empty string."""
@@ -58,7 +105,7 @@ class Faults:
         if name == "lost":
             return b""
         if name in ("short", "brownout"):
-            return reply[: chance.randrange(1, len(reply))]
+            return reply[: chance.randrange(min(1, len(reply) - 1), len(reply))]
         if name == "doubled":
             return reply + reply
         if name == "flip":
@@ -70,6 +117,13 @@ class Faults:
             return chance.randbytes(chance.randint(1, 8)) + reply
         return reply
 
+    def cut(self, word: int, bits: int) -> int:
+        """Return a word whose last bits are all 1, at least one of which was 0, if there is one."""
+        lowest_zero = (~word & (word + 1)).bit_length() - 1
+        least = min(lowest_zero + 1, bits)
+        missing = self.random.randrange(least, max(least + 1, bits))
+        return word | (1 << missing) - 1
+
 
 class _Host(Protocol):
     """Encoder whose line has faults."""
@@ -80,25 +134,34 @@ class _Host(Protocol):
     def restart(self) -> None: ...
 
 
-def disturbed(encoder: _Host, word: int, bits: int) -> int:
-    """Return a word as it arrives over a clocked line, with a fault that is drawn for it."""
-    fault = encoder.faults.draw()
-    if fault == "flip":
-        return word ^ 1 << encoder.faults.random.randrange(bits)
-    if fault == "restart":
+def disturbed(encoder: _Host, fault: str, word: int, bits: int) -> int:
+    """Return a word as it arrives over a clocked line with this fault."""
+    was_off = encoder.is_off()
+    if fault in ("restart", "brownout"):
         encoder.restart()
     if fault == "low":
         return 0
-    return (1 << bits) - 1 if fault in ("high", "lost") or encoder.is_off() else word
+    if was_off or fault in ("high", "lost", "restart"):
+        return (1 << bits) - 1
+    if fault in ("short", "brownout"):
+        return encoder.faults.cut(word, bits)
+    return word ^ 1 << encoder.faults.random.randrange(bits) if fault == "flip" else word
 
 
-def _rate(text: str) -> tuple[str, float]:
+def faults_of(interface: str) -> dict[str, str]:
+    """Return the faults that an interface can have, with their effects."""
+    return {name: effects[interface] for name, effects in FAULTS.items() if interface in effects}
+
+
+def _rate(interface: str, text: str) -> tuple[str, float]:
     name, _, rate = text.partition(":")
     try:
         value = float(rate or 1)
     except ValueError:
         value = -1.0
+    possible = ", ".join(faults_of(interface))
     if name not in FAULTS or not isfinite(value) or not 0 <= value <= 1:
-        known = ", ".join(FAULTS)
-        raise ValueError(f"'{text}' is not a fault; write a name and a rate from 0 to 1, such as flip:1e-3: {known}")
+        raise ValueError(f"'{text}' is not a fault; write a name and a rate from 0 to 1, such as flip:1e-3: {possible}")
+    if interface not in FAULTS[name]:
+        raise ValueError(f"{INTERFACES[interface].short} cannot have the fault '{name}'; it can have: {possible}")
     return name, value

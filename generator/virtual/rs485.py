@@ -9,11 +9,12 @@ from typing import NamedTuple
 from ..model import DataId, Flag, Layout, Rs485, SendStep, WaitStep, number_to_bytes
 from ..reference import codec
 from .encoder import VirtualEncoder
+from .faults import BUSY_S
 
 #: Seconds after which the rest of an incomplete request is discarded.
 GAP_S = 0.005
-#: Durations in seconds: a line fault, a busy encoder, and an EEPROM access for one byte.
-OUTAGE_S = BUSY_S = 0.02
+#: Durations in seconds: a line fault, and an EEPROM access for one byte.
+OUTAGE_S = 0.02
 EEPROM_S = 0.003
 #: Tolerance in seconds of the interval between the requests of a reset.
 _EARLY_S = 1e-9
@@ -147,24 +148,32 @@ class Rs485Line:
             return b""
         given = {name: value for name, value in values.items() if name != codec.UNUSED}
         if asked is not None and asked.purpose in ("read", "write"):
-            given |= self._memory(asked, layout, given)
+            memory = self._memory(asked, layout, given)
+            if memory is None:
+                return b""
+            given |= memory
         number = self.encoder.frame(layout, given)
         placed = self.encoder.place(layout)
         if asked is not None:
             self._count(asked)
         return number_to_bytes(layout, number, placed.bits)
 
-    def _memory(self, asked: DataId, layout: Layout, given: dict[str, int | str | bool]) -> dict[str, int | bool]:
-        """Carry out an access to the EEPROM, and return its busy flag and data for the reply."""
+    def _memory(
+        self, asked: DataId, layout: Layout, given: dict[str, int | str | bool]
+    ) -> dict[str, int | bool] | None:
+        """Carry out an access to the EEPROM, and return the values for the reply: the busy flag, if any, and the data.
+
+        Return None if the EEPROM is busy and the reply cannot report it.
+        """
         now = self.encoder.clock()
-        flag = next(item.name for item in layout.fields if isinstance(item.kind, Flag))
+        flags = [field.name for field in layout.fields if isinstance(field.kind, Flag)][:1]
         if now < self._memory_busy_until:
-            return {flag: True, "data": 0}
+            return {**dict.fromkeys(flags, True), "data": 0} if flags else None
         address = int(given["address"])
         if asked.purpose == "write":
             self._eeprom[address] = int(given["data"])
             self._memory_busy_until = now + EEPROM_S
-        return {flag: False, "data": self._eeprom.get(address, 0xFF)}
+        return {**dict.fromkeys(flags, False), "data": self._eeprom.get(address, 0xFF)}
 
     def _count(self, asked: DataId) -> None:
         """Count the requests of a reset, and carry it out after the last one."""

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from select import select
 from threading import Event, Thread
+from time import monotonic
 from typing import NamedTuple, Protocol
 
 from .biss import BissLine
@@ -18,6 +19,8 @@ from .ssi import SsiLine
 
 #: Longest wait in seconds before the server checks whether it should stop.
 _TICK_S = 0.2
+#: Longest wait in seconds for a program to read its replies.
+PATIENCE_S = 1.0
 
 
 class Line(Protocol):
@@ -55,19 +58,26 @@ def has_terminals() -> bool:
 
 
 def terminal() -> _Port:
-    """Open a pseudo-terminal. Its name is that of the device to open."""
+    """Open a pseudo-terminal. Its name is that of the device to open. Replies that are not read in time are lost."""
     import tty
 
     master, slave = os.openpty()
     tty.setraw(slave)
+    os.set_blocking(master, False)
+
+    def write(data: bytes) -> None:
+        end = monotonic() + PATIENCE_S
+        while data and select([], [master], [], max(0.0, end - monotonic()))[1]:
+            try:
+                data = data[os.write(master, data) :]
+            except BlockingIOError:
+                continue
 
     def close() -> None:
         os.close(master)
         os.close(slave)
 
-    return _Port(
-        os.ttyname(slave), lambda: master, lambda: os.read(master, 4096), lambda data: os.write(master, data), close
-    )
+    return _Port(os.ttyname(slave), lambda: master, lambda: os.read(master, 4096), write, close)
 
 
 def listen_tcp(port: int = 0) -> _Port:
@@ -77,12 +87,16 @@ def listen_tcp(port: int = 0) -> _Port:
 
 
 def listener(server: socket.socket, name: str) -> _Port:
-    """Serve one client after another on a listening socket."""
+    """Serve one client after another on a listening socket.
+
+    A client that has gone or does not read its replies in time is disconnected. Its other requests are not answered.
+    """
     clients: list[socket.socket] = []
 
     def read() -> bytes:
         if not clients:
             client = server.accept()[0]
+            client.settimeout(PATIENCE_S)
             if server.family == socket.AF_INET:
                 client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             clients.append(client)
@@ -96,11 +110,11 @@ def listener(server: socket.socket, name: str) -> _Port:
         return data
 
     def write(data: bytes) -> None:
-        for client in clients:
+        if clients:
             try:
-                client.sendall(data)
-            except OSError:  # The next read finds that the client has gone.
-                return
+                clients[0].sendall(data)
+            except OSError:
+                clients.pop().close()
 
     def close() -> None:
         for item in (server, *clients):

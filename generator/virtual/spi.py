@@ -56,7 +56,7 @@ class SpiLine:
             (late, had), self._next = self._next, (answer, length)
             # A longer word ends with zeros, and a shorter one has only the beginning of the reply.
             answer = late << length - had if length > had else late >> had - length
-        return disturbed(self.encoder, answer, length)
+        return disturbed(self.encoder, self.encoder.faults.draw(), answer, length)
 
     def receive(self, data: bytes) -> None:
         """Take bytes that the master sends. Send a word in one piece if words have several lengths."""

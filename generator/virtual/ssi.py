@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..model import Layout
 from .encoder import VirtualEncoder
-from .faults import disturbed
+from .faults import BUSY_S, disturbed
 from .levels import ByLevels
 
 
@@ -35,9 +35,19 @@ class SsiLine(ByLevels):
     def _layout(self) -> Layout:
         return self.encoder.layouts("encoder")[0]
 
+    @property
+    def _is_not_ready(self) -> bool:
+        """True if the encoder is busy and no flag can report it, so that it keeps the data line low."""
+        encoder = self.encoder
+        return encoder.is_busy() and not encoder.is_off() and not encoder.reports_busy
+
     def word(self) -> int:
         """Return the current word, which a fault can change. The first bit sent is the most significant."""
-        return disturbed(self.encoder, self.encoder.frame(self._layout), self.bits)
+        fault = self.encoder.faults.draw()
+        if fault == "busy":
+            self.encoder.be_busy(BUSY_S)
+        word = 0 if self._is_not_ready else self.encoder.frame(self._layout)
+        return disturbed(self.encoder, fault, word, self.bits)
 
     def clock(self, level: int) -> int:
         """Set the level of the clock, and return that of the data line. Zeros follow the word."""
@@ -51,6 +61,6 @@ class SsiLine(ByLevels):
         return self._data
 
     def timeout(self) -> int:
-        """Let the pause after a word pass. The data line is then high."""
-        self._left, self._data = -1, 1
-        return 1
+        """Let the pause after a word pass. The data line is then high, unless the encoder is busy."""
+        self._left, self._data = -1, int(not self._is_not_ready)
+        return self._data

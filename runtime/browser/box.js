@@ -135,7 +135,7 @@ function box(root) {
     const near = help.split(/[\s,;]+/).filter((one) => known.has(one));
     const start = help ? [part("div", "bad", element("p", {}, sentence(help)), codeButtons(near, pick))] : [];
     const [first] = linesOf(text.value);
-    return first ? [...start, ...guessesOf(inferred(first.text), pick)] : start;
+    return first ? [...start, ...guessesOf(first.text, pick)] : start;
   }
 
   /** How the label differs from the codes in the manual, and the origin of the family. */

@@ -217,9 +217,10 @@ function codeButtons(codes, pick) {
   }));
 }
 
-/** The order codes that match a frame; ``pick`` selects one of them. */
-function guessesOf(groups, pick) {
-  if (!groups.length) return [part("div", "bad", element("p", {}, "This frame is not valid for any order code."))];
+/** The order codes that match the frame in a text; ``pick`` selects one of them. */
+function guessesOf(text, pick) {
+  const groups = inferred(text);
+  if (!groups.length) return [part("div", "bad", element("p", {}, sentence(notOfAnyCode(text))))];
   const withCrc = groups.filter((group) => group.decoded.crc);
   const rows = [...withCrc, ...groups.filter((group) => !group.decoded.crc)].map((group) => {
     const { at } = group.decoded;

@@ -3,6 +3,8 @@
 
 class FrameText extends Error {}
 
+/** Most bits of a frame over BiSS, SSI and SPI. */
+const MOST_BITS = 128;
 const LONGEST_QUOTE = TABLE.limits.quote;
 const quoted = (text) => (text.length <= LONGEST_QUOTE ? `'${text}'` : `'${text.slice(0, LONGEST_QUOTE - 3)}...'`);
 
@@ -66,10 +68,45 @@ function numberIn(text, size, exact) {
     const number = BigInt(compact);
     return { number, bits: bitLength(number), exact: false };
   }
-  const isHex = pieces.length === 1 && /^[0-9a-f]{1,40}$/i.test(compact);
-  const remedy = isHex ? said("write_hex", compact) + (/^[01]+$/.test(compact) ? said("or_bits", compact) : "")
-    : said("write_number", size);
+  const meanings = pieces.length === 1 ? readings(compact, size).join(", ") : "";
+  const remedy = meanings ? said("write_one_of", meanings) : said("write_number", size);
   throw new FrameText(said("no_bits", quoted(text), size, remedy));
+}
+
+/** The possible meanings of digits without a prefix, as numbers of at most ``size`` bits. The command line does the same. */
+function readings(digits, size) {
+  const fits = (number) => number >> BigInt(size) === 0n;
+  const decimal = /^(0|[1-9][0-9]{0,39})$/.test(digits) && fits(BigInt(digits));
+  const hexadecimal = /^[0-9a-f]{1,40}$/i.test(digits) && fits(BigInt(`0x${digits}`));
+  return [
+    ...(decimal ? [said("if_decimal", `0x${BigInt(digits).toString(16).toUpperCase()}`)] : []),
+    ...(hexadecimal ? [said("if_hex", digits)] : []),
+    ...(/^[01]{1,40}$/.test(digits) ? [said("if_bits", digits)] : []),
+  ];
+}
+
+/** The message about a text that is not a valid frame of any order code: how to write it, if that is the reason. */
+function notOfAnyCode(text) {
+  let plain;
+  try {
+    plain = checked(text);
+  } catch (error) {
+    if (error instanceof FrameText) return error.message;
+    throw error;
+  }
+  const isRead = (read) => {
+    try {
+      read(plain, MOST_BITS);
+      return true;
+    } catch (error) {
+      if (error instanceof FrameText) return false;
+      throw error;
+    }
+  };
+  const meanings = /^[0-9a-f]+$/i.test(plain) ? readings(plain, MOST_BITS).join(", ") : "";
+  const remedy = meanings ? said("write_one_of", meanings) : said("write_any");
+  if (!isRead(numberIn) && !isRead(bytesIn)) return said("no_order_code", quoted(plain), remedy);
+  return `this frame is not valid for any order code${meanings ? `. ${remedy}` : ""}`;
 }
 
 /** The bytes of a frame that is sent as bits, from 0b and every bit. */

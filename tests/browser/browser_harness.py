@@ -6,7 +6,6 @@ import html
 import json
 import random
 import re
-import shutil
 import subprocess
 import warnings
 import zlib
@@ -23,6 +22,7 @@ from codewheel.reference.findings import findings
 from codewheel.say.numbers import quantity
 from rust_frames import numbers
 from test_c_codec import run_time_variants
+from working_tools import require
 
 HERE = Path(__file__).resolve().parent
 #: Minimum number of frames of a layout for one order code.
@@ -145,13 +145,12 @@ def compared(case: Case, count: int, random_: random.Random) -> dict[str, Any]:
 
 
 def program(name: str) -> str:
-    """Return the path of a program. If it is missing, skip the test. The end of the run reports this."""
-    found = shutil.which(name)
-    if found is None:
-        words = f"no {name} here, so what the page does in it is not shown; apt-get install {name}"
-        warnings.warn(words, stacklevel=2)
-        pytest.skip(words)
-    return found
+    """Return the path of a program that works. Otherwise, skip the test. The end of the run reports this."""
+    try:
+        return require([name])
+    except pytest.skip.Exception as missing:
+        warnings.warn(str(missing), stacklevel=2)
+        raise
 
 
 class Asker:

@@ -92,7 +92,7 @@
         return error instanceof wheel.FrameText ? "refused" : `${error}`;
       }
     };
-    return [read(wheel.bytesIn), read(wheel.numberIn)];
+    return [read(wheel.bytesIn), read((text) => wheel.numberIn(text, 36))];
   }
 
   /** Return the order code that a label is read as, or the help for a wrong one. */
@@ -152,8 +152,11 @@
   /** Return the order codes for which a text is a valid frame. */
   const inferred = (item) => wheel.inferred(item.text).map((group) => [group.decoded.at.name, group.codes]);
 
+  /** Return the message about a text that is not a frame of any order code. */
+  const unread = (item) => wheel.notOfAnyCode(item.text);
+
   /** Compared frames, or the values of a text, for one start of a browser. */
   const answered = (item) => (item.frames ? compared(item) : values(item));
 
-  globalThis.codewheelTests = { answered, compared, values, readings, encoded, reasons, inferred, labels, lines };
+  globalThis.codewheelTests = { answered, compared, values, readings, encoded, reasons, inferred, labels, lines, unread };
 })();

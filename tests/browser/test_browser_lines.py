@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from codewheel.commands.frame_text import FrameTextError, frame_lines
 from codewheel.commands.look_up import find
 from codewheel.order_codes.run_time import RegisterError
 from codewheel.targets import Library
+from working_tools import require
 
 ROOT = Path(__file__).resolve().parents[2]
 BISS, RS485, SSI = "AMM5A21/65KSC1", "AMM5A23/65KJP1", "AMM5A21/65KBG1"
@@ -33,6 +33,14 @@ TEXTS = (
     (BISS, "", "0b" + f"{0xF4243D3:046b}"),
     (BISS, "", "0F4243D3"),
     (BISS, "", "101"),
+    (BISS, "", "256000979"),
+    (BISS, "", "00256000979"),
+    (BISS, "", str(1 << 45)),
+    (BISS, "", "9" * 40),
+    (BISS, "", "0"),
+    (BISS, "", "1" * 41),
+    (SSI, "", "256000979"),
+    (SSI, "", "9999999999"),
     (BISS, "", "10 11"),
     (BISS, "", "0F 42 4"),
     (BISS, "", "0F 42 zz"),
@@ -102,6 +110,36 @@ def test_page_and_command_line_say_the_same(node: Asker, library: Library) -> No
         assert answer == said(library, item["code"], item["register"], item["text"]), item
 
 
+@pytest.mark.slow
+def test_digits_without_a_prefix_have_each_meaning_that_fits(node: Asker, library: Library) -> None:
+    """A debugger prints 0xF4243D3 as 256000979, which is also hex. 9999999999 as hex has more than 37 bits."""
+    assert int("256000979") == 0xF4243D3
+    both = "Write 0xF4243D3 if it is decimal, 0x256000979 if it is hex"
+    assert said(library, BISS, "", "256000979")[0][2] == f"'256000979' is not a frame of 45 bits. {both}"
+    assert said(library, SSI, "", "256000979")[0][2] == f"'256000979' is not a frame of 37 bits. {both}"
+    only = f"Write 0x{9999999999:X} if it is decimal"
+    assert said(library, SSI, "", "9999999999")[0][2] == f"'9999999999' is not a frame of 37 bits. {only}"
+    assert node("unread", [{"text": "256000979"}]) == [f"'256000979' is not a frame. {both}"]
+
+
+@pytest.mark.slow
+def test_without_an_order_code_a_text_that_is_no_frame_has_the_help(node: Asker) -> None:
+    anything = "Write 0b and all bits in the order sent, 0x and hex digits, or the bytes like 02 00 12 34 00 24"
+    invalid = "this frame is not valid for any order code"
+    digits = "Write 0x9187 if it is decimal, 0x37255 if it is hex"
+    expected = {
+        "zz": f"'zz' is not a frame. {anything}",
+        "0F 42 zz": f"'0F 42 zz' is not a frame. {anything}",
+        "37255": f"'37255' is not a frame. {digits}",
+        "02 00 C7 D1 6A 7F": invalid,
+        "0xF4243D2": invalid,
+        "0200": f"{invalid}. Write 0x0200 if it is hex",
+        ",": "the frame is empty",
+    }
+    assert int("37255") == 0x9187
+    assert node("unread", [{"text": text} for text in expected]) == list(expected.values())
+
+
 def test_all_spellings_of_one_frame_are_the_same(library: Library) -> None:
     first = said(library, *TEXTS[0])
     assert "verdict\tusable" in first[0][2]
@@ -121,9 +159,7 @@ def test_times_are_not_part_of_the_frame(library: Library) -> None:
 )
 def test_a_negative_position_has_an_angle_of_its_revolution(position: int, shown: str) -> None:
     """-1000 of 8,192 counts is 360° - 43.95° of the revolution before the first one."""
-    node = shutil.which("node")
-    if node is None:
-        pytest.skip("needs Node")
+    node = require(["node"])
     text = (ROOT / "runtime" / "browser" / "result.js").read_text(encoding="utf-8")
     function = text[text.index("function measured(") :].split("\n}\n", 1)[0] + "\n}\n"
     found = f'{{ verdict: "usable", at: {{}}, fields: [{{ name: "position", value: {position}n }}] }}'

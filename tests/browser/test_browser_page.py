@@ -118,7 +118,8 @@ STEPS = """
   seen.otherEvidence = said(other);
   type(code, "AMM5A23/65KJP1-xyz"); type(text, "02 20 C7 D1 6A 5E"); seen.reports = said(box);
   type(text, "02 00 C7 D1 6A 7F"); seen.fault = said(box);
-  type(code, ""); type(text, "02 00 C7 D1 6A 7E"); seen.inferred = said(box);
+  type(code, ""); type(text, "zz"); seen.notation = said(box); type(text, "256000979"); seen.decimal = said(box);
+  type(text, "02 00 C7 D1 6A 7E"); seen.inferred = said(box);
   box.querySelector(".codewheel-decode-codes button").click(); seen.picked = said(box); seen.code = code.value;
   type(code, "AMM5A21/65KSC1"); type(text, "0xF4243D2"); seen.why = said(box);
   type(text, "0x0"); seen.low = said(box); type(text, "0b" + "1".repeat(45)); seen.high = said(box);
@@ -187,6 +188,10 @@ def test_a_fault_in_the_words_of_the_command(seen: dict[str, Any]) -> None:
 
 @pytest.mark.slow
 def test_an_order_code_that_is_left_out(seen: dict[str, Any]) -> None:
+    assert seen["notation"].startswith(
+        "'zz' is not a frame. Write 0b and all bits in the order sent, 0x and hex digits"
+    )
+    assert "Write 0xF4243D3 if it is decimal, 0x256000979 if it is hex." in seen["decimal"]
     assert "AMM5A23/65KJP1" in seen["inferred"]
     assert "with a correct CRC" in seen["inferred"]
     assert seen["code"] == "AMM5A23/1JP1"

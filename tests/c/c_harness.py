@@ -39,6 +39,7 @@ from codewheel.targets.c.files import generate
 from codewheel.targets.c.identity import IdentityCode
 from codewheel.targets.c.reserved import c_name
 from codewheel.targets.c.types import unsigned
+from working_tools import require
 
 WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wcast-qual -Wshadow -Werror".split()
 SPECS = Path(__file__).resolve().parents[1] / "specs"
@@ -123,6 +124,7 @@ def compile_c(
     command: list[str], code: str, folder: Path, include: Path, stem: str = "program", link: bool = True
 ) -> Path:
     """Compile and link a text, with all warnings as errors."""
+    require(command)
     text, program = folder / f"{stem}.c", folder / stem
     text.write_text(code, encoding="utf-8")
     options = ["-o", str(program)] if link else ["-c", "-o", f"{program}.o"]

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from c_harness import WARNINGS
+from working_tools import require
 
 OK, RANGE, LOST = 0, 4, 13
 
@@ -96,6 +97,7 @@ def compile_motion(include: Path, folder: Path) -> None:
     text = folder / "motion.c"
     text.write_text(source(FUNCTIONS | DIVIDING), encoding="utf-8")
     command = ["gcc", "-std=c99", "-O1", "-shared", "-fPIC", "-fsanitize=undefined", "-fno-sanitize-recover=all"]
+    require(command)
     done = subprocess.run(
         [*command, *WARNINGS, f"-I{include}", str(text), "-o", str(folder / "motion.so")],
         capture_output=True,

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
 from codewheel.model import Device
 from test_c_package import crc_of, written
+from working_tools import require
 
 pytestmark = pytest.mark.slow
 
@@ -70,8 +70,7 @@ def library(c_devices: tuple[Device, ...], tmp_path: Path) -> Path:
 
 def compiled(command: list[str], sketch: Path, library: Path, *more: str) -> None:
     """Compile a sketch as Arduino does: as C++, after Arduino.h."""
-    if shutil.which(command[0]) is None:
-        pytest.skip(f"{command[0]} is not installed")
+    require(command)
     source = sketch.with_suffix(".cpp")
     source.write_text('#include "Arduino.h"\n' + sketch.read_text(encoding="ascii"), encoding="ascii")
     options = ["-Wall", "-Wextra", "-Werror", f"-I{library / 'src'}", f"-I{library.parent}"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from codewheel.model import Device, Procedure, Variant
 from codewheel.reference.codec import EncodeError
 from codewheel.reference.procedures import register_writes
 from test_c_families import steps_text
+from working_tools import require
 
 SPEC = Path(__file__).parent / "specs" / "arguments.yaml"
 
@@ -43,8 +43,7 @@ def run_arguments(arguments: Device, made_once: MadeOnce) -> Run:
 @pytest.mark.parametrize("command", [["clang", "-std=c99"], ["g++", "-x", "c++", "-std=c++11"]], ids=" ".join)
 def test_no_warning(command: list[str], arguments: Device, tmp_path: Path) -> None:
     """There is none even if an encoder is identified by a byte called ``variant_id``."""
-    if shutil.which(command[0]) is None:
-        pytest.skip(f"{command[0]} is not installed")
+    require(command)
     compile_programs(command, arguments, tmp_path, write(tmp_path, (arguments,)), link=False)
 
 

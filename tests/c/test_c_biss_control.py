@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -14,6 +13,7 @@ from biss_line import Line, Memory, PythonMaster, PythonSlave
 from c_harness import GCC, SANITIZED, MadeOnce, compile_c
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from working_tools import require
 
 RESULTS = ("OK", "LENGTH", "CRC", "CONSTANT", "RANGE")
 OUTCOMES = ("IDLE", "RUNNING", "DONE", "REFUSED", "NO_ANSWER", "BUSY", "BAD_CRC", "BAD_ECHO", "ABORTED")
@@ -488,7 +488,6 @@ def test_whatever_is_written_is_read_again(build: Build, data: st.DataObject) ->
     "command", ["gcc -std=c99", "gcc -std=c17", "g++ -x c++ -std=c++11", "clang -std=c99", "clang -x c++ -std=c++17"]
 )
 def test_no_warning(command: str, include: Path, tmp_path: Path) -> None:
-    if shutil.which(command.split()[0]) is None:
-        pytest.skip(f"{command.split()[0]} is not installed")
+    require(command.split())
     for optimised in ("-O0", "-O2"):
         compile_c([*command.split(), optimised], PROGRAM, tmp_path, include, link=False)

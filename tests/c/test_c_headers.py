@@ -34,6 +34,7 @@ from codewheel.targets.c.reserved import RESERVED, c_name
 from codewheel.targets.c.types import string
 from hostile_texts import TEXTS, spoilt
 from uses import without_texts
+from working_tools import require
 
 ROOT = Path(__file__).parents[2]
 
@@ -55,8 +56,7 @@ COMPILERS = [
 def test_no_warning_for_any_word_of_the_language(
     command: list[str], optimised: str, tmp_path: Path, words: Device
 ) -> None:
-    if shutil.which(command[0]) is None:
-        pytest.skip(f"{command[0]} is not installed")
+    require(command)
     compile_programs([*command, optimised], words, tmp_path, write(tmp_path, (words,)), link=False)
 
 
@@ -80,8 +80,7 @@ def test_no_warning_for_any_family(
     name: str, command: list[str], tmp_path: Path, every_device: Mapping[str, Device]
 ) -> None:
     """This also holds if the register that selects banks follows those in its banks, in the order of a data sheet."""
-    if shutil.which(command[0]) is None:
-        pytest.skip(f"{command[0]} is not installed")
+    require(command)
     device = every_device[name]
     compile_programs(command, device, tmp_path, write(tmp_path, (device,)), link=False)
 
@@ -91,8 +90,7 @@ def test_no_warning_for_any_family(
 def test_a_header_alone_and_unused_has_no_warning(
     command: list[str], c_devices: tuple[Device, ...], include: Path, tmp_path: Path
 ) -> None:
-    if shutil.which(command[0]) is None:
-        pytest.skip(f"{command[0]} is not installed")
+    require(command)
     headers = [header for device in c_devices for view in views_of(device) for header in view.headers]
     assert len(headers) > 40
     for header in headers:
@@ -242,8 +240,7 @@ int main(void)
 @pytest.mark.slow
 def test_a_constant_variant_costs_nothing(include: Path, tmp_path: Path) -> None:
     """If the order code is chosen at compile time, neither a variant nor a call remains in the object."""
-    if shutil.which("objdump") is None:
-        pytest.skip("objdump is not installed")
+    require(["objdump"])
     code = """#include "lika/amm5_biss.h"
 static const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A21_65KSC1;
 uint64_t position(uint64_t word);

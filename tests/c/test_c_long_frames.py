@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from c_harness import SANITIZED, SPECS, WARNINGS, devices_of, write
+from working_tools import require
 
 pytestmark = pytest.mark.slow
 
@@ -169,10 +170,8 @@ def program(request: pytest.FixtureRequest, include: Path, tmp_path_factory: pyt
     source.write_text(PROGRAM.format(includes=headers, cases="".join(map(case, FIELDS))))
     made = folder / "program"
     command = [*request.param.split(), "-O1", *WARNINGS, *SANITIZED, f"-I{include}", str(source), "-o", str(made)]
-    try:
-        subprocess.run(command, check=True)
-    except FileNotFoundError:
-        pytest.skip(f"no {command[0]}")
+    require(command)
+    subprocess.run(command, check=True)
     return made
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
+from working_tools import require
 
 pytestmark = pytest.mark.slow
 
@@ -68,8 +68,7 @@ def compiled(
     command: str, include: Path, tmp_path: Path, statement: str, kind: str = "lika_amm5_biss"
 ) -> tuple[int, str]:
     """Compile without any warning option, and return the exit code and the output of the compiler."""
-    if shutil.which(command.split()[0]) is None:
-        pytest.skip(f"{command.split()[0]} is not installed")
+    require(command.split())
     source = tmp_path / "program.c"
     source.write_text(PROGRAM.replace("@statement@", statement).replace("@type@", kind), encoding="utf-8")
     done = subprocess.run(

@@ -22,6 +22,7 @@ from codewheel.targets.c.files import generate
 from codewheel.targets.c.reserved import RESERVED, c_name
 from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, flag, layout_of
 from uses import declared, use_everything
+from working_tools import require
 
 ROOT = Path(__file__).resolve().parents[2]
 NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
@@ -120,8 +121,7 @@ def test_macros_of_compilers_and_of_standard_headers_are_reserved(compiler: str)
 
     A macro with arguments is harmless, because no name of a spec is followed by a parenthesis.
     """
-    if shutil.which(compiler) is None:
-        pytest.skip(f"{compiler} is not installed")
+    require([compiler])
     found = macros([compiler, "-std=gnu11"], "")
     for header in HEADERS:
         found |= macros([compiler, "-std=c11", "-DF_CPU=1000000UL"], f"#include <{header}.h>\n")

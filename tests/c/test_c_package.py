@@ -17,6 +17,7 @@ from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate
 from codewheel.targets.c.package import bare
+from working_tools import require
 
 HOSTILE = "x */ \" ' \\ ${HOME} $(shell) #{} ; ]] %s {{ 1 }}: - @a@\n\t é ??/"
 
@@ -89,6 +90,7 @@ def ran(root: Path, name: str) -> tuple[int, str]:
         "-fno-sanitize-recover=all",
         f"-I{root}/include",
     ]
+    require(command)
     made = subprocess.run(
         [*command, str(root / "examples" / f"{name}.c"), "-o", str(program)], capture_output=True, text=True
     )

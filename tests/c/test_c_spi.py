@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from c_harness import GCC, RUNTIME, SANITIZED
+from working_tools import require
 
 pytestmark = pytest.mark.slow
 
@@ -62,6 +63,7 @@ def test_requests_and_values(tmp_path: Path) -> None:
     source, program = tmp_path / "spi.c", tmp_path / "spi"
     source.write_text(PROGRAM, encoding="ascii")
     strict = ["-Wall", "-Wextra", "-Wconversion", "-Werror"]
+    require([*GCC, *SANITIZED])
     subprocess.run([*GCC, *SANITIZED, *strict, f"-I{RUNTIME}", str(source), "-o", str(program)], check=True)
     done = subprocess.run([program], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines() == [*NEXT_WORD, *SAME_WORD, "12 AB FF", "12ABFF 0", *LENGTHS]

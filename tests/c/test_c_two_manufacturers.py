@@ -9,6 +9,7 @@ import pytest
 from c_harness import RUNTIME, SANITIZED, WARNINGS, devices_of, write
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate
+from working_tools import require
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "examples" / "two-manufacturers" / "two_encoders.c"
@@ -26,6 +27,7 @@ both: usable with a warning
 def test_one_master_and_one_comparison_of_verdicts(command: list[str], tmp_path: Path) -> None:
     include = write(tmp_path, (*devices_of(), *devices_of(ROOT / "docs" / "example")))
     program = tmp_path / "two_encoders"
+    require([*command, *SANITIZED])
     done = subprocess.run(
         [*command, *WARNINGS, *SANITIZED, f"-I{include}", str(PROGRAM), "-o", str(program)],
         capture_output=True,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 import re
-import shutil
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,6 +14,7 @@ from codewheel.model import Device, Text
 from codewheel.targets.c.codec import StructCodec
 from codewheel.targets.c.device import DeviceView, views_of
 from test_c_codec import Table, on_the_wire, sound_numbers
+from working_tools import require
 
 pytestmark = pytest.mark.slow
 
@@ -118,8 +118,7 @@ def program(c_devices: tuple[Device, ...]) -> str:
 
 
 def compiled(command: str, text: str, include: Path, tmp_path: Path) -> tuple[int, str]:
-    if shutil.which(command.split()[0]) is None:
-        pytest.skip(f"{command.split()[0]} is not installed")
+    require(command.split())
     (tmp_path / "unit.cpp").write_text(text, encoding="ascii")
     done = subprocess.run(
         [*command.split(), *WARNINGS.split(), f"-I{include}", "-fsyntax-only", str(tmp_path / "unit.cpp")],

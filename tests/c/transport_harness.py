@@ -23,6 +23,7 @@ from codewheel.model import Device
 from codewheel.targets.c.access import Access
 from codewheel.targets.c.device import DeviceView, views_of
 from codewheel.targets.c.reserved import c_name
+from working_tools import require
 
 OK, LENGTH, CRC, CONSTANT, RANGE, TRANSPORT, TIMEOUT, UNSUPPORTED = range(8)
 VERIFY = 14
@@ -215,6 +216,7 @@ def compile_machine(device: Device, folder: Path, stepped: bool = False) -> None
         "-fno-sanitize-recover=all",
         *WARNINGS,
     ]
+    require(command)
     for view in views_of(device):
         text, library = folder / f"{view.stem}.c", folder / f"{view.stem}.so"
         text.write_text((_LOOP if stepped else "") + source(view), encoding="utf-8")

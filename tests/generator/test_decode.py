@@ -577,7 +577,7 @@ def test_a_frame_of_bits_as_bytes(capsys: Capture) -> None:
     )
     assert (
         refused(capsys, "AMM5A21/65KSC1", "101")
-        == "'101' is not a frame of 45 bits. Write 0x101 if it is hex, 0b101 if it is bits"
+        == "'101' is not a frame of 45 bits. Write 0x65 if it is decimal, 0x101 if it is hex, 0b101 if it is bits"
     )
     assert refused(capsys, "AMM5A21/65KSC1", "10 11") == "'10 11' could be bits or hex bytes. Prefix it with 0b or 0x"
     assert "Write 0b and all 45 bits" in refused(capsys, "AMM5A21/65KSC1", "0F 42 4")

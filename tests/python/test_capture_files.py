@@ -190,6 +190,23 @@ def test_a_number_without_a_probe_is_quoted(tmp_path: Path) -> None:
         read(paths, clock="3")
 
 
+def test_a_session_of_too_many_samples_is_refused_before_it_is_unpacked(tmp_path: Path) -> None:
+    """A ZIP file can have a thousand times its own size. The size in its directory is the most that it unpacks to."""
+    (path,) = session(tmp_path / "it.sr", wave(), parts=2)
+    with zipfile.ZipFile(path, "a") as opened:
+        first, second = (opened.getinfo(f"logic-1-{place}") for place in (1, 2))
+        first.file_size, second.file_size = 1 << 32, 1
+        opened.writestr("other", b"")  # so that the directory is written again
+    expected = "the samples have 4.3 GB unpacked, and at most 4.3 GB are read: save a shorter session"
+    with pytest.raises(InputError, match=expected):
+        read([path])
+    with zipfile.ZipFile(path, "a") as opened:
+        opened.getinfo("logic-1-2").file_size = 0
+        opened.writestr("another", b"")
+    with pytest.raises(InputError, match="the samples are damaged"):
+        read([path])
+
+
 @pytest.mark.parametrize(
     ("content", "said"),
     [

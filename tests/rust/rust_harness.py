@@ -15,13 +15,10 @@ An error is answered by its name and that of the field.
 
 from __future__ import annotations
 
-import os
-import shutil
 import subprocess
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-import pytest
 from codewheel.language.second_reading import is_second
 from codewheel.loading.library import load_library
 from codewheel.model import Choice, Device, Flag, Layout, Text
@@ -30,6 +27,7 @@ from codewheel.targets import Library
 from codewheel_rust import TARGET
 from codewheel_rust.family import Family, Struct, crc_name
 from codewheel_rust.names import pascal, snake
+from working_tools import require
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -53,13 +51,7 @@ LIBRARY = ("--crate-type", "rlib", "--crate-name", "encoders")
 
 def rust_tool(name: str) -> str:
     """Return a tool of the version in a plain Debian, or else another one. Skip the test if there is none."""
-    found = shutil.which(name, path=os.pathsep.join(["/usr/bin", os.environ.get("PATH", "")]))
-    if found:
-        return found
-    words = f"no {name} here, so this is not shown; apt-get install rustc rust-clippy"
-    if os.environ.get("CODEWHEEL_REQUIRE_TOOLS"):
-        pytest.fail(words)
-    pytest.skip(words)
+    return require([name], ["/usr/bin"])
 
 
 def compiled(*command: str | Path) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from building import build
 from chromium import CHROMIUM, Browser
+from working_tools import require
 
 
 @pytest.fixture(scope="session")
@@ -19,7 +20,6 @@ def site(made_once: Callable[[str, Callable[[Path], object]], Path]) -> Path:
 
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    if CHROMIUM is None:
-        pytest.skip("chromium is not installed")
+    require([CHROMIUM])
     with Browser(tmp_path_factory.mktemp("profile")) as started:
         yield started

@@ -77,7 +77,7 @@ def fuzzed(compiler: list[str], text: str, inputs: Iterable[bytes], folder: Path
 def test_the_fuzzer_finds_nothing(target: str, folder: Path, include: Path) -> None:
     name, _, table = target.partition("-")
     compiler = [
-        tool("clang"),
+        tool("clang", options=SANITIZERS),
         "-std=c99",
         "-O1",
         "-g",

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from building import build
 from chromium import CHROMIUM, Browser
+from working_tools import require
 
 #: Width and height of the screens, and the maximum length of a page with its details folded, in screens.
 SCREENS = [(1280, 800, 4.0), (375, 760, 8.0)]
@@ -36,8 +37,7 @@ def site(made_once: Callable[[str, Callable[[Path], object]], Path]) -> Path:
 
 @pytest.fixture
 def browser(tmp_path: Path) -> Iterator[Browser]:
-    if CHROMIUM is None:
-        pytest.skip("chromium is not installed")
+    require([CHROMIUM])
     with Browser(tmp_path / "profile") as found:
         yield found
 

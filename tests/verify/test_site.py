@@ -9,6 +9,7 @@ import pytest
 from building import build
 from chromium import CHROMIUM, Browser
 from looks import axe_finds, elements_of, faults, faults_here, tables_of
+from working_tools import require
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -31,8 +32,7 @@ def pages(site: Path) -> list[Path]:
 
 @pytest.fixture
 def browser(tmp_path: Path) -> Browser:
-    if CHROMIUM is None:
-        pytest.skip("chromium is not installed")
+    require([CHROMIUM])
     return Browser(tmp_path / "profile")
 
 

@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 from building import build
 from chromium import CHROMIUM, Browser
+from working_tools import require
 
 #: Width and height of the screens, and the most of them between the place that a click leads to and the answer.
 SCREENS = [(1280, 800, 1.5), (375, 760, 2.5)]
@@ -169,8 +170,7 @@ def site(made_once: Callable[[str, Callable[[Path], object]], Path]) -> Path:
 
 @pytest.fixture
 def browser(tmp_path: Path) -> Iterator[Browser]:
-    if CHROMIUM is None:
-        pytest.skip("chromium is not installed")
+    require([CHROMIUM])
     with Browser(tmp_path / "profile") as found:
         yield found
 

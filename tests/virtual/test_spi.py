@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.virtual import SpiLine, VirtualEncoder
+from working_tools import require
 
 pytestmark = pytest.mark.slow
 
@@ -210,6 +211,7 @@ def test_c_loses_no_position(outputs: Path, compiler: str, tmp_path: Path) -> No
     checks = "-Wall -Wextra -Wconversion -Werror -O1 -fsanitize=undefined,address -fno-sanitize-recover=all".split()
     source = str(Path(__file__).with_name("spi_positions.c"))
     command = [compiler, "-std=c99", *checks, "-I", str(outputs / "c" / "include"), source, "-o", str(program)]
+    require(command)
     subprocess.run(command, check=True)
     encoder, line = virtual()
     words = 0
@@ -263,6 +265,7 @@ def test_c_accepts_exactly_the_valid_words(outputs: Path, tmp_path: Path) -> Non
         encoding="ascii",
     )
     include = str(outputs / "c" / "include")
+    require(["gcc"])
     subprocess.run(["gcc", "-std=c99", "-O1", "-I", include, str(source), "-o", str(tmp_path / "words")], check=True)
     found = subprocess.run([tmp_path / "words"], capture_output=True, text=True, check=True).stdout.splitlines()
     wanted = [f"{name} {word} {word & 0x3FFF}" for name in FRAMES for word in valid(name)]

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
+from working_tools import require
 
 pytestmark = pytest.mark.slow
 
@@ -65,6 +66,7 @@ def program(outputs: Path) -> Path:
     program = outputs / "calls"
     sources = [str(HERE / name) for name in ("spi_calls.c", "spi_list.c")]
     include = str(outputs / "infineon" / "c" / "include")
+    require(["gcc", *CHECKS])
     subprocess.run(["gcc", *CHECKS, "-I", include, *sources, "-o", str(program)], check=True)
     return program
 
@@ -90,6 +92,7 @@ def test_the_steps_of_a_spec_read_neighbours_on_their_own(outputs: Path, tmp_pat
         encoding="ascii",
     )
     include = str(outputs / "mps" / "c" / "include")
+    require(["gcc", *CHECKS])
     subprocess.run(["gcc", *CHECKS, "-I", include, str(source), "-o", str(program)], check=True)
     done = subprocess.run([program], capture_output=True, text=True, check=True)
     assert done.stdout == "2 1\n3 1\n"

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.virtual import SpiLine, VirtualEncoder
+from working_tools import require
 
 pytestmark = pytest.mark.slow
 
@@ -81,6 +82,7 @@ def test_c_decodes_both_lengths(outputs: Path, tmp_path: Path) -> None:
     )
     strict = "-std=c99 -Wall -Wextra -Wconversion -Werror -fsanitize=undefined,address".split()
     include = str(outputs / "c" / "include")
+    require(["gcc", *strict])
     subprocess.run(["gcc", *strict, "-I", include, str(source), "-o", str(program)], check=True)
     subprocess.run([program], check=True)
 
@@ -156,6 +158,7 @@ def test_words_of_64_bits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
         encoding="ascii",
     )
     strict = "-std=c99 -Wall -Wextra -Wconversion -Werror -fsanitize=undefined,address".split()
+    require(["gcc", *strict])
     subprocess.run(
         ["gcc", *strict, "-I", str(out / "c" / "include"), str(source), "-o", str(tmp_path / "a")], check=True
     )

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.virtual import SpiLine, VirtualEncoder
+from working_tools import require
 
 pytestmark = pytest.mark.slow
 
@@ -80,6 +81,7 @@ def test_c_sends_the_words_of_the_manual(outputs: Path, runner: list[str], tmp_p
     checks = "-Wall -Wextra -Wconversion -Werror -O1 -fsanitize=undefined,address -fno-sanitize-recover=all".split()
     source = str(Path(__file__).with_name("spi_steps.c"))
     include = str(outputs / "infineon" / "c" / "include")
+    require(["gcc", *checks])
     subprocess.run(["gcc", "-std=c99", *checks, "-I", include, source, "-o", str(program)], check=True)
     encoder, line = tle5012b()
     words = []

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.virtual import SpiLine, VirtualEncoder
+from working_tools import require
 
 pytestmark = pytest.mark.slow
 
@@ -157,6 +158,7 @@ int main(void)
     )
     strict = "-std=c99 -Wall -Wextra -Wconversion -Werror -fsanitize=undefined,address".split()
     include = str(outputs / "c" / "include")
+    require(["gcc", *strict])
     subprocess.run(["gcc", *strict, "-I", include, str(source), "-o", str(program)], check=True)
     done = subprocess.run([program], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines() == ["1 1", "1", "21AB 0", "21AB"]

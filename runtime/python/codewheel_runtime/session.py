@@ -7,8 +7,12 @@ arrived. ``link`` carries them out with any transport, such as a serial port, an
 A reply carries no sequence number to match it to its request, and its 8-bit CRC misses 1 in 256 corrupted frames. So
 the session accepts a reply only if it begins with the first byte of its request, is a valid frame, and is the last that
 arrived. After any failure it resynchronises: it sends a request of another kind, and discards everything before the
-reply to that. A late reply can therefore not be mistaken for the reply to the next request. If requests of other kinds
-get no reply either, it waits four time-outs, so only an even later reply could be mistaken.
+reply to that. So late replies that follow a failure are not mistaken for the reply to the next request. If requests of
+other kinds get no reply either, it waits four time-outs, so only an even later reply could be mistaken.
+
+One reply too many is not a failure. If a second copy of a reply arrives after the session has taken the first, and the
+next request follows at once, each reply is taken for the one to the request after its own, until a failure. A pause
+between the requests that is longer than the delay of the copy avoids this.
 
 The reply to a write can be identical to the request, and therefore to its echo. Read back what you write.
 

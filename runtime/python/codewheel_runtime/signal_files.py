@@ -85,6 +85,8 @@ def _one(stack: ExitStack, file: BinaryIO, path: str, head: bytes, names: Names,
 
 # sigrok sessions
 
+#: Most bytes of samples in a session, when unpacked: three minutes at 24 MHz, which take a minute to read.
+_MOST_UNPACKED: Final = 1 << 32
 #: Errors that a damaged ZIP file causes.
 _DAMAGED: Final = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, OverflowError, RuntimeError)
 
@@ -117,6 +119,9 @@ def _session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: fl
         raise InputError(path, "", "this sigrok session has no samples")
     given = rate or _rate_of(device.get("samplerate", ""))
     total = sum(entry.file_size for entry in entries)
+    if total > _MOST_UNPACKED:
+        sizes = f"{total / 1e9:.1f} GB unpacked, and at most {_MOST_UNPACKED / 1e9:.1f} GB are read"
+        raise InputError(path, "", f"the samples have {sizes}: save a shorter session")
     parts = _unpacked(archive, entries, size, path)
     return Signals(of_samples(parts, masks), 1 / given if given else None, True, total)
 
