@@ -78,9 +78,16 @@ class Badges:
     def __call__(self, *paths: str, exactly: Collection[str] = ()) -> str:
         """Return links to the errata about these paths in the spec or about anything inside them, in one line."""
         own, elsewhere = _by_origin(self._device, *paths, exactly=exactly)
-        about = [item for item in own if item.severity != "wording"]
-        self._told |= {item.name: item for item in about}
         self._editions |= {item.name: item for item in elsewhere}
+        return self._linked([item for item in own if item.severity != "wording"])
+
+    def of_bytes(self, *paths: str, exactly: Collection[str] = ()) -> str:
+        """Return links to those errata about these paths that change bytes on the wire."""
+        own, _ = _by_origin(self._device, *paths, exactly=exactly)
+        return self._linked([item for item in own if item.severity == "wrong_data"])
+
+    def _linked(self, about: Sequence[Erratum]) -> str:
+        self._told |= {item.name: item for item in about}
         links = [(item, link(text(heading(item.name)), f"#erratum-{item.name}")) for item in about]
         parts = [
             f"{mark} {status}: {', '.join(found)}"
