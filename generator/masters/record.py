@@ -30,6 +30,7 @@ from ..model import (
     Unused,
     Variant,
 )
+from ..model.mentions import Subject, mentions
 from ..order_codes.run_time import decided
 from ..say.evidence import document
 from ..say.parameter import initial
@@ -72,7 +73,8 @@ class Record:
     ``answers`` are the user's answers to questions that the manual leaves open, by the names of the alternatives.
     ``cable_m`` is the cable length for which the highest clock is chosen, and ``cable_row`` the row of the table for
     it. Both may be None. ``step`` is the exact length of a count in µm. ``numbers`` has it in each unit in which it is
-    whole. ``document`` is the word for what does not state a fact.
+    whole. ``document`` is the word for what does not state a fact, and ``mentioned`` are the subjects of the
+    texts that it has.
     """
 
     code: str
@@ -88,6 +90,7 @@ class Record:
     cable_row: CableRow | None = None
     step: Fraction | None = None
     document: str = "manual"
+    mentioned: frozenset[Subject] = frozenset()
 
     @property
     def known(self) -> Mapping[str, int]:
@@ -153,7 +156,18 @@ def record(
     step = measurement.micrometres(variant.parameters)
     source = document(device)
     found = Record(
-        variant.code, device.name, words, ordered, parts, timeout, cables, notes, taken, step=step, document=source
+        variant.code,
+        device.name,
+        words,
+        ordered,
+        parts,
+        timeout,
+        cables,
+        notes,
+        taken,
+        step=step,
+        document=source,
+        mentioned=frozenset(item for item in Subject if mentions(device, interface, item)),
     )
     return found if cable_m is None else _with_cable(found, cable_m)
 

@@ -24,7 +24,8 @@ class Subject(Enum):
     )
     CABLE = r"(?i)\bcables?[ _-](?:length|up to|shorter|below)|length of the cable|(?:maximum|longest) cable"
     TIMEOUT = r"(?i)time-?out|monoflop"
-    SUPPLY = r"(?i)supply|supplied|\+?V(?:dd|cc|dc|b)\b|operating voltage"
+    PAUSE = r"(?i)\bpause|between (?:two|the|consecutive) (?:words|frames|transmissions|clock)"
+    SUPPLY = r"(?i)^supply\b(?! source)|(?:supply|operating) voltage|\bsuppl(?:y|ied)\b[^.]*\d ?V\b"
     LEDS = r"(?i)\bleds?\b|light-emitting|indicator light"
 
 

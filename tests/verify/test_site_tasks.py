@@ -120,7 +120,7 @@ ANSWERS: dict[str, dict[str, list[str]]] = {
         "set zero": NO_COMMANDS,
         "preset bytes": NO_COMMANDS,
         "blinking LED": NO_LEDS,
-        "error bit": ["no bit of this frame indicates whether the position is usable"],
+        "error bit": ["no bit of this frame confirms that the position is usable"],
         "frame at 1 MHz": ["25 bits at 1 MHz: 25 µs"],
         "save": NO_COMMANDS,
     },

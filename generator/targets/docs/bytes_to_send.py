@@ -68,9 +68,7 @@ def sending(
     return Sending(tuple(facts), requests, commands, other)
 
 
-def _facts(
-    device: Device, interface: Interface, possible: Commands, has_rows: bool, has_preset: bool
-) -> Iterator[str]:
+def _facts(device: Device, interface: Interface, possible: Commands, has_rows: bool, has_preset: bool) -> Iterator[str]:
     """Yield what the bytes mean. A sentence denies only what nothing in ``possible`` contradicts."""
     match interface:
         case Ssi():
@@ -178,8 +176,8 @@ def _requests(device: Device, interface: Interface, errata_at: Callable[..., str
         )
         told = joined([text(item.meaning or item.purpose), *_repeated(device, item)], ". ")
         errors = errata_at(*(f"procedures.{procedure.name}" for procedure in _sending_only(device, item)))
-        about = joined([f"{told}.", f"<small>Data ID {item.id:X} {code(item.name)}</small>", errors], " ")
-        yield sent + back, about
+        meaning = joined([f"{told}.", f"<small>Data ID {item.id:X} {code(item.name)}</small>", errors], " ")
+        yield sent + back, meaning
 
 
 def _sending_only(device: Device, item: DataId) -> Iterator[Procedure]:

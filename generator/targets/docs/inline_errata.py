@@ -99,7 +99,8 @@ class Badges:
     def summary(self) -> str:
         """Return the number of errata on the page so far, by status."""
         counts = {status: [item.status for item in self._told.values()].count(status) for status in _MARKS}
-        return ", ".join(f"{count} {status}" for status, count in counts.items() if count) or "none known"
+        others = "none that change these facts" if self._device.errata else "none known"
+        return ", ".join(f"{count} {status}" for status, count in counts.items() if count) or others
 
     def listed(self) -> str:
         """Return the errata on the page so far, open ones first, and links to the differences in other editions."""

@@ -10,6 +10,7 @@ from collections.abc import Container, Iterator, Sequence
 from enum import Enum
 
 from ...model import Biss, Device, Interface, Rs485, SendStep, Spi, Ssi, assert_never
+from ...model.mentions import Subject, mentions
 from ...model.record import dataclass
 from ...plan.codec import Codec, codec_of
 from ...plan.values import Active, meaning_of
@@ -174,7 +175,7 @@ def _biss(device: Device, interface: Biss) -> Wave:
         Part(Trace.EITHER, 90, "not CDM", "choice"),
         Part(Trace.UP, 46),
     )
-    timeout = timeout_words(interface.timeout) if interface.timeout is not None else f"not in the {document(device)}"
+    timeout = timeout_words(interface.timeout) if interface.timeout is not None else _no_timeout(device, interface)
     names = ", ".join(name for name, _ in fields)
     return Wave(
         "BiSS C-mode: a frame",
@@ -185,6 +186,11 @@ def _biss(device: Device, interface: Biss) -> Wave:
         "During the time-out, MA is the inverse of the CDM bit.",
         "the public protocol description of BiSS C-mode",
     )
+
+
+def _no_timeout(device: Device, interface: Biss) -> str:
+    """Return the words in place of the time-out. A text of the manual may have it."""
+    return "see the times" if mentions(device, interface, Subject.TIMEOUT) else f"not in the {document(device)}"
 
 
 def _fields(codec: Codec, position: Container[str]) -> Iterator[tuple[str, str]]:
