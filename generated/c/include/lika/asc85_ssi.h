@@ -290,7 +290,7 @@ static inline cw_result lika_asc85_ssi_decode(
     return CW_OK;
 }
 
-/** Return the verdict on the position, always CW_UNKNOWN, since the frame has no status bit. */
+/** Return the verdict on the position, always CW_UNKNOWN, since no bit of the frame changes it. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_verdict lika_asc85_ssi_verdict(
