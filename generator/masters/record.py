@@ -30,9 +30,9 @@ from ..model import (
     Unused,
     Variant,
 )
-from ..model.mentions import Subject, mentions
 from ..order_codes.run_time import decided
 from ..say.evidence import document
+from ..say.mentions import Subject, mentions
 from ..say.parameter import initial
 from ..say.place import addresses
 from ..say.words import hertz, timeout_words

@@ -10,9 +10,9 @@ from typing import Any
 
 from ..language.problems import listed
 from ..model import INTERFACES, Biss, Device
-from ..model.mentions import Subject
 from ..order_codes.labels import Match
 from ..say.lines import WIDTH, pairs, wrapped
+from ..say.mentions import Subject
 from ..say.origin import origin
 from ..say.text import BY_NAME
 from ..say.words import counted, hertz, microseconds, volts

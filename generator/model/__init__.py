@@ -5,7 +5,6 @@ computes bit positions itself. Bit 0 is the least significant bit everywhere, an
 integer whose byte order is in the layout.
 """
 
-from .commands import Commands, commands_over
 from .device import (
     Alternative,
     Answer,
@@ -125,7 +124,6 @@ __all__ = [
     "CodePart",
     "CodeValue",
     "CodedValue",
-    "Commands",
     "Connector",
     "Constant",
     "Contact",
@@ -221,7 +219,6 @@ __all__ = [
     "assert_never",
     "choices",
     "cite",
-    "commands_over",
     "number_from_bytes",
     "number_to_bytes",
 ]

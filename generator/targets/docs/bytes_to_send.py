@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 
 from ...model import (
     Biss,
-    Commands,
     DataId,
     Device,
     Interface,
@@ -25,13 +24,13 @@ from ...model import (
     WaitStep,
     WriteStep,
     assert_never,
-    commands_over,
 )
 from ...model.record import dataclass
 from ...plan.codec import codec_of
 from ...plan.replies import exchanges
 from ...plan.values import Raw, TwosComplement, meaning_of
 from ...say.box import as_words
+from ...say.commands import Commands, commands_over
 from ...say.evidence import document
 from ...say.interface import PURPOSES, word_lengths
 from ...say.markdown import code, joined, link, text

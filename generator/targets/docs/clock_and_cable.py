@@ -16,10 +16,10 @@ from ...model import (
     assert_never,
     choices,
 )
-from ...model.mentions import Subject
 from ...model.record import dataclass
 from ...say.interface import settings
 from ...say.markdown import STYLE, cited, text
+from ...say.mentions import Subject
 from ...say.timing import bounds
 from ...say.words import counted, hertz, nanoseconds, timeout_words
 from .unstated import unstated

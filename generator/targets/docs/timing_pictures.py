@@ -10,13 +10,13 @@ from collections.abc import Container, Iterator, Sequence
 from enum import Enum
 
 from ...model import Biss, Device, Interface, Rs485, SendStep, Spi, Ssi, assert_never
-from ...model.mentions import Subject, mentions
 from ...model.record import dataclass
 from ...plan.codec import Codec, codec_of
 from ...plan.values import Active, meaning_of
 from ...say.box import DATA, colour
 from ...say.evidence import document
 from ...say.interface import REPLIES, word_lengths
+from ...say.mentions import Subject, mentions
 from ...say.name import words
 from ...say.timing import bounds
 from ...say.words import counted, microseconds, timeout_words

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from ...model import Device, Interface
-from ...model.mentions import Subject, mentions
 from ...say.evidence import document
 from ...say.markdown import link
+from ...say.mentions import Subject, mentions
 from ...say.text import BY_NAME, listed, said
 
 

@@ -5,16 +5,23 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from .device import Device, Register
-from .facts import Input
-from .interfaces import Interface
-from .interfaces.biss import Biss
-from .interfaces.common import Exchange
-from .interfaces.rs485 import DataId, Rs485
-from .interfaces.spi import Spi
-from .kinds import Value
-from .record import dataclass
-from .steps import ModifyStep, Procedure, SendStep, WriteStep
+from ..model import (
+    Biss,
+    DataId,
+    Device,
+    Exchange,
+    Input,
+    Interface,
+    ModifyStep,
+    Procedure,
+    Register,
+    Rs485,
+    SendStep,
+    Spi,
+    Value,
+    WriteStep,
+)
+from ..model.record import dataclass
 
 #: Words of manuals for changing the position, in names and texts.
 _PRESET = re.compile(r"(?i)preset|pres(?:\b|_)|zero|offset|origin|datum|home|referenc|set[ _-]?(?:the )?position")

@@ -9,9 +9,7 @@ import re
 from collections.abc import Iterator
 from enum import Enum
 
-from .device import Device
-from .facts import Timing
-from .interfaces import Interface
+from ..model import Device, Interface, Timing
 
 
 class Subject(Enum):
