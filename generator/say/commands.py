@@ -24,7 +24,9 @@ from ..model import (
 from ..model.record import dataclass
 
 #: Words of manuals for changing the position, in names and texts.
-_PRESET = re.compile(r"(?i)preset|pres(?:\b|_)|zero|offset|origin|datum|home|referenc|set[ _-]?(?:the )?position")
+_PRESET = re.compile(
+    r"(?i)preset|pres(?:\b|_)|zero|offset|origin|datum|home|referenc|position to 0|set[ _-]?(?:the )?position"
+)
 #: Words of manuals for keeping settings when the power is off. A request that writes a byte of a memory saves nothing.
 _SAVE = re.compile(r"(?i)\bsav(?:e|ing)|_save|stor(?:e|ing)|permanent|programming")
 _SAVE_TO = re.compile(rf"{_SAVE.pattern}|eeprom|flash|non-?volatile")
@@ -57,7 +59,8 @@ class Commands:
     @property
     def may_preset(self) -> bool:
         """True if something here, other than a reset, may change the position."""
-        return bool(self.settings) or any(map(_PRESET.search, (*self._texts(), *self._request_texts())))
+        texts = (*self._texts(), *self._request_texts())
+        return bool(self.settings or self.inputs) or any(map(_PRESET.search, texts))
 
     @property
     def may_save(self) -> bool:

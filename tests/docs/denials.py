@@ -14,6 +14,8 @@ _DENIES = re.compile(
     r"|(?:is|are|do|does|did|was|were|can|has|have|should|would)n't)\b"
 )
 _MODULES = ("generator/say", "generator/targets", "generator/masters")
+#: Files without sentences: build scripts, styles, lists of reserved words, and the licence.
+_WITHOUT_SENTENCES = re.compile(r"cmake|CMakeLists|\.toml\.|style\.js$|reserved\.py$|python/names\.py$|licence\.py$")
 _SENTENCE_ENDS = re.compile(r"(?<=[.!?:])\s+|\n\s*\n|\n\s*[-*] |\|")
 _C_TEXTS = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"', re.DOTALL)
 _PYTHON_TEXTS = re.compile(r'"""(?:.*?)"""|#[^\n]*|"(?:\\.|[^"\\\n])*"', re.DOTALL)
@@ -39,7 +41,8 @@ def denies(text: str) -> bool:
 
 def _in(path: Path, texts: Iterator[str]) -> Iterator[tuple[str, str]]:
     name = path.relative_to(ROOT).as_posix()
-    yield from ((name, text) for text in dict.fromkeys(texts) if denies(text))
+    if _WITHOUT_SENTENCES.search(name) is None:
+        yield from ((name, text) for text in dict.fromkeys(texts) if denies(text))
 
 
 # -- Python
@@ -87,7 +90,8 @@ def _of_template(path: Path) -> Iterator[str]:
     for expression in re.findall(r"{{.*?}}|{%.*?%}", source, re.DOTALL):
         for text in re.findall(r'"(?:\\.|[^"\\])*"', expression):
             yield from _sentences(text.strip('"'))
-    source = re.sub(r"{%.*?%}", "\n" if kind == "py" else " ", re.sub(r"{{.*?}}", "{}", source, flags=re.DOTALL), flags=re.DOTALL)
+    source = re.sub(r"{{.*?}}", "{}", source, flags=re.DOTALL)
+    source = re.sub(r"{%.*?%}", " ", source, flags=re.DOTALL)
     if kind in ("c", "h", "hpp", "ino", "c_struct", "js"):
         yield from _within(_C_TEXTS, source)
     elif kind == "py":
@@ -95,7 +99,7 @@ def _of_template(path: Path) -> Iterator[str]:
     else:
         for language, code in _FENCE.findall(source):
             yield from _within(_PYTHON_TEXTS if language == "python" else _C_TEXTS, code)
-        yield from _sentences(_FENCE.sub("\n\n", source))
+        yield from _sentences(re.sub(r"<!--|-->|<[^>]*>", "\n\n", _FENCE.sub("\n\n", source)))
 
 
 def _of_script(source: str) -> Iterator[str]:

@@ -78,7 +78,7 @@ def _facts(device: Device, interface: Interface, possible: Commands, has_rows: b
             yield from _facts_of_biss(device, possible, has_rows, has_preset)
         case Rs485() if not interface.exchanges:
             yield "Bytes are in hexadecimal."
-            yield from _denied_by_t_format(possible)
+            yield from _denied_by_t_format(device, possible)
             yield from _registers_to_write(possible)
         case Rs485() | Spi():
             yield "The frames of the master are requests. The frames of the encoder answer them."
@@ -120,13 +120,14 @@ def _register_link(register: Register) -> str:
     return link(f"{addresses(register)} {text(title(register))}", f"#register-{register.name}")
 
 
-def _denied_by_t_format(possible: Commands) -> Iterator[str]:
+def _denied_by_t_format(device: Device, possible: Commands) -> Iterator[str]:
     """Yield the commands that requests of the T-format lack."""
     if possible.may_preset:
         return
     others = " other than the resets" if possible.resets else ""
     save = "" if possible.may_save else ", and no save command"
-    yield f"There is no preset{others}{save}."
+    there_is = "There is" if document(device) == "manual" else "The spec describes"
+    yield f"{there_is} no preset{others}{save}."
 
 
 def _preset_registers(device: Device) -> Iterator[Register]:
