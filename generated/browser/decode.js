@@ -689,7 +689,7 @@
     const [sender, name] = what.split(":");
     const layouts = found.interface.frames.filter((item) => item.sender === sender && (!name || item.name === name));
     if (!layouts.length) {
-      throw new FrameText(`the manual does not describe a frame from the ${sender} over ${found.interface.title}`);
+      throw new FrameText(`the spec does not describe a frame from the ${sender} over ${found.interface.title}`);
     }
     const [over, trimmed] = [found.interface, checked(text)];
     if (!layouts[0].order) {
