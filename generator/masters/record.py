@@ -177,7 +177,7 @@ def _with_cable(found: Record, metres: int) -> Record:
     row = found.cables.row_of(metres)
     if row is None:
         longest = max((item.metres for item in found.cables.rows), default=0)
-        wrong = "neither the manual nor a public table gives the clock for a cable length"
+        wrong = "the spec has no table of clocks by cable length"
         if longest:
             wrong = f"the table in {found.cables.origin} ends at {longest} m"
         raise NoRecord(f"{found.code}, cable of {metres} m: {wrong}")
