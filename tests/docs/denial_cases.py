@@ -22,10 +22,12 @@ from codewheel.masters.record import record
 from codewheel.masters.text import facts as record_facts
 from codewheel.model import (
     Alarm,
+    Biss,
     Characteristic,
     Choice,
     CodePart,
     Contact,
+    ControlField,
     DataId,
     Device,
     Erratum,
@@ -115,6 +117,12 @@ def tv62() -> Device:
 
 def over(name: str, device: Device | None = None) -> Interface:
     return (device or tv62()).interface(name)
+
+
+def biss() -> Biss:
+    kind = tv62().over(Biss)
+    assert kind is not None
+    return kind
 
 
 def with_interface(changed: Interface, device: Device | None = None, **changes: Any) -> Device:
@@ -237,6 +245,17 @@ case(
     lambda: sent("biss", bare(inputs=(input_pin(),))),
     lambda: sent("biss", bare(inputs=(input_pin(),), registers=(settings_register(),))),
 )
+CONTROL = ControlField("command", "", 2, (), "", "Broadcast command", ())
+case(
+    "biss_commands_control",
+    lambda: sent("biss", bare()),
+    lambda: sent("biss", with_interface(replace(biss(), control_data=(CONTROL,)), bare())),
+)
+case(
+    "biss_commands_left_out",
+    lambda: sent("biss", bare()),
+    lambda: sent("biss", bare(evidence=replace(tv62().evidence, left_out=("The registers.",)))),
+)
 case("biss_preset", lambda: sent("biss", command_only()), lambda: sent("biss", command_only_and(settings_register())))
 case("biss_preset_command", lambda: sent("biss", command_only()), lambda: sent("biss", tv62()))
 case(
@@ -305,9 +324,9 @@ case(
 )
 case(
     "cable_clock",
-    lambda: cable_table(tv62(), over("biss")).about(20_000_000),  # type: ignore[arg-type]
-    lambda: cable_table(tv62(), over("biss")).about(1_000_000),
-)  # type: ignore[arg-type]
+    lambda: cable_table(tv62(), biss()).about(20_000_000),
+    lambda: cable_table(tv62(), biss()).about(1_000_000),
+)
 
 ONE_LED = Led("power", "Power", (LedState("on", "Supply is on"),), ())
 case(
@@ -328,7 +347,7 @@ case(
 
 
 def without_timeout(*timings: Timing) -> str:
-    kind = replace(tv62().interface("biss"), timeout=None, timings=timings)  # type: ignore[call-arg]
+    kind = replace(biss(), timeout=None, timings=timings)
     wave = timing_pictures.wave(with_interface(kind), kind)
     assert wave is not None
     return wave.told
@@ -481,7 +500,7 @@ def alarm_row(implemented: bool) -> str:
 
 
 def network(several: bool) -> str:
-    kind = replace(tv62().interface("biss"), network=Network("point_to_point", several, ()))  # type: ignore[call-arg]
+    kind = replace(biss(), network=Network("point_to_point", several, ()))
     return printed(interface.settings(tv62(), kind))
 
 
