@@ -34,6 +34,7 @@ from ..model import (
 from ..model.only import applying
 from ..order_codes.run_time import decided
 from ..say.evidence import document
+from ..say.mentions import Subject, mentions
 from ..say.parameter import initial
 from ..say.place import addresses
 from ..say.words import hertz, timeout_words
@@ -75,7 +76,8 @@ class Record:
     ``answers`` are the user's answers to questions that the manual leaves open, by the names of the alternatives.
     ``cable_m`` is the cable length for which the highest clock is chosen, and ``cable_row`` the row of the table for
     it. Both may be None. ``step`` is the exact length of a count in µm. ``numbers`` has it in each unit in which it is
-    whole. ``document`` is the word for what does not state a fact.
+    whole. ``document`` is the word for what does not state a fact, and ``mentioned`` are the subjects of the
+    texts that it has.
     """
 
     code: str
@@ -91,6 +93,7 @@ class Record:
     cable_row: CableRow | None = None
     step: Fraction | None = None
     document: str = "manual"
+    mentioned: frozenset[Subject] = frozenset()
 
     @property
     def known(self) -> Mapping[str, int]:
@@ -158,7 +161,18 @@ def record(
     step = measurement.micrometres(variant.parameters)
     source = document(device)
     found = Record(
-        variant.code, device.name, words, ordered, parts, timeout, cables, notes, taken, step=step, document=source
+        variant.code,
+        device.name,
+        words,
+        ordered,
+        parts,
+        timeout,
+        cables,
+        notes,
+        taken,
+        step=step,
+        document=source,
+        mentioned=frozenset(item for item in Subject if mentions(device, interface, item)),
     )
     return found if cable_m is None else _with_cable(found, cable_m)
 
@@ -168,7 +182,7 @@ def _with_cable(found: Record, metres: int) -> Record:
     row = found.cables.row_of(metres)
     if row is None:
         longest = max((item.metres for item in found.cables.rows), default=0)
-        wrong = "neither the manual nor a public table gives the clock for a cable length"
+        wrong = "the spec has no table of clocks by cable length"
         if longest:
             wrong = f"the table in {found.cables.origin} ends at {longest} m"
         raise NoRecord(f"{found.code}, cable of {metres} m: {wrong}")

@@ -118,13 +118,13 @@ class Sheet:
 
 
 class _Unknown(Exception):
-    """A value depends on an item that the manual does not give."""
+    """A value depends on a number that the spec does not give."""
 
 
 def _not_in_manual(number: str, step: Fraction | None = None) -> _Unknown:
     if number in STEPS and step is not None:
         return _Unknown(f"one count is {decimal(step)} µm, not a whole number of {STEPS[number]}")
-    return _Unknown(f"not in the encoder's manual ({NUMBERS[number]})")
+    return _Unknown(f"not in the encoder's spec ({NUMBERS[number]})")
 
 
 class _Refused(Exception):

@@ -12,6 +12,7 @@ from ..language.problems import listed
 from ..model import INTERFACES, Biss, Device
 from ..order_codes.labels import Match
 from ..say.lines import WIDTH, pairs, wrapped
+from ..say.mentions import Subject
 from ..say.origin import origin
 from ..say.text import BY_NAME
 from ..say.words import counted, hertz, microseconds, volts
@@ -28,7 +29,7 @@ _MARKS = {"documented": "", "inferred": " *", "tried": " +"}
 
 def facts(record: Record) -> Iterator[tuple[str, str]]:
     """Yield the record in words, one fact per row."""
-    number, unknown = record.numbers, f"the {record.document} does not say"
+    number = record.numbers
     yield "Interface", INTERFACES[record.words["interface"]].title
     turns = number["multiturn_bits"]
     yield (
@@ -56,16 +57,24 @@ def facts(record: Record) -> Iterator[tuple[str, str]]:
     if row is not None and row.is_below:
         highest = f"below {hertz(row.hz)}"
     limits = (f"at least {hertz(slowest)}" if slowest is not None else "", highest)
-    yield "Clock", ", ".join(filter(None, limits)) or unknown
+    yield "Clock", ", ".join(filter(None, limits)) or _unstated(record)
     if record.cables.rows:
         yield "Clock by cable", _cables(record)
     if INTERFACES[record.words["interface"]] is Biss:
-        yield "Time-out", record.timeout or unknown
+        yield "Time-out", record.timeout or _unstated(record, Subject.TIMEOUT)
         # The longest in the protocol description, p. 18.
-        yield "Busy time", _time(number["busy_us"], "at most") or f"{unknown}, but BiSS C allows 40 µs"
+        busy = f"{_unstated(record, Subject.REPLY_TIME)}, but BiSS C allows 40 µs"
+        yield "Busy time", _time(number["busy_us"], "at most") or busy
     else:
-        yield "Pause", _time(number["pause_us"], "at least") or unknown
-    yield "Supply", _supply(record) or unknown
+        yield "Pause", _time(number["pause_us"], "at least") or _unstated(record, Subject.PAUSE)
+    yield "Supply", _supply(record) or _unstated(record, Subject.SUPPLY)
+
+
+def _unstated(record: Record, subject: Subject | None = None) -> str:
+    """Return the words for a fact that has no value. A text about the subject may have it."""
+    if subject in record.mentioned:
+        return f"see the times and characteristics in the {record.document}"
+    return f"the {record.document} does not say"
 
 
 def _cables(record: Record) -> str:

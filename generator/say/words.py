@@ -13,7 +13,7 @@ WORTH = {
     Verdict.NOT_USABLE: "the position is not usable",
     Verdict.USABLE_WITH_WARNING: "the position is usable, with a warning",
     Verdict.USABLE: "the position is usable",
-    Verdict.UNKNOWN: "no bit of this frame indicates whether the position is usable",
+    Verdict.UNKNOWN: "no bit of this frame confirms that the position is usable",
 }
 _LANGUAGES = {
     "de": "German",

@@ -138,7 +138,7 @@ function decodeFrame(found, what, text, held, answers) {
   const [sender, name] = what.split(":");
   const layouts = found.interface.frames.filter((item) => item.sender === sender && (!name || item.name === name));
   if (!layouts.length) {
-    throw new FrameText(`the manual does not describe a frame from the ${sender} over ${found.interface.title}`);
+    throw new FrameText(`the spec does not describe a frame from the ${sender} over ${found.interface.title}`);
   }
   const [over, trimmed] = [found.interface, checked(text)];
   if (!layouts[0].order) {

@@ -215,7 +215,7 @@ def test_where_there_is_no_verdict(
 
 def test_ssi(capsys: Capture) -> None:
     assert text(capsys, "AMM5A17/1BG1", "0b" + "0" * 16 + "1")[1].endswith(
-        "no frame error; this frame has no CRC; no bit of this frame indicates whether the position is usable"
+        "no frame error; this frame has no CRC; no bit of this frame confirms that the position is usable"
         " evidence: manual"
     )
     code, data = decode(capsys, "SMA21-BG1-0050", "0b" + "0" * 20 + "0")

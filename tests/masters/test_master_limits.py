@@ -167,7 +167,7 @@ def test_unknown_is_said(masters: dict[str, Master], record_of: RecordOf) -> Non
     clock = next(item for item in found.settings if item.name == "Clock Frequency, EL5042 and EP7041-4032")
     assert (clock.value, clock.text) == (
         None,
-        "unknown: not in the encoder's manual (fastest clock of the encoder, in Hz)",
+        "unknown: not in the encoder's spec (fastest clock of the encoder, in Hz)",
     )
 
 

@@ -42,6 +42,7 @@ XOR = ["CRC | poly 0x101 (x⁸ + 1) | init 0 | 8 bits | XOR of these bytes"]
 NO_COMMANDS = ["SSI only reads the position. It has no preset, reset or save command."]
 NO_PRESET = ["There is no preset other than the resets, and no save command."]
 NO_CABLE = ["Reply time and cable length: the manual does not say."]
+CABLE_ELSEWHERE = ["Cable length: see times and characteristics."]
 NO_LEDS = ["The manual describes no LEDs."]
 ANSWERS: dict[str, dict[str, list[str]]] = {
     "AMM5A21/65KSC1": {
@@ -81,8 +82,8 @@ ANSWERS: dict[str, dict[str, list[str]]] = {
     },
     "SMA21-JP1-0050": {
         "pins and wires": ["5 | Grey | A (REQ+ / SD+)", "6 | Pink | B (REQ- / SD-)", "2 | Brown_Green | +5Vdc ±5%"],
-        "cable, SSI": NO_CABLE,
-        "cable, BiSS": NO_CABLE,
+        "cable, SSI": CABLE_ELSEWHERE,
+        "cable, BiSS": CABLE_ELSEWHERE,
         "CRC": XOR,
         "set zero": ["7A → 7 bytes | Reset the position to 0 | 10 times | 40 µs apart"],
         "preset bytes": NO_PRESET,
@@ -121,7 +122,7 @@ ANSWERS: dict[str, dict[str, list[str]]] = {
         "set zero": NO_COMMANDS,
         "preset bytes": NO_COMMANDS,
         "blinking LED": NO_LEDS,
-        "error bit": ["no bit of this frame indicates whether the position is usable"],
+        "error bit": ["no bit of this frame confirms that the position is usable"],
         "frame at 1 MHz": ["25 bits at 1 MHz: 25 µs"],
         "save": NO_COMMANDS,
     },

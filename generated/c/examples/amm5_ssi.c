@@ -47,7 +47,7 @@ static cw_result show_frame(void)
     /* Texts in the order of cw_verdict. */
     static const char *const worth[] = {
         "the position is not usable",
-        "no bit of this frame indicates whether the position is usable",
+        "no bit of this frame confirms that the position is usable",
         "the position is usable, with a warning",
         "the position is usable"
     };

@@ -583,7 +583,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
     @property
     def verdict(self) -> Verdict:
-        """Verdict on the position. Always unknown, because nothing in this frame determines it."""
+        """Verdict on the position. Always unknown, because no bit of this frame changes it."""
         return Verdict.UNKNOWN
 
     @property

@@ -223,8 +223,8 @@ _ABOUT = (
     "Everything without a publicly known place in the format is in the full description of each device, biss/*.xml."
 )
 _ONE_ENCODER_NOTE = (
-    "For one order code. The encoder identifies itself only by the IDs below, which it can share with other order "
-    "codes of its family. A master cannot distinguish them, so give it a single file of a family."
+    "For one order code. Masters identify the encoder by the IDs below, which it can share with other order codes of "
+    "its family. A master cannot distinguish them, so give it a single file of a family."
 )
 
 

@@ -227,7 +227,7 @@ def note_of_step(device: Device, item: Operation) -> str:
             of = meaning or f"{_where(device, item)}: {step.value_name}"
             return f"{of}, also done if an earlier step fails" if item.closes else of
         case Verifies():
-            return f"{_where(device, item)}: read back, which the manual does not require"
+            return f"{_where(device, item)}: read back, which is added to the given steps"
         case Reads() | Polls():
             return ": ".join(filter(None, (title(item.field or item.register), meaning)))
         case _:

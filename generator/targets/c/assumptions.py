@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Annotated, TypedDict
 
-from ...model import Crc, Device, Layout, Manufacturer, Spi, choices
+from ...model import Crc, Device, Layout, Manufacturer, Spi, Ssi, Verdict, choices
 from ...model.record import dataclass
 from ...plan.crc_residual import Residual, residual
+from ...plan.reports import reportings
 from ...say.name import words
 from .. import Library
 
@@ -26,7 +27,8 @@ class Frames:
 class Assumptions(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
     frames: Annotated[list[Frames], "the frames with a CRC, by CRC and length"]
-    silent: Annotated[list[str], "the frames with a position that have no status bit"]
+    silent: Annotated[list[str], "the frames with a position whose verdict is always unknown"]
+    unprotected: Annotated[list[str], "the SSI words with a position that have no CRC"]
     interfaces: Annotated[frozenset[str], "the interfaces of the encoders"]
     later: Annotated[bool, "whether an encoder over SPI answers with the next word"]
     parity: Annotated[list[str], "the frames with a position that have a parity bit and no CRC"]
@@ -41,6 +43,7 @@ def assumptions_files(
             "maker": maker,
             "frames": list(_frames(devices)),
             "silent": list(_silent(devices)),
+            "unprotected": list(_unprotected(devices)),
             "interfaces": frozenset(item.name for device in devices for item in device.interfaces),
             "later": any(
                 isinstance(item, Spi) and item.reply == "next_word" for device in devices for item in device.interfaces
@@ -74,8 +77,17 @@ def _lengths(device: Device, interface: str, layout: Layout) -> set[int]:
 
 def _silent(devices: tuple[Device, ...]) -> Iterator[str]:
     for device in devices:
+        for item in reportings(device):
+            judgement = item.judgement
+            if judgement is not None and judgement.otherwise is Verdict.UNKNOWN and not judgement.worst_first:
+                yield _name(device, item.interface.title, item.codec.layout)
+
+
+def _unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
+    for device in devices:
         for interface, layout in device.layouts():
-            if device.tells_position(interface.name, layout) and not layout.status_fields:
+            has_position = device.tells_position(interface.name, layout)
+            if isinstance(interface, Ssi) and has_position and device.crc_of(layout) is None:
                 yield _name(device, interface.title, layout)
 
 

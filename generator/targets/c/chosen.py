@@ -137,7 +137,9 @@ class Chosen:
         sample = self.device.sample_of(sent[0])
         if sample is None:
             raise NoFrame
+        of_others = any(isinstance(item, FrameExample) and item.layout == sent[0].name for item in self.device.examples)
         about = f"made up, since the {document(self.device)} has no example of it"
+        about += " for this order code" if of_others else ""
         if sample.source:
             about = f"made up, with the position of a worked example [{cite(sample.source)}]"
         return Frame(sent[0], sample.frame, about, sample.values)

@@ -269,8 +269,8 @@ class ExampleCode:
 
     @property
     def repeats(self) -> bool:
-        """True if the shared function can compare two positions, which must not be negative."""
-        return bool(self.counts) and not self.is_signed(self.counts)
+        """True if the word is read twice: no CRC protects it, and its position is not negative, so both can agree."""
+        return bool(self.counts) and not self.is_signed(self.counts) and not self.has_crc
 
     def is_signed(self, member: str) -> bool:
         """Return whether a member of the frame can be negative."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from ...model import (
     Biss,
@@ -12,6 +12,7 @@ from ...model import (
     Layout,
     ModifyStep,
     PollStep,
+    Procedure,
     ReadStep,
     Register,
     Rs485,
@@ -29,6 +30,7 @@ from ...plan.codec import codec_of
 from ...plan.replies import exchanges
 from ...plan.values import Raw, TwosComplement, meaning_of
 from ...say.box import as_words
+from ...say.commands import Commands, commands_over
 from ...say.evidence import document
 from ...say.interface import PURPOSES, word_lengths
 from ...say.markdown import code, joined, link, text
@@ -49,36 +51,83 @@ class Sending:
     other_value: str
 
 
-def sending(family: Device, device: Device, interface: Interface, variant: Variant) -> Sending:
-    requests, commands = tuple(_requests(device, interface)), tuple(_commands(device, variant))
+def sending(
+    family: Device, device: Device, interface: Interface, variant: Variant, errata_at: Callable[..., str]
+) -> Sending:
+    """Return the bytes to send for an order code. ``errata_at`` returns links to errata that change bytes."""
+    requests = tuple(_requests(device, interface, errata_at))
+    commands = tuple(_commands(device, variant, errata_at))
     preset = next((item for item in _preset_registers(device) if zero_of(device, item, variant) is not None), None)
-    facts = []
-    match interface:
-        case Ssi():
-            facts.append("SSI only reads the position. It has no preset, reset or save command.")
-        case Biss():
-            if not commands:
-                facts.append(f"The {document(device)} describes no commands over BiSS: no preset, reset or save.")
-            elif preset is None:
-                facts.append(f"The {document(device)} describes no preset over BiSS.")
-            else:
-                # The script of the site changes this sentence together with the bytes.
-                zero = '<span id="preset-of-rows">The preset is 0 in these rows.</span>'
-                facts.append(f"Addresses and bytes are in hexadecimal. {zero}")
-        case Rs485():
-            if interface.exchanges:
-                facts.append("The frames of the master are requests. The frames of the encoder answer them.")
-            else:
-                facts.append("Bytes are in hexadecimal. There is no preset other than the resets, and no save command.")
-        case Spi():
-            facts.append("The frames of the master are requests. The frames of the encoder answer them.")
-        case _:
-            assert_never(interface)
+    possible = commands_over(device, interface)
+    facts = list(_facts(device, interface, possible, bool(commands), preset is not None))
     inputs = [link(text(title(item)), f"#input-{item.name}") for item in device.inputs]
     if inputs:
         facts.append(f"Inputs: {', '.join(inputs)}.")
     other = _other_value(family.register(preset.name), variant) if preset is not None else ""
     return Sending(tuple(facts), requests, commands, other)
+
+
+def _facts(device: Device, interface: Interface, possible: Commands, has_rows: bool, has_preset: bool) -> Iterator[str]:
+    """Yield what the bytes mean. A sentence denies only what nothing in ``possible`` contradicts."""
+    match interface:
+        case Ssi():
+            none = " It has no preset, reset or save command." if possible.is_empty else ""
+            yield f"SSI only reads the position.{none}"
+            yield from _registers_to_write(possible)
+        case Biss():
+            yield from _facts_of_biss(device, possible, has_rows, has_preset)
+        case Rs485() if not interface.exchanges:
+            yield "Bytes are in hexadecimal."
+            yield from _denied_by_t_format(device, possible)
+            yield from _registers_to_write(possible)
+        case Rs485() | Spi():
+            yield "The frames of the master are requests. The frames of the encoder answer them."
+        case _:
+            assert_never(interface)
+
+
+def _facts_of_biss(device: Device, possible: Commands, has_rows: bool, has_preset: bool) -> Iterator[str]:
+    if has_preset:
+        # The script of the site changes this sentence together with the bytes.
+        zero = '<span id="preset-of-rows">The preset is 0 in these rows.</span>'
+        yield f"Addresses and bytes are in hexadecimal. {zero}"
+    elif has_rows and not possible.may_preset:
+        yield f"The {document(device)} describes no preset over BiSS."
+    elif has_rows:
+        yield "Addresses and bytes are in hexadecimal."
+        yield from _registers_to_write(possible)
+    elif possible.registers or possible.settings:
+        yield from _registers_to_write(possible)
+    elif not possible.is_empty:
+        yield f"The {document(device)} describes no registers that can be written over BiSS."
+    elif document(device) == "manual" and not device.evidence.left_out:
+        yield "The manual describes no commands over BiSS: no preset, reset or save."
+    else:
+        yield f"The {document(device)} describes no commands over BiSS. The encoder may have some."
+
+
+def _registers_to_write(possible: Commands) -> Iterator[str]:
+    """Yield the registers that hold commands, with the commands, and the other registers that can be written."""
+    for register in possible.registers:
+        names = ", ".join(code(title(value)) for field in register.layout.fields for value in field.values)
+        yield f"Write a command to {_register_link(register)}: {names}."
+    if possible.settings:
+        others = ", ".join(map(_register_link, possible.settings))
+        yield f"{'Other registers' if possible.registers else 'Registers'} that can be written: {others}."
+
+
+def _register_link(register: Register) -> str:
+    return link(f"{addresses(register)} {text(title(register))}", f"#register-{register.name}")
+
+
+def _denied_by_t_format(device: Device, possible: Commands) -> Iterator[str]:
+    """Yield the commands that requests of the T-format lack."""
+    if possible.may_preset:
+        return
+    others = " other than the resets" if possible.resets else ""
+    save = "" if possible.may_save else ", and no save command"
+    there_is = "There is" if document(device) == "manual" else "The spec describes"
+    yield f"{there_is} no preset{others}{save}."
 
 
 def _preset_registers(device: Device) -> Iterator[Register]:
@@ -102,7 +151,7 @@ def _other_value(register: Register, variant: Variant) -> str:
     )
 
 
-def _requests(device: Device, interface: Interface) -> Iterator[Row]:
+def _requests(device: Device, interface: Interface, errata_at: Callable[..., str]) -> Iterator[Row]:
     """Yield rows of request with its reply, meaning."""
     for each in exchanges(interface):
         frames = [link(code(item.name), f"#layout-{item.name}") for item in (each.request, each.reply) if item]
@@ -126,32 +175,53 @@ def _requests(device: Device, interface: Interface) -> Iterator[Row]:
             else ""
         )
         told = joined([text(item.meaning or item.purpose), *_repeated(device, item)], ". ")
-        yield sent + back, f"{told}. <small>Data ID {item.id:X} {code(item.name)}</small>"
+        errors = errata_at(*(f"procedures.{procedure.name}" for procedure in _sending_only(device, item)))
+        meaning = joined([f"{told}.", f"<small>Data ID {item.id:X} {code(item.name)}</small>", errors], " ")
+        yield sent + back, meaning
+
+
+def _sending_only(device: Device, item: DataId) -> Iterator[Procedure]:
+    """Yield the procedures that send this request and no other."""
+    for procedure in device.procedures:
+        if [step.data_id for step in procedure.steps if isinstance(step, SendStep)] == [item.name]:
+            yield procedure
 
 
 def _repeated(device: Device, item: DataId) -> Iterator[str]:
     """Yield the repetition and the waiting time of the procedures that send only this request, with links."""
-    for procedure in device.procedures:
-        sends = [step for step in procedure.steps if isinstance(step, SendStep)]
-        if [step.data_id for step in sends] == [item.name]:
-            waits = [
-                f"wait {microseconds(step.microseconds)}" for step in procedure.steps if isinstance(step, WaitStep)
-            ]
-            times = f"{sends[0].times} times"
-            apart = f"at least {microseconds(sends[0].microseconds)} apart" if sends[0].microseconds else ""
-            yield "Send it " + joined([link(times, f"#procedure-{procedure.name}"), apart, *waits], ", ")
+    for procedure in _sending_only(device, item):
+        sent = next(step for step in procedure.steps if isinstance(step, SendStep))
+        waits = [f"wait {microseconds(step.microseconds)}" for step in procedure.steps if isinstance(step, WaitStep)]
+        times = f"{sent.times} times"
+        apart = f"at least {microseconds(sent.microseconds)} apart" if sent.microseconds else ""
+        yield "Send it " + joined([link(times, f"#procedure-{procedure.name}"), apart, *waits], ", ")
 
 
 def _frame_of(interface: Rs485, sender: str, data_id: int) -> Layout | None:
     return next((item for item in interface.layouts if item.sender == sender and data_id in item.selects), None)
 
 
-def _commands(device: Device, variant: Variant) -> Iterator[Row]:
-    """Yield rows of task and bytes to send for every procedure that writes or sends something."""
+def _commands(device: Device, variant: Variant, errata_at: Callable[..., str]) -> Iterator[Row]:
+    """Yield rows of task and bytes to send, with the errata that change them, for procedures that write something."""
     for item in device.procedures:
         if any(isinstance(step, (WriteStep, ModifyStep)) for step in item.steps):
             sent = joined((_sent(device, step, variant) for step in item.steps), ", ")
-            yield link(text(item.title), f"#procedure-{item.name}"), sent
+            errors = errata_at(*_places_of_bytes(item), exactly=_registers_written(item))
+            yield link(text(item.title), f"#procedure-{item.name}"), joined([sent, errors], ". ")
+
+
+def _places_of_bytes(procedure: Procedure) -> Iterator[str]:
+    """Yield the paths in the spec of everything that decides which bytes a procedure writes."""
+    yield f"procedures.{procedure.name}"
+    for step in procedure.steps:
+        if isinstance(step, WriteStep):
+            yield f"registers.{step.register}"
+        elif isinstance(step, ModifyStep):
+            yield f"registers.{step.register}.{step.field}"
+
+
+def _registers_written(procedure: Procedure) -> list[str]:
+    return [f"registers.{step.register}" for step in procedure.steps if isinstance(step, (WriteStep, ModifyStep))]
 
 
 def _sent(device: Device, step: Step, variant: Variant) -> str:

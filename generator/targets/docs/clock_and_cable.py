@@ -17,11 +17,12 @@ from ...model import (
     choices,
 )
 from ...model.record import dataclass
-from ...say.evidence import document
 from ...say.interface import settings
 from ...say.markdown import STYLE, cited, text
+from ...say.mentions import Subject
 from ...say.timing import bounds_with_codes
 from ...say.words import counted, hertz, nanoseconds, timeout_words
+from .unstated import unstated
 
 Row = tuple[str, ...]
 #: Bits of a BiSS frame before the position: the start bit and the CDS bit.
@@ -38,20 +39,20 @@ class Speed:
     rows: tuple[Row, ...] = ()
 
 
-def speed(device: Device, interface: Interface, layout: Layout | None) -> Speed:
+def speed(family: Device, device: Device, interface: Interface, layout: Layout | None) -> Speed:
     match interface:
         case Ssi() | Biss():
-            return _clock(device, interface, layout)
+            return _clock(family, device, interface, layout)
         case Spi():
             shown = map(STYLE.sentence, settings(device, interface))
             return Speed("Clock and words", tuple(shown))
         case Rs485():
-            return _baud(device, interface)
+            return _baud(family, device, interface)
         case _:
             assert_never(interface)
 
 
-def _clock(device: Device, interface: Ssi | Biss, layout: Layout | None) -> Speed:
+def _clock(family: Device, device: Device, interface: Ssi | Biss, layout: Layout | None) -> Speed:
     clock = interface.clock
     lengths = _lengths(device, layout) if layout is not None else []
     before = _BEFORE_BISS if isinstance(interface, Biss) else 0
@@ -61,7 +62,7 @@ def _clock(device: Device, interface: Ssi | Biss, layout: Layout | None) -> Spee
     if lengths:
         durations = _either(_duration(bits + before, shown) for bits in lengths)
         facts.append(f"{_either(map(str, lengths))} bits at {hertz(shown)}: {durations}{plus}.")
-    facts += _pauses(device, interface)
+    facts += _pauses(family, interface)
     table = cable_table(device, interface)
     fitting = [(row.metres, min(row.hz, clock.max_hz)) for row in table.rows if row.hz >= clock.min_hz]
     rows = tuple((f"{m} m", hertz(hz), _either(_duration(bits + before, hz) for bits in lengths)) for m, hz in fitting)
@@ -72,7 +73,7 @@ def _clock(device: Device, interface: Ssi | Biss, layout: Layout | None) -> Spee
     return Speed("Clock and cable", tuple(facts), head, rows)
 
 
-def _pauses(device: Device, interface: Ssi | Biss) -> Iterator[str]:
+def _pauses(family: Device, interface: Ssi | Biss) -> Iterator[str]:
     """Yield the time between frames, and the time until the encoder answers."""
     match interface:
         case Ssi():
@@ -81,10 +82,10 @@ def _pauses(device: Device, interface: Ssi | Biss) -> Iterator[str]:
         case Biss():
             if interface.timeout is not None:
                 yield f"Time-out after a frame: {timeout_words(interface.timeout)} ({cited(interface.timeout.source)})."
-            yield f"Reply time (acknowledge): the {document(device)} does not say."
+            yield from unstated(family, interface, {"reply time (acknowledge)": Subject.REPLY_TIME})
 
 
-def _baud(device: Device, interface: Rs485) -> Speed:
+def _baud(family: Device, device: Device, interface: Rs485) -> Speed:
     port = interface.port
     bits = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
     sizes = sorted({item.widest // 8 for item in interface.layouts if item.sender == "encoder"})
@@ -93,7 +94,7 @@ def _baud(device: Device, interface: Rs485) -> Speed:
     facts = (
         f"{rate} ({cited(port.source)}).",
         f"Duration on the line, with {bits} bits per byte: {times}.",
-        f"Reply time and cable length: the {document(device)} does not say.",
+        *unstated(family, interface, {"reply time": Subject.REPLY_TIME, "cable length": Subject.CABLE}),
     )
     return Speed("Baud rate and times", facts)
 

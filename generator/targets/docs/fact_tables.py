@@ -63,7 +63,7 @@ def step_rows(device: Device, item: Procedure) -> Iterator[tuple[str, ...]]:
             yield (
                 "",
                 what,
-                "Not in the manual. Generated code does this because a corrupted write can look successful.",
+                "Added to the given steps by generated code, because a corrupted write can look successful.",
                 "",
             )
             continue

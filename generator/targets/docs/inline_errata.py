@@ -78,9 +78,16 @@ class Badges:
     def __call__(self, *paths: str, exactly: Collection[str] = ()) -> str:
         """Return links to the errata about these paths in the spec or about anything inside them, in one line."""
         own, elsewhere = _by_origin(self._device, *paths, exactly=exactly)
-        about = [item for item in own if item.severity != "wording"]
-        self._told |= {item.name: item for item in about}
         self._editions |= {item.name: item for item in elsewhere}
+        return self._linked([item for item in own if item.severity != "wording"])
+
+    def of_bytes(self, *paths: str, exactly: Collection[str] = ()) -> str:
+        """Return links to those errata about these paths that change bytes on the wire."""
+        own, _ = _by_origin(self._device, *paths, exactly=exactly)
+        return self._linked([item for item in own if item.severity == "wrong_data"])
+
+    def _linked(self, about: Sequence[Erratum]) -> str:
+        self._told |= {item.name: item for item in about}
         links = [(item, link(text(heading(item.name)), f"#erratum-{item.name}")) for item in about]
         parts = [
             f"{mark} {status}: {', '.join(found)}"
@@ -92,7 +99,8 @@ class Badges:
     def summary(self) -> str:
         """Return the number of errata on the page so far, by status."""
         counts = {status: [item.status for item in self._told.values()].count(status) for status in _MARKS}
-        return ", ".join(f"{count} {status}" for status, count in counts.items() if count) or "none known"
+        others = "none that change these facts" if self._device.errata else "none known"
+        return ", ".join(f"{count} {status}" for status, count in counts.items() if count) or others
 
     def listed(self) -> str:
         """Return the errata on the page so far, open ones first, and links to the differences in other editions."""

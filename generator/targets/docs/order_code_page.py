@@ -29,6 +29,7 @@ from .interface_sections import Section, Sections, sections
 from .order_code_patterns import patterns
 from .own_widths import own_meaning, with_own_widths
 from .page_pictures import Pictures, of_codes, of_family
+from .unstated import no_leds, no_supply
 
 Row = tuple[str, ...]
 #: Longest lead, in characters.
@@ -46,6 +47,8 @@ class CodePage(Sections, OverValues):
     evidence: Annotated[Said, "grade of the evidence"]
     wiring: Annotated[pin_tables.Wiring, "contacts and signals: head, rows, about, notes, errata"]
     supply: Annotated[list[str], "supply, with order codes if it differs between them"]
+    no_supply: Annotated[str, "text in place of the supply"]
+    no_leds: Annotated[str, "sentence in place of LEDs, or empty"]
     speed: Annotated[clock_and_cable.Speed, "clock or baud rate by cable length: title, facts, head, rows"]
     frame: Annotated[Section | None, "frame with the position: title, name, size, questions, wide, narrow, facts"]
     sending: Annotated[bytes_to_send.Sending, "bytes to send: facts, requests, commands, other_value"]
@@ -159,10 +162,12 @@ def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage
         "evidence": grade(here),
         "wiring": pin_tables.wiring(here),
         "supply": pin_tables.supply(here, alike.variants),
-        "speed": clock_and_cable.speed(here, interface, alike.frame),
+        "speed": clock_and_cable.speed(alike.family, here, interface, alike.frame),
         "frame": _frame(alike, alike.frame, {**pictures, **alike.pictures}) if alike.frame is not None else None,
-        "sending": bytes_to_send.sending(alike.family, here, interface, alike.variants[0]),
+        "sending": bytes_to_send.sending(alike.family, here, interface, alike.variants[0], badges.of_bytes),
         "led_rows": list(short_tables.led_rows(here)),
+        "no_leds": no_leds(alike.family, here, interface),
+        "no_supply": no_supply(alike.family, interface),
         "interfaces": [_with_short_rows(here, item) for item in found["interfaces"]],
         "registers": [
             {

@@ -16,6 +16,7 @@ from ...plan.values import Active, meaning_of
 from ...say.box import DATA, colour
 from ...say.evidence import document
 from ...say.interface import REPLIES, word_lengths
+from ...say.mentions import Subject, mentions
 from ...say.name import words
 from ...say.timing import bounds_with_codes
 from ...say.words import counted, microseconds, timeout_words
@@ -175,7 +176,7 @@ def _biss(device: Device, interface: Biss) -> Wave:
         Part(Trace.EITHER, 90, "not CDM", "choice"),
         Part(Trace.UP, 46),
     )
-    timeout = timeout_words(interface.timeout) if interface.timeout is not None else f"not in the {document(device)}"
+    timeout = timeout_words(interface.timeout) if interface.timeout is not None else _no_timeout(device, interface)
     names = ", ".join(name for name, _ in fields)
     return Wave(
         "BiSS C-mode: a frame",
@@ -186,6 +187,11 @@ def _biss(device: Device, interface: Biss) -> Wave:
         "During the time-out, MA is the inverse of the CDM bit.",
         "the public protocol description of BiSS C-mode",
     )
+
+
+def _no_timeout(device: Device, interface: Biss) -> str:
+    """Return the words in place of the time-out. A text of the manual may have it."""
+    return "see the times" if mentions(device, interface, Subject.TIMEOUT) else f"not in the {document(device)}"
 
 
 def _fields(codec: Codec, position: Container[str]) -> Iterator[tuple[str, str]]:

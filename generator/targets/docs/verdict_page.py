@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Device, Field, Interface, Layout, Verdict
+from ...model import Alarm, Device, Field, Interface, Layout, Verdict
 from ...plan.reports import Reporting, reportings, reports_of, sums_up
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Only, verdict_of
@@ -111,9 +111,18 @@ def _reports(device: Device) -> Iterator[Row]:
     for item in reports_of(device):
         alarm = alarm_of(device, item.field)
         name = joined([code(item.name), text(own_names(item.field))])
-        advised = joined([text(advice(item.field, alarm)), *to_steps(f"{device.name}/", by_hand(item.field, alarm))])
-        what_to_do = advised or f"The {document(device)} gives no remedy"
+        steps = to_steps(f"{device.name}/", by_hand(item.field, alarm))
+        advised = joined([text(advice(item.field, alarm)), *steps])
+        what_to_do = advised or _clearing(device, alarm) or f"The {document(device)} gives no remedy"
         yield name, text(meaning(item.field, alarm)), what_to_do, cited(source(item.field, alarm))
+
+
+def _clearing(device: Device, alarm: Alarm | None) -> str:
+    """Return links to the procedures that clear an alarm, or an empty string."""
+    names = alarm.cleared_by if alarm is not None else ()
+    procedures = map(device.procedure, names)
+    links = [link(text(item.title), f"{device.name}/{item.interface}.md#procedure-{item.name}") for item in procedures]
+    return f"Cleared by: {', '.join(links)}" if links else ""
 
 
 def _named(field: Field) -> str:

@@ -74,7 +74,7 @@ static inline const ichaus_icmu_biss_order_code *ichaus_icmu_biss_order_codes(si
 
 /**
  * Return the order code that a label shows, to choose it at run time, or NULL if it shows none.
- * unlisted is set to 0, since the manual leaves no part open.
+ * unlisted is set to 0, since every part must have a listed value.
  */
 static inline const ichaus_icmu_biss_order_code *ichaus_icmu_biss_find_order_code(
     const char *label, uint32_t *unlisted)

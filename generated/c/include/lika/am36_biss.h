@@ -272,8 +272,8 @@ typedef enum lika_am36_biss_report {
  * The number of bits applies to the factory defaults, since registers can change it. The number of
  * bytes is enough for any content of the registers.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
- * assumption, since no manual says how long an encoder takes. Any other size works too: make it
- * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
+ * assumption about all encoders. Any other size works too: make it smaller if yours answers sooner,
+ * larger if you get NO_START or LENGTH.
  */
 #define LIKA_AM36_BISS_AM3616_4096_I7_BITS 44U /**< number of bits in its frame */
 #define LIKA_AM36_BISS_AM3616_4096_I7_RX_BYTES 12U /**< number of bytes in its buffer */

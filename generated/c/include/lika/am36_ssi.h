@@ -221,7 +221,7 @@ static inline uint32_t lika_am36_ssi_position_bits(const lika_am36_ssi *variant)
 
 /**
  * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
- * 0 if the manual gives none for this length [5.3].
+ * 0 if the table ends before this length [5.3].
  */
 CW_CONSTEXPR
 static inline uint32_t lika_am36_ssi_clock_limit_hz(uint32_t cable_m)
@@ -296,7 +296,7 @@ static inline cw_result lika_am36_ssi_decode(
     return CW_OK;
 }
 
-/** Return the verdict on the position, always CW_UNKNOWN, since the frame has no status bit. */
+/** Return the verdict on the position, always CW_UNKNOWN, since no bit of the frame changes it. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_verdict lika_am36_ssi_verdict(

@@ -230,8 +230,8 @@ typedef enum lika_amm5_biss_report {
 /**
  * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its buffer.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
- * assumption, since no manual says how long an encoder takes. Any other size works too: make it
- * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
+ * assumption about all encoders. Any other size works too: make it smaller if yours answers sooner,
+ * larger if you get NO_START or LENGTH.
  */
 #define LIKA_AMM5_BISS_A17_1SC1_BITS 25U /**< number of bits in its frame */
 #define LIKA_AMM5_BISS_A17_1SC1_RX_BYTES 9U /**< number of bytes in its buffer */

@@ -44,7 +44,7 @@ static inline const lika_amm5_biss_order_code *lika_amm5_biss_order_codes(size_t
 
 /**
  * Return the order code that a label shows, to choose it at run time, or NULL if it shows none.
- * unlisted is set to 0, since the manual leaves no part open.
+ * unlisted is set to 0, since every part must have a listed value.
  */
 static inline const lika_amm5_biss_order_code *lika_amm5_biss_find_order_code(
     const char *label, uint32_t *unlisted)

@@ -49,7 +49,7 @@ static inline cw_result lika_amm5_biss_set_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AMM5_BISS_REG_PRESET_ADDRESS + index);
         steps[1U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Preset: read back, which the manual does not require */
+    /* Preset: read back, which is added to the given steps */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AMM5_BISS_REG_PRESET_ADDRESS + index);
         steps[8U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
@@ -124,7 +124,7 @@ static inline cw_result lika_amm5_biss_store_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_AMM5_BISS_REG_PRESET_ADDRESS + index);
         steps[1U + index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Preset: read back, which the manual does not require */
+    /* Preset: read back, which is added to the given steps */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_AMM5_BISS_REG_PRESET_ADDRESS + index);
         steps[8U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);

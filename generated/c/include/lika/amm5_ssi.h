@@ -217,7 +217,7 @@ static inline uint32_t lika_amm5_ssi_revolutions(const lika_amm5_ssi *variant)
 
 /**
  * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
- * 0 if the manual gives none for this length [5.3].
+ * 0 if the table ends before this length [5.3].
  */
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_ssi_clock_limit_hz(uint32_t cable_m)
@@ -288,7 +288,7 @@ static inline cw_result lika_amm5_ssi_decode(
     return CW_OK;
 }
 
-/** Return the verdict on the position, always CW_UNKNOWN, since the frame has no status bit. */
+/** Return the verdict on the position, always CW_UNKNOWN, since no bit of the frame changes it. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_verdict lika_amm5_ssi_verdict(

@@ -229,8 +229,8 @@ typedef enum lika_asc85_biss_report {
  * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its buffer.
  * The length depends on your choice, which is part of the name: as_printed or left_out.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
- * assumption, since no manual says how long an encoder takes. Any other size works too: make it
- * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
+ * assumption about all encoders. Any other size works too: make it smaller if yours answers sooner,
+ * larger if you get NO_START or LENGTH.
  */
 #define LIKA_ASC85_BISS_20_SC1_AS_PRINTED_BITS 29U /**< number of bits in its frame */
 #define LIKA_ASC85_BISS_20_SC1_AS_PRINTED_RX_BYTES 10U /**< number of bytes in its buffer */

@@ -224,7 +224,7 @@ static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_25_GG2 = { 25U, 1U }; /**< ASC8525
 
 /**
  * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
- * 0 if the manual gives none for this length [5.3 p.17].
+ * 0 if the table ends before this length [5.3 p.17].
  */
 CW_CONSTEXPR
 static inline uint32_t lika_asc85_ssi_clock_limit_hz(uint32_t cable_m)
@@ -290,7 +290,7 @@ static inline cw_result lika_asc85_ssi_decode(
     return CW_OK;
 }
 
-/** Return the verdict on the position, always CW_UNKNOWN, since the frame has no status bit. */
+/** Return the verdict on the position, always CW_UNKNOWN, since no bit of the frame changes it. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_verdict lika_asc85_ssi_verdict(

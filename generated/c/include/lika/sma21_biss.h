@@ -266,8 +266,8 @@ typedef enum lika_sma21_biss_report {
 /**
  * Lengths for receive.h by order code: bits in single_cycle_data, and bytes in its buffer.
  * A buffer has room for 40 bits of acknowledge and line delay, 4 us at 10 MHz. This is an
- * assumption, since no manual says how long an encoder takes. Any other size works too: make it
- * smaller if yours answers sooner, larger if you get NO_START or LENGTH.
+ * assumption about all encoders. Any other size works too: make it smaller if yours answers sooner,
+ * larger if you get NO_START or LENGTH.
  */
 #define LIKA_SMA21_BISS_SC1_0050_BITS 32U /**< number of bits in its frame */
 #define LIKA_SMA21_BISS_SC1_0050_RX_BYTES 10U /**< number of bytes in its buffer */

@@ -39,7 +39,7 @@ static inline cw_result lika_sma21_biss_set_configuration_steps(
         return CW_FAULT_RANGE;
     }
     steps[0] = cw_step_write(0x49U, 0xFFU, configuration); /* active immediately */
-    /* Configuration: read back, which the manual does not require */
+    /* Configuration: read back, which is added to the given steps */
     steps[1] = cw_step_verify(0x49U, 0xFFU, configuration);
     steps[2] = cw_step_write(0x48U, 0xFFU, 0x01U); /* save it permanently */
     steps[3] = cw_step_wait(30000U); /* EEPROM writing time */
@@ -106,7 +106,7 @@ static inline cw_result lika_sma21_biss_set_preset_steps(
         const uint16_t address = (uint16_t)(LIKA_SMA21_BISS_REG_PRESET_OFFSET_ADDRESS + index);
         steps[index] = cw_step_write(address, 0xFFU, position_bytes[index]);
     }
-    /* Preset / Offset: read back, which the manual does not require */
+    /* Preset / Offset: read back, which is added to the given steps */
     for (index = 0U; index < sizeof(position_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_SMA21_BISS_REG_PRESET_OFFSET_ADDRESS + index);
         steps[4U + index] = cw_step_verify(address, 0xFFU, position_bytes[index]);
@@ -159,9 +159,9 @@ static inline const cw_step *lika_sma21_biss_select_preset_steps(size_t *count)
         { CW_STEP_WRITE, 0x49U, 0x04U, 0x00U, 1U, 0U },
         /* Select preset offset in Configuration: preset */
         { CW_STEP_WRITE, 0x49U, 0x02U, 0x00U, 1U, 0U },
-        /* Enable preset offset in Configuration: read back, which the manual does not require */
+        /* Enable preset offset in Configuration: read back, which is added to the given steps */
         { CW_STEP_VERIFY, 0x49U, 0x04U, 0x00U, 1U, 0U },
-        /* Select preset offset in Configuration: read back, which the manual does not require */
+        /* Select preset offset in Configuration: read back, which is added to the given steps */
         { CW_STEP_VERIFY, 0x49U, 0x02U, 0x00U, 1U, 0U },
         { CW_STEP_WRITE, 0x48U, 0xFFU, 0x01U, 1U, 0U }, /* save it permanently */
         { CW_STEP_WAIT, 0U, 0U, 0U, 0U, 30000U } /* EEPROM writing time */
@@ -216,9 +216,9 @@ static inline cw_result lika_sma21_biss_set_offset_steps(
     }
     steps[0] = cw_step_write(0x49U, 0x04U, 0x00U); /* enable preset and offset */
     steps[1] = cw_step_write(0x49U, 0x02U, 0x02U); /* select offset for the register */
-    /* Enable preset offset in Configuration: read back, which the manual does not require */
+    /* Enable preset offset in Configuration: read back, which is added to the given steps */
     steps[2] = cw_step_verify(0x49U, 0x04U, 0x00U);
-    /* Select preset offset in Configuration: read back, which the manual does not require */
+    /* Select preset offset in Configuration: read back, which is added to the given steps */
     steps[3] = cw_step_verify(0x49U, 0x02U, 0x02U);
     steps[4] = cw_step_write(0x48U, 0xFFU, 0x01U); /* save the configuration permanently */
     steps[5] = cw_step_wait(30000U); /* EEPROM writing time */
@@ -227,7 +227,7 @@ static inline cw_result lika_sma21_biss_set_offset_steps(
         const uint16_t address = (uint16_t)(LIKA_SMA21_BISS_REG_PRESET_OFFSET_ADDRESS + index);
         steps[6U + index] = cw_step_write(address, 0xFFU, offset_bytes[index]);
     }
-    /* Preset / Offset: read back, which the manual does not require */
+    /* Preset / Offset: read back, which is added to the given steps */
     for (index = 0U; index < sizeof(offset_bytes); index++) {
         const uint16_t address = (uint16_t)(LIKA_SMA21_BISS_REG_PRESET_OFFSET_ADDRESS + index);
         steps[10U + index] = cw_step_verify(address, 0xFFU, offset_bytes[index]);

@@ -258,7 +258,7 @@ typedef enum lika_sma21_ssi_report {
 
 /**
  * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
- * 0 if the manual gives none for this length [5.3 p.22].
+ * 0 if the table ends before this length [5.3 p.22].
  */
 CW_CONSTEXPR
 static inline uint32_t lika_sma21_ssi_clock_limit_hz(uint32_t cable_m)

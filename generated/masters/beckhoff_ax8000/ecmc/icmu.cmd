@@ -13,8 +13,8 @@
 
 #- === iC-MU-16-0, iC-MU150-16-0, iC-MU-18-0, iC-MU150-18-0, iC-MU-19-0, iC-MU150-19-0, iC-MU-20-0, iC-MU150-20-0,
 #-   iC-MU-24-0, iC-MU150-24-0, iC-MU-28-0, iC-MU150-28-0, iC-MU-38-0, iC-MU150-38-0
-#- #- Not in this file: Measuring steps per revolution: unknown: not in the encoder's manual (counts per revolution).
-#- #- Not in this file: Number of distinguishable revolutions: unknown: not in the encoder's manual (distinguishable
+#- #- Not in this file: Measuring steps per revolution: unknown: not in the encoder's spec (counts per revolution).
+#- #- Not in this file: Number of distinguishable revolutions: unknown: not in the encoder's spec (distinguishable
 #- #-   revolutions).
 #- #- Not in this file: Fill bit count right = 0: not given: index, subindex and a width in whole bytes.
 #- #- Not in this file: CRC polynome = 0x43: not given: index, subindex and a width in whole bytes.
@@ -31,8 +31,8 @@
 
 #- === iC-MU-16-2, iC-MU150-16-2, iC-MU-18-2, iC-MU150-18-2, iC-MU-19-2, iC-MU150-19-2, iC-MU-20-2, iC-MU150-20-2,
 #-   iC-MU-24-2, iC-MU150-24-2, iC-MU-28-2, iC-MU150-28-2, iC-MU-38-2, iC-MU150-38-2
-#- #- Not in this file: Measuring steps per revolution: unknown: not in the encoder's manual (counts per revolution).
-#- #- Not in this file: Number of distinguishable revolutions: unknown: not in the encoder's manual (distinguishable
+#- #- Not in this file: Measuring steps per revolution: unknown: not in the encoder's spec (counts per revolution).
+#- #- Not in this file: Number of distinguishable revolutions: unknown: not in the encoder's spec (distinguishable
 #- #-   revolutions).
 #- #- Not in this file: Fill bit count right = 2: not given: index, subindex and a width in whole bytes.
 #- #- Not in this file: CRC polynome = 0x43: not given: index, subindex and a width in whole bytes.
@@ -49,8 +49,8 @@
 
 #- === iC-MU-16-7, iC-MU150-16-7, iC-MU-18-7, iC-MU150-18-7, iC-MU-19-7, iC-MU150-19-7, iC-MU-20-7, iC-MU150-20-7,
 #-   iC-MU-24-7, iC-MU150-24-7, iC-MU-28-7, iC-MU150-28-7, iC-MU-38-7, iC-MU150-38-7
-#- #- Not in this file: Measuring steps per revolution: unknown: not in the encoder's manual (counts per revolution).
-#- #- Not in this file: Number of distinguishable revolutions: unknown: not in the encoder's manual (distinguishable
+#- #- Not in this file: Measuring steps per revolution: unknown: not in the encoder's spec (counts per revolution).
+#- #- Not in this file: Number of distinguishable revolutions: unknown: not in the encoder's spec (distinguishable
 #- #-   revolutions).
 #- #- Not in this file: Fill bit count right = 7: not given: index, subindex and a width in whole bytes.
 #- #- Not in this file: CRC polynome = 0x43: not given: index, subindex and a width in whole bytes.

@@ -94,8 +94,8 @@
 
 #- === AM3616/4096-I7, AM3619/4096-I7, AMC3616/4096-I7, AMC3619/4096-I7
 #- #- Not in this file: Frame size = 36: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits

@@ -130,8 +130,8 @@
 
 #- === AMM5A17/1SC1, AMM5B17/1SC1
 #- #- Not in this file: Frame size = 17: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -149,8 +149,8 @@
 
 #- === AMM5A17/65KSC1, AMM5B17/65KSC1
 #- #- Not in this file: Frame size = 33: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -170,8 +170,8 @@
 
 #- === AMM5A21/1SC1, AMM5B21/1SC1
 #- #- Not in this file: Frame size = 21: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -189,8 +189,8 @@
 
 #- === AMM5A21/65KSC1, AMM5B21/65KSC1
 #- #- Not in this file: Frame size = 37: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -210,8 +210,8 @@
 
 #- === AMM5A23/1SC1, AMM5B23/1SC1
 #- #- Not in this file: Frame size = 23: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -229,8 +229,8 @@
 
 #- === AMM5A23/65KSC1, AMM5B23/65KSC1
 #- #- Not in this file: Frame size = 39: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits

@@ -238,10 +238,9 @@
 
 #- === ASC8520/SC1, ASC8520/SC2 with zero_bit=as_printed
 #- #- Not in this file: Frame size = 21: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's spec (longest time-out of the encoder, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -257,10 +256,9 @@
 
 #- === ASC8520/SC1, ASC8520/SC2 with zero_bit=left_out
 #- #- Not in this file: Frame size = 20: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's spec (longest time-out of the encoder, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -276,10 +274,9 @@
 
 #- === ASC8521/SC1, ASC8521/SC2 with zero_bit=as_printed
 #- #- Not in this file: Frame size = 22: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's spec (longest time-out of the encoder, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -295,10 +292,9 @@
 
 #- === ASC8521/SC1, ASC8521/SC2 with zero_bit=left_out
 #- #- Not in this file: Frame size = 21: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's spec (longest time-out of the encoder, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -314,10 +310,9 @@
 
 #- === ASC8522/SC1, ASC8522/SC2 with zero_bit=as_printed
 #- #- Not in this file: Frame size = 23: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's spec (longest time-out of the encoder, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -333,10 +328,9 @@
 
 #- === ASC8522/SC1, ASC8522/SC2 with zero_bit=left_out
 #- #- Not in this file: Frame size = 22: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's spec (longest time-out of the encoder, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -352,10 +346,9 @@
 
 #- === ASC8523/SC1, ASC8523/SC2 with zero_bit=as_printed
 #- #- Not in this file: Frame size = 24: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's spec (longest time-out of the encoder, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -371,10 +364,9 @@
 
 #- === ASC8523/SC1, ASC8523/SC2 with zero_bit=left_out
 #- #- Not in this file: Frame size = 23: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's spec (longest time-out of the encoder, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -390,10 +382,9 @@
 
 #- === ASC8524/SC1, ASC8524/SC2 with zero_bit=as_printed
 #- #- Not in this file: Frame size = 25: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's spec (longest time-out of the encoder, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -409,10 +400,9 @@
 
 #- === ASC8524/SC1, ASC8524/SC2 with zero_bit=left_out
 #- #- Not in this file: Frame size = 24: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's spec (longest time-out of the encoder, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -428,10 +418,9 @@
 
 #- === ASC8525/SC1, ASC8525/SC2 with zero_bit=as_printed
 #- #- Not in this file: Frame size = 26: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's spec (longest time-out of the encoder, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -447,10 +436,9 @@
 
 #- === ASC8525/SC1, ASC8525/SC2 with zero_bit=left_out
 #- #- Not in this file: Frame size = 25: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's manual (longest time-out of the encoder, in µs,
-#- #-   BiSS).
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Timeout, in µs: unknown: not in the encoder's spec (longest time-out of the encoder, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits

@@ -11,8 +11,8 @@
 
 #- === iC-MU-16-0, iC-MU150-16-0
 #- #- Not in this file: Frame size = 16: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -30,8 +30,8 @@
 
 #- === iC-MU-16-2, iC-MU150-16-2
 #- #- Not in this file: Frame size = 18: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -49,8 +49,8 @@
 
 #- === iC-MU-16-7, iC-MU150-16-7
 #- #- Not in this file: Frame size = 23: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -68,8 +68,8 @@
 
 #- === iC-MU-18-0, iC-MU150-18-0
 #- #- Not in this file: Frame size = 18: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -87,8 +87,8 @@
 
 #- === iC-MU-18-2, iC-MU150-18-2
 #- #- Not in this file: Frame size = 20: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -106,8 +106,8 @@
 
 #- === iC-MU-18-7, iC-MU150-18-7
 #- #- Not in this file: Frame size = 25: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -125,8 +125,8 @@
 
 #- === iC-MU-19-0, iC-MU150-19-0
 #- #- Not in this file: Frame size = 19: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -144,8 +144,8 @@
 
 #- === iC-MU-19-2, iC-MU150-19-2
 #- #- Not in this file: Frame size = 21: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -163,8 +163,8 @@
 
 #- === iC-MU-19-7, iC-MU150-19-7
 #- #- Not in this file: Frame size = 26: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -182,8 +182,8 @@
 
 #- === iC-MU-20-0, iC-MU150-20-0
 #- #- Not in this file: Frame size = 20: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -201,8 +201,8 @@
 
 #- === iC-MU-20-2, iC-MU150-20-2
 #- #- Not in this file: Frame size = 22: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -220,8 +220,8 @@
 
 #- === iC-MU-20-7, iC-MU150-20-7
 #- #- Not in this file: Frame size = 27: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -239,8 +239,8 @@
 
 #- === iC-MU-24-0, iC-MU150-24-0
 #- #- Not in this file: Frame size = 24: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -258,8 +258,8 @@
 
 #- === iC-MU-24-2, iC-MU150-24-2
 #- #- Not in this file: Frame size = 26: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -277,8 +277,8 @@
 
 #- === iC-MU-24-7, iC-MU150-24-7
 #- #- Not in this file: Frame size = 31: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -296,8 +296,8 @@
 
 #- === iC-MU-28-0, iC-MU150-28-0
 #- #- Not in this file: Frame size = 28: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -315,8 +315,8 @@
 
 #- === iC-MU-28-2, iC-MU150-28-2
 #- #- Not in this file: Frame size = 30: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -334,8 +334,8 @@
 
 #- === iC-MU-28-7, iC-MU150-28-7
 #- #- Not in this file: Frame size = 35: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -353,8 +353,8 @@
 
 #- === iC-MU-38-0, iC-MU150-38-0
 #- #- Not in this file: Frame size = 38: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -372,8 +372,8 @@
 
 #- === iC-MU-38-2, iC-MU150-38-2
 #- #- Not in this file: Frame size = 40: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -391,8 +391,8 @@
 
 #- === iC-MU-38-7, iC-MU150-38-7
 #- #- Not in this file: Frame size = 45: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits

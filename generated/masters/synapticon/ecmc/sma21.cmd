@@ -200,8 +200,8 @@
 
 #- === SMA21-SC1-0050, SMA21-SC4-0050
 #- #- Not in this file: Frame size = 24: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -219,8 +219,8 @@
 
 #- === SMA21-SC1-0010, SMA21-SC4-0010
 #- #- Not in this file: Frame size = 24: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -238,8 +238,8 @@
 
 #- === SMA21-SC1-0005, SMA21-SC4-0005
 #- #- Not in this file: Frame size = 24: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -257,8 +257,8 @@
 
 #- === SMA21-SC1-0002, SMA21-SC4-0002
 #- #- Not in this file: Frame size = 24: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits
@@ -276,8 +276,8 @@
 
 #- === SMA21-SC1-0001, SMA21-SC4-0001
 #- #- Not in this file: Frame size = 25: not given: index, subindex and a width in whole bytes.
-#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's manual (longest processing time before the
-#- #-   start bit, in µs, BiSS).
+#- #- Not in this file: Maximum tbusy, in µs: unknown: not in the encoder's spec (longest processing time before the start
+#- #-   bit, in µs, BiSS).
 #-
 #- #- encoder 1
 #- #- Multiturn bits

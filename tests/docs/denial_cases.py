@@ -1,0 +1,797 @@
+"""Specs for which each denial about an encoder is true, and specs that contradict it.
+
+A case is two functions without arguments. Each returns the text that the outputs print: the first for a spec for which
+the denial is true, the second for a spec with the one fact that contradicts it. All specs are small changes of the
+fictional encoder in docs/example.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from functools import cache, partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import MappingProxyType
+from typing import Any
+
+from codewheel.commands.new import write_spec
+from codewheel.loading.library import load_library
+from codewheel.masters.cable import cable_table
+from codewheel.masters.record import record
+from codewheel.masters.text import facts as record_facts
+from codewheel.model import (
+    Alarm,
+    Biss,
+    Characteristic,
+    Choice,
+    CodePart,
+    Contact,
+    ControlField,
+    DataId,
+    Device,
+    Erratum,
+    Exchange,
+    Field,
+    Flag,
+    Input,
+    Interface,
+    Led,
+    LedState,
+    Network,
+    Number,
+    Overlay,
+    Port,
+    Register,
+    Release,
+    Rs485,
+    SendStep,
+    SpelledValue,
+    Spelling,
+    TimesRead,
+    Timing,
+    Unused,
+    Value,
+    Verdict,
+    WriteStep,
+)
+from codewheel.model.expressions import Expression
+from codewheel.say import (
+    alarm,
+    crc,
+    erratum,
+    evidence,
+    field,
+    hardware_input,
+    interface,
+    layout,
+    only,
+    order_code,
+    origin,
+    procedure,
+    register,
+    report,
+    timing,
+)
+from codewheel.say.text import BY_NAME, Said
+from codewheel.targets import Library
+from codewheel.targets.docs import (
+    bytes_to_send,
+    clock_and_cable,
+    connector_pictures,
+    cross_family_pages,
+    family_pages,
+    frame_facts,
+    inline_errata,
+    layout_pictures,
+    order_code_tables,
+    timing_pictures,
+    unstated,
+    verdict_page,
+)
+from codewheel.targets.registry import load_target
+
+EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "example"
+Printed = Callable[[], str]
+#: Cases by name, and the names of those that generate whole outputs.
+CASES: dict[str, tuple[Printed, Printed]] = {}
+SLOW: set[str] = set()
+
+
+def case(name: str, true: Printed, false: Printed, is_slow: bool = False) -> None:
+    assert name not in CASES, name
+    CASES[name] = (true, false)
+    if is_slow:
+        SLOW.add(name)
+
+
+# -- the encoder and its changes
+
+
+@cache
+def tv62() -> Device:
+    devices, report = load_library([EXAMPLE])
+    assert not report
+    return devices[0]
+
+
+def over(name: str, device: Device | None = None) -> Interface:
+    return (device or tv62()).interface(name)
+
+
+def biss() -> Biss:
+    kind = tv62().over(Biss)
+    assert kind is not None
+    return kind
+
+
+def with_interface(changed: Interface, device: Device | None = None, **changes: Any) -> Device:
+    """Return the device with an interface in place of the one with the same name."""
+    device = device or tv62()
+    interfaces = tuple(changed if item.name == changed.name else item for item in device.interfaces)
+    return replace(device, interfaces=interfaces, **changes)
+
+
+def bare(**changes: Any) -> Device:
+    """Return the encoder without registers, procedures, texts and errata, with these changes."""
+    nothing: dict[str, Any] = dict.fromkeys(
+        ("registers", "procedures", "alarms", "inputs", "characteristics", "connectors", "leds"), ()
+    )
+    return replace(tv62(), **(nothing | changes))
+
+
+def spec_only(device: Device) -> Device:
+    """Return the device as one of which no manual was read as a whole."""
+    return replace(device, evidence=replace(device.evidence, grade="corroborated"))
+
+
+def printed(statements: Iterable[Said]) -> str:
+    return "\n".join(line for item in statements for line in BY_NAME.lines(item))
+
+
+def everything(target: str, device: Device) -> str:
+    """Return all files of a target as one text, without pictures."""
+    made = load_target(target).files(Library((device,)))
+    return "\n".join(text for name, text in made.items() if not name.endswith(".svg"))
+
+
+def everything_of(target: str, device: Callable[[], Device]) -> str:
+    return everything(target, device())
+
+
+def input_pin(**changes: Any) -> Input:
+    pin = Input("mode", "", MappingProxyType({}), "Selects the filter", "", "", None, "", "", "", "", ())
+    return replace(pin, **changes)
+
+
+def a_timing(meaning: str, only_codes: str = "") -> Timing:
+    return Timing("delay", "", meaning, 5, None, None, (), only_codes)
+
+
+def a_text(name: str, value: str) -> Characteristic:
+    return Characteristic(name, value, (), "", ())
+
+
+def a_field(kind: Any, **changes: Any) -> Field:
+    return replace(Field("flag", kind, Expression(0), Expression(1), 1), **changes)
+
+
+# -- what to send
+
+
+def sent(kind: str, device: Device) -> str:
+    here = over(kind, device)
+    variants = device.variants_over(kind) or device.variants
+    shown = bytes_to_send.sending(device, device, here, variants[0], lambda *_, **__: "")
+    return "\n".join((*shown.facts, *(" ".join(row) for row in shown.commands)))
+
+
+def settings_register() -> Register:
+    return replace(tv62().register("control"), bank=None)
+
+
+def t_format(*ids: DataId, **changes: Any) -> Device:
+    port = Port(2500000, 8, "none", 1, "none", ())
+    parts: dict[str, Any] = {"layouts": (), "timings": (), "note": "", "source": (), "measurement": None}
+    kind = Rs485(port=port, data_ids=ids, memory_access=(), exchanges=(), **parts)
+    return bare(interfaces=(*tv62().interfaces, kind), **changes)
+
+
+RESET = DataId("reset_errors", 7, 0xBA, "reset", "Reset all errors", ())
+CAPTURE = DataId("position", 0, 0x02, "capture", "Read the position", ())
+ZERO = DataId("set_zero", 6, 0x32, "write", "Set the present position to zero", ())
+STORE = DataId("store", 6, 0x32, "write", "Store the settings", ())
+
+
+def command_only() -> Device:
+    """Return the encoder with one command register, whose commands change no position."""
+    command = tv62().register("command")
+    values = (Value("restart", 1, "", MappingProxyType({}), "Start up again", ()),)
+    shown = replace(command.layout, fields=(replace(command.layout.fields[0], kind=Choice(values)),))
+    run = replace(
+        tv62().procedure("set_preset"),
+        name="restart",
+        title="Start up again",
+        arguments=(),
+        steps=(WriteStep(register="command", value_name="restart", value=1),),
+    )
+    return bare(registers=(replace(command, layout=shown),), procedures=(run,))
+
+
+def command_only_and(*registers: Register) -> Device:
+    device = command_only()
+    return replace(device, registers=(*device.registers, *registers))
+
+
+case("ssi_commands", lambda: sent("ssi", bare()), lambda: sent("ssi", bare(inputs=(input_pin(),))))
+case(
+    "ssi_registers",
+    lambda: sent("ssi", bare()),
+    lambda: sent("ssi", bare(registers=(replace(settings_register(), interface="ssi"),))),
+)
+case("biss_commands", lambda: sent("biss", bare()), lambda: sent("biss", bare(registers=(tv62().register("command"),))))
+case(
+    "biss_commands_settings", lambda: sent("biss", bare()), lambda: sent("biss", bare(registers=(settings_register(),)))
+)
+case("biss_commands_input", lambda: sent("biss", bare()), lambda: sent("biss", bare(inputs=(input_pin(),))))
+case("biss_commands_spec", lambda: sent("biss", bare()), lambda: sent("biss", spec_only(bare())))
+case(
+    "biss_commands_of_spec",
+    lambda: sent("biss", spec_only(bare())),
+    lambda: sent("biss", spec_only(bare(registers=(tv62().register("command"),)))),
+)
+case(
+    "biss_writable",
+    lambda: sent("biss", bare(inputs=(input_pin(),))),
+    lambda: sent("biss", bare(inputs=(input_pin(),), registers=(settings_register(),))),
+)
+CONTROL = ControlField("command", "", 2, (), "", "Broadcast command", ())
+case(
+    "biss_commands_control",
+    lambda: sent("biss", bare()),
+    lambda: sent("biss", with_interface(replace(biss(), control_data=(CONTROL,)), bare())),
+)
+case(
+    "biss_commands_left_out",
+    lambda: sent("biss", bare()),
+    lambda: sent("biss", bare(evidence=replace(tv62().evidence, left_out=("The registers.",)))),
+)
+case("biss_preset", lambda: sent("biss", command_only()), lambda: sent("biss", command_only_and(settings_register())))
+case("biss_preset_command", lambda: sent("biss", command_only()), lambda: sent("biss", tv62()))
+case(
+    "rs485_preset",
+    lambda: sent("rs485", t_format(CAPTURE, RESET)),
+    lambda: sent("rs485", t_format(CAPTURE, RESET, ZERO)),
+)
+case(
+    "rs485_preset_input",
+    lambda: sent("rs485", t_format(CAPTURE)),
+    lambda: sent("rs485", t_format(CAPTURE, inputs=(input_pin(meaning="Sets the position to 0"),))),
+)
+case(
+    "rs485_save",
+    lambda: sent("rs485", t_format(CAPTURE, RESET)),
+    lambda: sent("rs485", t_format(CAPTURE, RESET, STORE)),
+)
+
+# -- facts that a manual does not state
+
+
+def speed(kind: str, device: Device) -> str:
+    return "\n".join(clock_and_cable.speed(device, device, over(kind, device), None).facts)
+
+
+def of_record(label: str, device: Device) -> str:
+    """Return one row of the facts for masters."""
+    return dict(record_facts(record(device, device.variants[0])))[label]
+
+
+REPLY = a_timing("Time from the request until the encoder answers")
+case(
+    "reply_time",
+    lambda: speed("biss", bare()),
+    lambda: speed("biss", with_interface(replace(over("biss"), timings=(REPLY,)), bare())),
+)
+case(
+    "reply_time_text",
+    lambda: speed("biss", bare()),
+    lambda: speed("biss", bare(characteristics=(a_text("processing", "Response time of at most 5 µs"),))),
+)
+case(
+    "cable_length",
+    lambda: speed("rs485", t_format(CAPTURE)),
+    lambda: speed(
+        "rs485",
+        t_format(CAPTURE, characteristics=(a_text("cable_length", "At most 100 m"), a_text("reply_time", "5 µs"))),
+    ),
+)
+case(
+    "supply",
+    lambda: unstated.no_supply(bare(), over("biss")),
+    lambda: unstated.no_supply(bare(characteristics=(a_text("supply", "+5 V DC"),)), over("biss")),
+)
+case(
+    "supply_master",
+    lambda: of_record("Supply", template("ssi")),
+    lambda: of_record("Supply", replace(template("ssi"), characteristics=(a_text("supply", "+5 V DC"),))),
+    is_slow=True,
+)
+case(
+    "pause_master",
+    lambda: of_record("Pause", template("ssi", *NO_TIMES)),
+    lambda: of_record("Pause", template("ssi", *ONLY_PAUSE)),
+    is_slow=True,
+)
+case(
+    "cable_clock",
+    lambda: cable_table(tv62(), biss()).about(20_000_000),
+    lambda: cable_table(tv62(), biss()).about(1_000_000),
+)
+
+ONE_LED = Led("power", "Power", (LedState("on", "Supply is on"),), ())
+case(
+    "leds",
+    lambda: unstated.no_leds(bare(), bare(), over("biss")),
+    lambda: unstated.no_leds(bare(leds=(ONE_LED,)), bare(), over("biss")),
+)
+case(
+    "leds_text",
+    lambda: unstated.no_leds(bare(), bare(), over("biss")),
+    lambda: unstated.no_leds(bare(characteristics=(a_text("lamp", "A LED lights up"),)), bare(), over("biss")),
+)
+case(
+    "leds_of_code",
+    lambda: unstated.no_leds(bare(leds=(ONE_LED,)), bare(), over("biss")),
+    lambda: unstated.no_leds(bare(leds=(ONE_LED,)), bare(leds=(ONE_LED,)), over("biss")),
+)
+
+
+def without_timeout(*timings: Timing) -> str:
+    kind = replace(biss(), timeout=None, timings=timings)
+    wave = timing_pictures.wave(with_interface(kind), kind)
+    assert wave is not None
+    return wave.told
+
+
+case("timeout", without_timeout, lambda: without_timeout(a_timing("Time-out after a frame")))
+
+# -- verdicts and flags of a frame
+
+
+def with_flag(kind: Any, *more: Field) -> Device:
+    """Return the encoder with this flag in place of the alarm of its SSI word."""
+    word = over("ssi").layouts[0]
+    fields = tuple(replace(item, kind=kind) if item.name == "alarm" else item for item in word.fields)
+    return with_interface(replace(over("ssi"), layouts=(replace(word, fields=fields),)))
+
+
+def of_frame(device: Device) -> str:
+    variant = device.variants_over("ssi")[0]
+    facts = frame_facts.frame_facts(device, over("ssi", device).layouts[0], variant)
+    return "\n".join(": ".join(pair) for pair in facts)
+
+
+def of_verdicts(device: Device) -> str:
+    page = verdict_page.page_values([device])
+    return "\n".join(" | ".join(row) for rows in (page["decides_rows"], page["report_rows"]) for row in rows)
+
+
+ERROR, IRRELEVANT = Flag(makes_position=Verdict.NOT_USABLE), Flag(makes_position=Verdict.USABLE)
+case("confirms", lambda: of_frame(with_flag(IRRELEVANT)), lambda: of_frame(with_flag(ERROR)))
+case("not_usable", lambda: of_frame(with_flag(ERROR)), lambda: of_frame(with_flag(IRRELEVANT)))
+
+
+def of_unused(value: int) -> str:
+    kind = Unused(value) if value else Number()
+    data = over("biss").layouts[0]
+    fields = tuple(replace(item, kind=kind) if item.name == "warning" else item for item in data.fields)
+    device = with_interface(replace(over("biss"), layouts=(replace(data, fields=fields), *over("biss").layouts[1:])))
+    facts = frame_facts.frame_facts(device, over("biss", device).layouts[0], device.variants_over("biss")[0])
+    return "\n".join(": ".join(pair) for pair in facts)
+
+
+case("not_used", lambda: of_unused(1), lambda: of_unused(0))
+
+
+def of_alarm(**changes: Any) -> Alarm:
+    nothing: dict[str, Any] = {"printed_name": "", "names": MappingProxyType({}), "group": "flags", "register": ""}
+    rest = {"field": "alarm", "meaning": "", "detected": "", "below_mv": None, "latch": None, "implemented": True}
+    more = {"remedy": "", "cleared_by": (), "source": ()}
+    return Alarm(**({"name": "alarm"} | nothing | rest | more | changes))
+
+
+def reported(**changes: Any) -> str:
+    device = with_flag(ERROR)
+    word = over("ssi", device).layouts[0]
+    fields = tuple(replace(item, group="flags") if item.name == "alarm" else item for item in word.fields)
+    device = with_interface(replace(over("ssi", device), layouts=(replace(word, fields=fields),)), device)
+    errors = of_verdicts(replace(device, alarms=(of_alarm(**changes),)))
+    return "\n".join(line for line in errors.splitlines() if "`alarm`" in line)
+
+
+case("remedy", reported, lambda: reported(cleared_by=("set_preset",)))
+case("remedy_text", reported, lambda: reported(remedy="Turn it off"))
+
+
+def without_position() -> Device:
+    parts = {item.name: replace(item, layouts=()) for item in tv62().interfaces}
+    return replace(tv62(), interfaces=tuple(parts.values()))
+
+
+case("no_frame", lambda: of_verdicts(without_position()), lambda: of_verdicts(tv62()))
+case("no_field_decides", lambda: of_verdicts(with_flag(Number())), lambda: of_verdicts(tv62()))
+case(
+    "none_of_these",
+    lambda: of_verdicts(tv62()),
+    lambda: of_verdicts(replace(with_flag(Number()), interfaces=(over("ssi", with_flag(Number())),))),
+)
+
+# -- statements that repeat a member of the spec
+
+case(
+    "alarm_implemented",
+    lambda: printed(alarm.facts(tv62(), of_alarm(group="", implemented=False))),
+    lambda: printed(alarm.facts(tv62(), of_alarm(group=""))),
+)
+case("alarm_row_implemented", lambda: alarm_row(False), lambda: alarm_row(True))
+case("field_implemented", lambda: rules(a_field(Flag(), implemented=False)), lambda: rules(a_field(Flag())))
+case("powers", lambda: rules(a_field(Number(power_of_two=True))), lambda: rules(a_field(Number())))
+case("affects", lambda: rules(a_field(IRRELEVANT)), lambda: rules(a_field(ERROR)))
+case("affects_not_usable", lambda: rules(a_field(ERROR)), lambda: rules(a_field(IRRELEVANT)))
+case("only_flag", lambda: rules(a_field(Flag(only="A-x", only_while="multiturn_bits"))), lambda: rules(a_field(Flag())))
+case(
+    "input_needs",
+    lambda: printed(hardware_input.facts(tv62(), input_pin(needs="control.filter"))),
+    lambda: printed(hardware_input.facts(tv62(), input_pin())),
+)
+case(
+    "input_unused",
+    lambda: printed(hardware_input.facts(tv62(), input_pin(when_unused="0 V"))),
+    lambda: printed(hardware_input.facts(tv62(), input_pin())),
+)
+case("one_slave", lambda: network(False), lambda: network(True))
+case("no_reply", lambda: exchange(""), lambda: exchange("answer"))
+case("gaps", lambda: gaps("zero"), lambda: gaps(""))
+case("only", lambda: printed(only.only("A-x")), lambda: printed(only.only("")))
+case(
+    "only_timing",
+    lambda: BY_NAME.sentence(timing.timing(a_timing("Pause", "A-x"))),
+    lambda: BY_NAME.sentence(timing.timing(a_timing("Pause"))),
+)
+case(
+    "open_part",
+    lambda: printed(order_code.open_values(open_part("[0-9]+"))),
+    lambda: printed(order_code.open_values(open_part(""))),
+)
+case("special_model", lambda: printed(origin.origin(special("S123"))), lambda: printed(origin.origin(special(""))))
+case("edition", lambda: printed(origin.origin(replace(tv62(), edition="1.0"))), lambda: printed(origin.origin(tv62())))
+case("succession", lambda: succession(True), lambda: succession(False))
+case("read_only", lambda: access("read_only"), lambda: access("read_write"))
+case("write_only", lambda: access("write_only"), lambda: access("read_write"))
+case("opened_by", lambda: opened("bank"), lambda: opened(""))
+case(
+    "reported_not_implemented",
+    lambda: report.meaning(a_field(ERROR, implemented=False), None),
+    lambda: report.meaning(a_field(ERROR), None),
+)
+case(
+    "unused_bits",
+    lambda: report.deciding(replace(a_field(Unused(3)), widest=2)),
+    lambda: report.deciding(a_field(ERROR)),
+)
+case("crc_inverted", lambda: crc.inverted(replace(tv62().crcs[0], xorout=0)), lambda: crc.inverted(tv62().crcs[0]))
+case("evidence_hardware", lambda: grade("corroborated"), lambda: grade("corroborated, no hardware frame seen"))
+case("evidence_no_hardware", lambda: grade("corroborated, no hardware frame seen"), lambda: grade("quoted"))
+case("evidence_single", lambda: grade("uncorroborated"), lambda: grade("quoted"))
+case("contact_only", lambda: contact("A-x"), lambda: contact(""))
+case("then_nothing", lambda: spelled(".*"), lambda: spelled(""))
+case("times_read_decided", lambda: times_read(decided=2), lambda: times_read(decided=0))
+case("times_read_once", lambda: times_read(once=2), lambda: times_read(once=0))
+case("no_field", lambda: runs(True), lambda: runs(False))
+
+
+def rules(item: Field) -> str:
+    return printed(field.rules(tv62(), item))
+
+
+def alarm_row(implemented: bool) -> str:
+    device = replace(tv62(), alarms=(replace(tv62().alarms[0], implemented=implemented),))
+    return "\n".join(" ".join(row) for row in cross_family_pages.alarms([device])["alarm_rows"])
+
+
+def network(several: bool) -> str:
+    kind = replace(biss(), network=Network("point_to_point", several, ()))
+    return printed(interface.settings(tv62(), kind))
+
+
+def exchange(reply: str) -> str:
+    return BY_NAME.sentence(interface.exchange(Exchange("ask", None, reply, "other", ())))
+
+
+def gaps(value: str) -> str:
+    word = replace(over("ssi").layouts[0], gaps=value)
+    return printed(layout.layout(tv62(), over("ssi"), word))
+
+
+def open_part(pattern: str) -> CodePart:
+    return CodePart("cable", "Length of the cable", pattern, (), ())
+
+
+def special(suffix: str) -> Device:
+    return replace(tv62(), base="tv62", overlays=(Overlay("change", "A change", suffix),))
+
+
+def succession(alone: bool) -> str:
+    step = SendStep(data_id="reset", request=b"\xba", times=10, microseconds=40, in_succession=alone)
+    return BY_NAME.sentence(procedure.step(tv62(), step))
+
+
+def access(word: str) -> str:
+    return register.access(replace(tv62().register("control"), access=word))
+
+
+def opened(by: str) -> str:
+    item = replace(tv62().register("control"), opened_by=by, opened_by_value="position" if by else "")
+    return printed(register.facts(tv62(), item))
+
+
+def grade(word: str) -> str:
+    return BY_NAME.sentence(evidence.grade(replace(tv62(), evidence=replace(tv62().evidence, grade=word))))
+
+
+def contact(codes: str) -> str:
+    item = replace(tv62().connectors[0], contacts=(Contact("1", "0 V", codes),))
+    return connector_pictures.connector_text(item) + connector_pictures.connector_picture(item)
+
+
+def spelled(then: str) -> str:
+    spelling = Spelling("TV62 {turns}", "the data sheet", (SpelledValue("turns", "S", "S"),), then, ())
+    code = replace(tv62().order_code, also_written=(spelling,))
+    return "\n".join(" ".join(row) for row in order_code_tables.spelling_rows(replace(tv62(), order_code=code)))
+
+
+def times_read(decided: int = 0, once: int = 0) -> str:
+    counts = TimesRead(twice=10, explained=0, decided=decided, once=once, derived=0)
+    rows = family_pages.manual_values(replace(tv62(), times_read=counts))["manual_rows"]
+    return "\n".join(" ".join(row) for row in rows)
+
+
+def runs(has_gap: bool) -> str:
+    word = over("ssi").layouts[0]
+    fields = tuple(item for item in word.fields if not (has_gap and item.name == "alarm"))
+    placed = replace(word, fields=fields).place(tv62().variants_over("ssi")[0].parameters)
+    return " ".join(run.name for run in layout_pictures.runs_of(placed))
+
+
+# -- errata
+
+
+def an_erratum(**changes: Any) -> Erratum:
+    return replace(
+        Erratum("bit_order", "bit 1", "bit 2", "The table", "open", "wrong_data", ("registers.control",), ()), **changes
+    )
+
+
+def summary(*errata: Erratum) -> str:
+    badges = inline_errata.Badges(replace(tv62(), errata=errata))
+    badges("registers.bank")
+    return badges.summary()
+
+
+def errata_page(*errata: Erratum) -> str:
+    page = inline_errata.page_values(replace(tv62(), errata=errata))
+    rows = (" ".join(row) for item in page["errata_list"] for row in item["rows"])
+    return "\n".join((page["errata_summary"], *rows))
+
+
+case("errata_none", summary, lambda: summary(an_erratum()))
+case("errata_none_here", lambda: summary(an_erratum()), lambda: summary(an_erratum(affects=("registers.bank",))))
+case("errata_page_none", errata_page, lambda: errata_page(an_erratum()))
+case("errata_open", lambda: errata_page(an_erratum()), lambda: errata_page(an_erratum(status="settled")))
+case(
+    "erratum_only",
+    lambda: printed([erratum.erratum(an_erratum(only="A-x"))]),
+    lambda: printed([erratum.erratum(an_erratum())]),
+)
+case(
+    "erratum_unknown",
+    lambda: printed([erratum.erratum(an_erratum(edition="before 1.1", used="not known"))]),
+    lambda: printed([erratum.erratum(an_erratum(edition="before 1.1"))]),
+)
+case(
+    "erratum_left_out",
+    lambda: printed([erratum.erratum(an_erratum(edition="before 1.1", used="left out"))]),
+    lambda: printed([erratum.erratum(an_erratum(edition="before 1.1"))]),
+)
+case("severity_missing", lambda: errata_page(an_erratum(severity="omission")), lambda: errata_page(an_erratum()))
+case("severity_wording", lambda: errata_page(an_erratum(severity="wording")), lambda: errata_page(an_erratum()))
+
+
+# -- whole outputs of the specs that ``codewheel new`` writes
+
+EXAMPLES = "\nexamples:"
+
+
+@cache
+def template(like: str, *changes: tuple[str, str]) -> Device:
+    """Return the encoder of a spec that ``new`` writes, without its examples, with texts of the spec replaced."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "acme18.yaml"
+        write_spec("acme18", path, like)
+        text = path.read_text("utf-8").partition(EXAMPLES)[0]
+        for old, new in changes:
+            assert old in text, old
+            text = text.replace(old, new, 1)
+        path.write_text(text, "utf-8")
+        devices, report = load_library([Path(folder)])
+    assert not report, "\n".join(problem.format() for problem in report.problems)
+    return devices[0]
+
+
+@cache
+def generated(target: str, like: str, *changes: tuple[str, str]) -> str:
+    return everything(target, template(like, *changes))
+
+
+def output(target: str, like: str, *changes: tuple[str, str]) -> Printed:
+    return partial(generated, target, like, *changes)
+
+
+JOIN = "        join: {position: [multiturn, singleturn]}\n"
+CRC = """crcs:
+  - {name: crc_6, width: 6, poly: 0x03, init: 0, refin: false, refout: false, xorout: 0, source: "5"}
+
+interfaces:"""
+WITH_CRC = (("interfaces:", CRC), (JOIN, f"          - {{name: crc, crc: crc_6}}\n{JOIN}"))
+WITH_PARITY = ((JOIN, f"          - {{name: parity, parity_of: [multiturn, singleturn]}}\n{JOIN}"),)
+BOTH = (*WITH_PARITY, *WITH_CRC)
+ERROR_BIT = ((JOIN, f"          - {{name: error, active: high, makes_position: not_usable}}\n{JOIN}"),)
+HARMLESS_BIT = ((JOIN, f"          - {{name: note, active: high, makes_position: usable}}\n{JOIN}"),)
+MORE = "\ninterfaces:"
+A_TABLE = """
+tables:
+  - {name: pins, title: Pins, columns: [A], units: [""], rows: [[B]], source: "4"}
+
+interfaces:"""
+OPEN_TWO, OPEN_ANY = (
+    ("      meaning: Number of revolutions\n", f"      meaning: Number of revolutions\n      open: '{pattern}'\n")
+    for pattern in ("[0-9]{2}", "[0-9]+")
+)
+RESET_ID = "{name: reset_errors, id: 7, control: 0xBA, purpose: reset, meaning: Reset all errors, source: '7.3'}"
+RESET_PROCEDURE = """procedures:
+  - name: reset_errors
+    title: Reset all errors
+    interface: rs485
+    steps:
+      - {do: send, data_id: reset_errors, times: 10, every_at_least_us: 40%s}
+    source: '7.3'
+
+interfaces:"""
+RESET_ALONE, RESET_SHARED = (
+    (
+        ("      - {name: all_data", f"      - {RESET_ID}\n      - {{name: all_data"),
+        ("data_id: [0, 3]", "data_id: [0, 3, 7]"),
+        ("interfaces:", RESET_PROCEDURE % more),
+    )
+    for more in (", in_succession: true", "")
+)
+ZERO_BIT = (
+    (
+        "interfaces:",
+        """alternatives:
+  - name: zero_bit
+    meaning: A 0 after the position
+    values:
+      sent: {meaning: It is sent, sets: {zero_bits: 1}, source: "5"}
+      left_out: {meaning: It is left out, sets: {zero_bits: 0}, source: "5"}
+    source: "5"
+
+interfaces:""",
+    ),
+    (
+        "  position_bits:",
+        "  zero_bits: {meaning: Zeros, unit: bits, alternative: zero_bit, source: '5'}\n  position_bits:",
+    ),
+    (JOIN, f"          - {{name: zero, bits: zero_bits, constant: 0}}\n{JOIN}"),
+)
+NO_SINGLETURN = ('        "1": {meaning: Singleturn, sets: {multiturn_bits: 0}}\n', "")
+BY_HAND_ONLY, BY_HAND = (
+    (
+        MORE,
+        f"\ncharacteristics:\n  - {{name: mounting, value: 1. A 2. B 3. C 4. D, source: '1'{more}}}\ninterfaces:",
+    )
+    for more in (", only: ACME18-13-...", "")
+)
+ONLY_PAUSE = (("- {name: pause, symbol: Tp,", "- {name: gap, symbol: Tg,"),)
+NO_TIMES = (
+    ("    timings:\n", ""),
+    ('      - {name: pause, symbol: Tp, meaning: Pause between two words, at_least_us: 20, source: "5.1"}\n', ""),
+)
+
+for name, target, like, true, false in (
+    ("no_crc", "c", "ssi", (), WITH_CRC),
+    ("no_status", "c", "ssi", HARMLESS_BIT, ERROR_BIT),
+    ("no_status_page", "c", "ssi", HARMLESS_BIT, ERROR_BIT),
+    ("ssi_without_crc", "c", "ssi", (), WITH_CRC),
+    ("ssi_word_in_readme", "c", "ssi", (), WITH_CRC),
+    ("ssi_word_in_header", "c", "ssi", (), WITH_CRC),
+    ("ssi_word_in_example", "c", "ssi", (), WITH_CRC),
+    ("parity_alone", "c", "ssi", WITH_PARITY, BOTH),
+    ("python_no_status", "python", "ssi", HARMLESS_BIT, ERROR_BIT),
+    ("unlisted_part", "c", "ssi", (), (OPEN_TWO,)),
+    (
+        "pins",
+        "docs",
+        "ssi",
+        (),
+        ((MORE, "\ncharacteristics: [{name: shaft, value: 12 mm, source: '1'}]\ninterfaces:"),),
+    ),
+    (
+        "pins_table",
+        "docs",
+        "ssi",
+        (),
+        (
+            (
+                MORE,
+                A_TABLE,
+            ),
+        ),
+    ),
+    ("open_part_of_label", "c", "ssi", (OPEN_TWO,), ()),
+    ("known_values", "c", "ssi", (OPEN_ANY,), ()),
+    ("send_alone", "c", "rs485", RESET_ALONE, RESET_SHARED),
+    ("alternative", "c", "ssi", ZERO_BIT, ()),
+    ("alternative_docs", "docs", "ssi", ZERO_BIT, ()),
+    ("alternative_python", "python", "ssi", ZERO_BIT, ()),
+    ("missing_field", "python", "ssi", (), (NO_SINGLETURN,)),
+    ("steps_only_with", "docs", "ssi", (BY_HAND_ONLY,), (BY_HAND,)),
+):
+    case(name, output(target, like, *true), output(target, like, *false), is_slow=True)
+
+
+def without_ids() -> Device:
+    """Return the encoder without the registers that identify it, which hold text."""
+    registers = tuple(item for item in tv62().registers if not item.name.endswith("_id"))
+    return replace(tv62(), registers=registers)
+
+
+def with_flags(kind: Any) -> Device:
+    """Return the encoder with this kind in place of the error and the warning of its BiSS frame."""
+    data = over("biss").layouts[0]
+    fields = tuple(replace(item, kind=kind) if item.name in ("error", "warning") else item for item in data.fields)
+    return with_interface(replace(over("biss"), layouts=(replace(data, fields=fields), *over("biss").layouts[1:])))
+
+
+def of_one_interface() -> Device:
+    kind = replace(over("ssi"), measurement=tv62().measurement)
+    return with_interface(kind, measurement=None)
+
+
+def with_code(**changes: Any) -> Device:
+    return replace(tv62(), order_code=replace(tv62().order_code, **changes))
+
+
+RELEASE = Release("0.1.0", "", "1.1", ())
+SPELLED = (Spelling("TV62 {turns}", "the data sheet", (SpelledValue("turns", "S", "S"),), "", ()),)
+ONE_CODE = [item for item in tv62().variants if item.interface == "biss"][:1]
+for name, target, true_device, false_device in (
+    ("no_device_id", "biss", without_ids, tv62),
+    ("no_length", "biss", tv62, lambda: replace(tv62(), variants=tuple(ONE_CODE))),
+    ("shared_ids", "biss", tv62, without_ids),
+    ("always_1", "biss", lambda: with_flags(Unused(1)), tv62),
+    ("no_status_bits", "biss", lambda: with_flags(Number()), tv62),
+    ("no_terminator", "c", tv62, without_ids),
+    ("made_up", "c", lambda: template("ssi"), tv62),
+    (
+        "only_over",
+        "python",
+        lambda: replace(tv62(), parameters=tuple(replace(item, interface="ssi") for item in tv62().parameters)),
+        tv62,
+    ),
+    ("no_measurement", "python", of_one_interface, tv62),
+    ("figures", "docs", tv62, lambda: replace(tv62(), lost_figures=())),
+    ("release", "docs", tv62, lambda: replace(tv62(), releases=(RELEASE,))),
+    ("spellings", "docs", lambda: with_code(also_written=SPELLED), tv62),
+):
+    case(name, partial(everything_of, target, true_device), partial(everything_of, target, false_device), is_slow=True)
