@@ -80,7 +80,7 @@ def _speaking(device: Device, interface: Interface, layout: Layout, judgement: J
             _when(field, only) + _unless(field, layout) if sign is None else _conditions(layout, sign),
             code(verdict.value),
             _cited(device, field),
-            _errata(device, interface, layout, field),
+            _errata(device, interface, layout, field, sign),
         )
 
 
@@ -136,11 +136,14 @@ def _links(device: Device, layouts: Sequence[Layout]) -> str:
     return ", ".join(to_layout(device, item, code(item.name)) for item in layouts)
 
 
-def _errata(device: Device, interface: Interface, layout: Layout, field: Field) -> str:
-    """Return links to the errata about a field and, for a flag, about its group."""
-    paths = {f"interfaces.{interface.name}.{layout.name}.{field.name}", f"field_groups.{field.group}.{field.name}"}
-    if field.group and isinstance(meaning_of(field), Active):
-        paths.add(f"field_groups.{field.group}")
+def _errata(device: Device, interface: Interface, layout: Layout, field: Field, sign: Sign | None) -> str:
+    """Return links to the errata about a field and, for a flag, about its group. For a sign, these are all its fields."""
+    frame = f"interfaces.{interface.name}.{layout.name}"
+    paths = {f"{frame}.{field.name}"}
+    for item in [field] if sign is None else [layout.field(name) for name, _ in sign.conditions]:
+        paths |= {f"{frame}.{item.name}", f"field_groups.{item.group}.{item.name}"}
+        if item.group and isinstance(meaning_of(item), Active):
+            paths.add(f"field_groups.{item.group}")
     about = (item for item in device.errata if not item.edition and not paths.isdisjoint(item.affects))
     found = (item.name for item in about if item.severity != "wording")
     return ", ".join(to_erratum(device, name) for name in found)
