@@ -48,7 +48,7 @@ def test_the_verdict_of_a_value_is_compared(second: Path) -> None:
     found = differences(
         second, "poor: {value: 2, makes_position: usable_with_warning}", "poor: {value: 2, makes_position: not_usable}"
     )
-    value = "verdict on the position of value 0x2 of bits 9:8 of 'gray_word'"
+    value = "verdict on the position of value 2 of bits 9:8 of 'gray_word'"
     assert found == [f"{value}: not_usable here, usable_with_warning in signs.yaml"]
 
 
