@@ -137,7 +137,7 @@ def _links(device: Device, layouts: Sequence[Layout]) -> str:
 
 
 def _errata(device: Device, interface: Interface, layout: Layout, field: Field, sign: Sign | None) -> str:
-    """Return links to the errata about a field and, for a flag, about its group. For a sign, these are all its fields."""
+    """Return links to the errata about a field and, for a flag, about its group. A sign has those of all its fields."""
     frame = f"interfaces.{interface.name}.{layout.name}"
     paths = {f"{frame}.{field.name}"}
     for item in [field] if sign is None else [layout.field(name) for name, _ in sign.conditions]:
