@@ -12,11 +12,14 @@ import shutil
 import subprocess
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
+from runpy import run_path
 from types import ModuleType
 from typing import Any
 
 import pytest
 from c_harness import GCC, compile_programs, runner_over, write
+from codewheel.dump.plain import device_dump
+from codewheel.dump.xml import to_xml
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Verdict, number_from_bytes
 from codewheel.plan.reports import reports_of
@@ -30,6 +33,7 @@ pytestmark = pytest.mark.slow
 
 TESTS = Path(__file__).resolve().parents[1]
 MT6701 = TESTS.parent / "examples" / "encoders" / "magntek" / "mt6701.yaml"
+SCRIPT = TESTS.parent / "docs" / "example" / "decode_from_xml.py"
 SIGNS = TESTS / "specs" / "signs.yaml"
 VERDICTS = [item.value for item in Verdict]
 NOT_USABLE, WARNING, USABLE = "not_usable", "usable_with_warning", "usable"
@@ -268,6 +272,20 @@ def test_every_engine_decides_as_the_table_does(
     ]
     assert differing == []
     assert {verdict for _, (verdict, _) in pairs} == {NOT_USABLE, WARNING, USABLE}
+
+
+@pytest.mark.parametrize("name", ["mt6701", "as5145", "low", "high"])
+def test_the_xml_and_its_example_script_decide_as_the_table_does(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, code, layout, pairs = FRAMES[name]
+    xml = tmp_path / "device.xml"
+    xml.write_text(to_xml(device_dump(device_of(path))), encoding="utf-8")
+    for frame, (verdict, _) in pairs[::7]:
+        text = frame.hex() if isinstance(frame, bytes) else hex(frame)
+        monkeypatch.setattr("sys.argv", [str(SCRIPT), str(xml), code, layout, text])
+        run_path(str(SCRIPT))
+        assert capsys.readouterr().out.splitlines()[-1] == f"verdict: {verdict}", text
 
 
 def test_the_tables_are_large_enough() -> None:
