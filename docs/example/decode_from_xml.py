@@ -32,15 +32,22 @@ for asked in layout.get("alternatives", "").split():
 order = "little" if layout.get("byte_order") == "low_byte_first" else "big"
 in_bytes = layout.get("carried_as") == "bytes"
 bits = int.from_bytes(bytes.fromhex(frame), order) if in_bytes else int(frame, 0)
-speaks = {}
+speaks, found = {}, set()
 for field in layout.iterfind("d:fields/d:field", ns):
     value = bits >> number(field.get("low")) & (1 << number(field.get("width"))) - 1
     said = "not as in the manual" if value != int(field.get("unused", value)) else ""
     if field.get("active"):  # a flag
         said = "active" if value == (field.get("active") == "high") else "not active"
+        found.add(f"{field.get('name')}.{said.replace('not ', 'in')}")
     if said not in ("", "not active"):
         speaks[field.get("name")] = field
+    for named in field.iterfind("d:values/d:value", ns):
+        if value == int(named.get("value"), 0):
+            found.add(f"{field.get('name')}.{named.get('name')}")
+            speaks |= {(field.get("name"), value): named} if named.get("makes_position") else {}
     print(f"{field.get('name')} {value} {said}".rstrip())
+combinations = layout.findall("d:combinations/d:combination", ns)
+speaks |= {item.get("name"): item for item in combinations if {*item.get("when").split()} <= found}
 if layout.get("gray_of") and parameters.get(layout.get("gray_when"), 1):
     print("note:", layout.get("gray_of"), "is in Gray code. Its bits are shown as they are sent")
 
@@ -49,10 +56,13 @@ def makes(field):  # The manual does not explain a flag for order codes with the
     return field.get("makes_position") if parameters.get(field.get("only_while"), 1) else "usable_with_warning"
 
 
-# The most severe verdict decides. A flag that sums up others is silent while one of these is active.
+# The most severe verdict decides: of flags, named values, or several values together. A flag that sums up others is
+# silent while one of these is active.
 worth = {makes(item) for item in speaks.values() if not {*item.get("sums_up", "").split()} & {*speaks}}
 flags = "d:fields/d:field[@kind='flag' and not(@makes_position='usable') and not(string(@only_while))]"
-worth.add("usable" if layout.xpath(flags, namespaces=ns) else "unknown")
+values = "d:fields/d:field/d:values/d:value[string(@makes_position) and not(@makes_position='usable')]"
+tells = combinations or layout.xpath(f"{flags} | {values}", namespaces=ns)
+worth.add("usable" if tells else "unknown")
 verdict = next(word for word in ("not_usable", "unknown", "usable_with_warning", "usable") if word in worth)
 position = {*root.xpath("//d:measurement/@of", namespaces=ns)}
 joins = root.xpath("//d:layout[@interface=$kind]/d:join/d:join", namespaces=ns, kind=layout.get("interface"))

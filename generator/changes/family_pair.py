@@ -75,6 +75,9 @@ class FamilyPair:
             head, dot, tail = value.partition(".")
             register = self.to_new("register", head)
             return f"{register}{dot}{self.to_new('field', tail, register)}"
+        if kind == "condition":
+            field, _, word = value.partition(".")
+            return f"{self.to_new('field', field, scope)}.{self.to_new('any-value', word)}"
         if kind == "limits":
             return self.to_new("register", self.to_new("field", value, scope))
         if kind == "any-field" and value in self.frame_names:

@@ -22,6 +22,8 @@ def layout(both: FamilyPair, thing: Thing, old: Layout, new: Layout) -> Iterator
     for pair in fields(both, old, new, thing.interface):
         yield from _field(both, thing, pair)
     yield from things(both, "joined", old.joins, new.joins, replace(thing, label=f"{thing.scope}: number"))
+    place = replace(thing, label=f"{thing.scope}: combination")
+    yield from things(both, "combination", old.combinations, new.combinations, place)
     joined = {join.name: _type_of_parts(old, join) for join in old.joins}
     for join in new.joins:
         place = replace(thing, path=f"{thing.path}.{join.name}", label=f"{thing.scope}: number {join.name}")

@@ -53,6 +53,7 @@ _THINGS = (
     ("field", "a field of a frame or register", "BBBD", "WB+D", "BBBD", "the same bits"),
     ("value", "a named value", "BBBD", "+++D", "BBBD", "the same number"),
     ("joined", "a number made of several fields", "BBBD", "BB+D", "BBBD", "the same fields"),
+    ("combination", "a combination of values with a verdict", "BWBD", "WWWD", "BWBD", "the same values"),
     ("register", "a register", "BBBD", "+++D", "BBBD", "the same address and bits"),
     ("meaning", "one of several meanings of a register", "BBBD", "+++D", "BBBD", "the same setting"),
     ("crc", "a CRC", "BBBD", "+++D", "BBBD", "the same computation"),
@@ -146,6 +147,8 @@ def _all() -> Iterator[Rule]:
         why = "Callers must give an answer." if thing == "decision" else _NEW
         if thing in ("field", "joined"):
             why = "Code that encodes the frame or register must give one more value, and decoders return one more."
+        if thing == "combination":
+            why = _USABLE
         if thing == "measurement":
             why = "In C, each measured quantity, such as the counts per turn, is named after its role."
         yield Rule(f"{thing}-new", _impacts(new), f"{what} was added", why)

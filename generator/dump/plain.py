@@ -38,10 +38,11 @@ from ..model import (
     Text,
     Unused,
     Variant,
+    Verdict,
     assert_never,
 )
 from ..model.expressions import Expression
-from ..model.members import PARTS_BY_CLASS
+from ..model.members import PARTS_BY_CLASS, Member
 from ..model.record import dataclass
 from ..order_codes.holding_only import held_by
 from ..order_codes.labels import Match
@@ -155,6 +156,8 @@ class _Dump:
         """Return any part of the model as plain data. A part without a source inherits that of its parent."""
         if isinstance(value, Expression):
             return self._number(value)
+        if isinstance(value, Verdict):
+            return value.value
         if isinstance(value, bytes):
             return value.hex(" ").upper()
         if isinstance(value, Mapping):
@@ -168,11 +171,15 @@ class _Dump:
         if part is None:
             return {item.name: self.plain(getattr(value, item.name), own) for item in fields(value)} | _cited(own)
         made = {
-            item.name: self.plain(getattr(value, item.attribute), own)
+            item.name: self._member(item, getattr(value, item.attribute), own)
             for item in part.members
             if item.shape and hasattr(value, item.attribute)
         }
         return made | _cited(own) if part.is_sourced else made
+
+    def _member(self, member: Member, value: Any, inherited: Sources) -> Any:
+        """Return a member as plain data. A missing word is an empty text."""
+        return "" if value is None and member.shape.startswith("|") else self.plain(value, inherited)
 
     def _number(self, expression: Expression) -> int | str:
         if self.variant is not None:

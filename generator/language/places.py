@@ -16,7 +16,9 @@ from .document import Mark, Path, label_of
 
 _STEP = re.compile(r"\[([0-9]+)\]|\.?([^.\[\]]+)")
 #: Lists and maps that the path of an erratum omits, because their items are identified by name.
-_LEFT_OUT = frozenset("layouts fields values parts steps arguments meanings data_ids contacts timings".split())
+_LEFT_OUT = frozenset(
+    "layouts fields combinations values parts steps arguments meanings data_ids contacts timings".split()
+)
 _UNNAMED = re.compile(r"[^a-z0-9_]")
 
 #: Function from a map or list to its replacement.

@@ -9,6 +9,7 @@ from ..language.rules.shapes import RESERVED
 from ..model import (
     INTERFACES,
     Choice,
+    Combination,
     Constant,
     Crc,
     CrcValue,
@@ -152,7 +153,26 @@ def _flag(raw: Raw, context: Context, interface: str) -> Flag:
 
 def build_values(raw: Raw) -> tuple[Value, ...]:
     """Return the named values in ``raw['values']``, in the order of the spec."""
-    return tuple(record(Value, value, name=name) for name, value in raw.get("values", {}).items())
+    return tuple(
+        record(Value, value, name=name, makes_position=_verdict(value)) for name, value in raw.get("values", {}).items()
+    )
+
+
+def _verdict(raw: Raw) -> Verdict | None:
+    return Verdict(raw["makes_position"]) if "makes_position" in raw else None
+
+
+def build_combinations(raw: Raw) -> tuple[Combination, ...]:
+    """Return the combinations of a layout in the order of the spec."""
+    return tuple(
+        record(
+            Combination,
+            item,
+            when=tuple(f"{name}.{value}" for name, value in item["when"].items()),
+            makes_position=Verdict(item["makes_position"]),
+        )
+        for item in raw.get("combinations", ())
+    )
 
 
 def _reserved(values: Sequence[Value], width: int) -> tuple[Value, ...]:

@@ -15,7 +15,7 @@ from ..model import INTERFACES, Constant, Field, Join, Layout, Parity
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from ..model.scale import WIDEST
-from .fields import Context, Site, bit_range, equals, kind, pieces, zero_field
+from .fields import Context, Site, bit_range, build_combinations, equals, kind, pieces, zero_field
 from .from_mapping import Raw, record, sources
 from .layout_rules import is_sound
 
@@ -78,6 +78,7 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
         gaps=gaps,
         gray_of=gray.get("of", ""),
         gray_when=gray.get("when", ""),
+        combinations=build_combinations(raw),
     )
     return layout if is_sound(layout, site, raw.get("byte_order") == "low_byte_first") else None
 

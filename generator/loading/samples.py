@@ -30,6 +30,7 @@ from ..model import (
     Unused,
     Values,
     Variant,
+    Verdict,
     assert_never,
 )
 from ..order_codes.labels import UnknownOrderCode
@@ -91,7 +92,8 @@ def _value(item: Field, width: int, layout: Layout) -> int | str | bool:
         case Flag():
             return False
         case Choice(values):
-            return values[0].value
+            harmless = (value for value in values if value.makes_position in (None, Verdict.USABLE))
+            return next(harmless, values[0]).value
         case Decimal():
             return 1
         case Text():

@@ -88,7 +88,19 @@ from .kinds import (
     Value,
     Verdict,
 )
-from .layout import Crc, Field, Join, Layout, Piece, PlacedField, PlacedLayout, number_from_bytes, number_to_bytes
+from .layout import (
+    Combination,
+    Crc,
+    Field,
+    Join,
+    Layout,
+    Piece,
+    PlacedField,
+    PlacedLayout,
+    Sign,
+    number_from_bytes,
+    number_to_bytes,
+)
 from .measurement import Measurement
 from .never import assert_never
 from .scale import Scale
@@ -124,6 +136,7 @@ __all__ = [
     "CodePart",
     "CodeValue",
     "CodedValue",
+    "Combination",
     "Connector",
     "Constant",
     "Contact",
@@ -193,6 +206,7 @@ __all__ = [
     "Sample",
     "Scale",
     "SendStep",
+    "Sign",
     "Signals",
     "Source",
     "Sources",

@@ -31,7 +31,7 @@ class Verdict(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Value:
-    """A named value of a field or register."""
+    """A named value of a field or register. ``makes_position`` is the verdict on the position in the same frame."""
 
     name: str
     value: int
@@ -39,6 +39,7 @@ class Value:
     names: Mapping[str, str]
     meaning: str
     source: Sources
+    makes_position: Verdict | None = None
 
 
 @dataclass(frozen=True, slots=True)

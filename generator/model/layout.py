@@ -170,6 +170,35 @@ class Join:
 
 
 @dataclass(frozen=True, slots=True)
+class Combination:
+    """Values of several fields that together decide the verdict on the position.
+
+    ``when`` lists them as ``field.value``. The value of a flag is ``active`` or ``inactive``.
+    """
+
+    name: str
+    printed_name: str
+    when: tuple[str, ...]
+    makes_position: Verdict
+    meaning: str
+    remedy: str
+    note: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Sign:
+    """Values that decide the verdict on the position like an active flag: a named value, or a combination.
+
+    ``flag`` has the name, the texts and the verdict, but no bits. ``conditions`` are the fields with their values: 1
+    for an active flag, 0 for an inactive one, or the number of a named value.
+    """
+
+    flag: Field
+    conditions: tuple[tuple[str, int], ...]
+
+
+@dataclass(frozen=True, slots=True)
 class PlacedField:
     """A field at fixed bits, as it is for one order code."""
 
@@ -216,6 +245,7 @@ class Layout:
     gray_of: str = ""
     gray_when: str = ""
     channel: int | None = None
+    combinations: tuple[Combination, ...] = ()
 
     def field(self, name: str) -> Field:
         return next(item for item in self.fields if item.name == name)
@@ -296,9 +326,16 @@ class Layout:
 
     @cached_property
     def tells_validity(self) -> bool:
-        """True if a flag of its own says in every frame whether the position is usable."""
-        flags = (item.kind for item in self.fields if isinstance(item.kind, Flag))
+        """True if a flag, a named value or a combination says in every frame whether the position is usable."""
+        flags = [item.kind for item in self.fields if isinstance(item.kind, Flag)]
+        flags += [sign.flag.kind for sign in self.signs if isinstance(sign.flag.kind, Flag)]
         return any(flag.makes_position is not Verdict.USABLE and not flag.only_while for flag in flags)
+
+    @cached_property
+    def signs(self) -> tuple[Sign, ...]:
+        """Named values and combinations with a verdict on the position."""
+        values = (_sign_of_value(item, value) for item in self.fields for value in item.values)
+        return (*filter(None, values), *(_sign_of_combination(self, item) for item in self.combinations))
 
     @cached_property
     def crc_field(self) -> Field | None:
@@ -373,6 +410,39 @@ class PlacedLayout:
         """Return lowest bit and width of a field, or of a join of adjacent fields. An absent field has width 0."""
         parts = [item for item in map(self.field, self.layout.names_in(name)) if item is not None]
         return (parts[-1].low, sum(item.width for item in parts)) if parts else (0, 0)
+
+
+def _sign_of_value(field: Field, value: Value) -> Sign | None:
+    """Return a named value as a sign, or None if it has no verdict on the position."""
+    if value.makes_position is None:
+        return None
+    name = f"{field.name}_{value.name}"
+    flag = Flag(when_active=value.meaning or f"{field.name} is {value.name}", makes_position=value.makes_position)
+    source = value.source or field.source
+    return Sign(_flag_of_sign(name, flag, value.printed_name, source=source), ((field.name, value.value),))
+
+
+def _sign_of_combination(layout: Layout, item: Combination) -> Sign:
+    flag = Flag(when_active=item.meaning, makes_position=item.makes_position)
+    field = _flag_of_sign(item.name, flag, item.printed_name, note=item.note, remedy=item.remedy, source=item.source)
+    return Sign(field, tuple(_condition(layout, text) for text in item.when))
+
+
+def _flag_of_sign(
+    name: str, flag: Flag, printed_name: str, note: str = "", remedy: str = "", source: Sources = ()
+) -> Field:
+    """Return the flag of a sign. It has no bits in the frame."""
+    nowhere = Expression(0)
+    return Field(name, flag, nowhere, nowhere, 0, printed_name=printed_name, note=note, remedy=remedy, source=source)
+
+
+def _condition(layout: Layout, text: str) -> tuple[str, int]:
+    """Return the field of a condition ``field.value`` with the number of its value."""
+    name, _, word = text.partition(".")
+    field = layout.field(name)
+    if isinstance(field.kind, Flag):
+        return name, int(word == "active")
+    return name, next(item.value for item in field.values if item.name == word)
 
 
 def have_lengths(layouts: Sequence[Layout], sender: str) -> bool:

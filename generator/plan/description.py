@@ -99,6 +99,7 @@ class Check:
 class Speaks:
     """Cause of a verdict: a flag, unless certain other flags are active, or any of the reserved bits in ``mask``.
 
+    With ``when``, it is the values of these fields together, and ``flag`` is only their name. 1 is an active flag.
     Without ``only`` it applies to all order codes.
     """
 
@@ -107,16 +108,18 @@ class Speaks:
     unless: tuple[Name, ...] = ()
     mask: int = 0
     only: verdicts.Only | None = None
+    when: tuple[tuple[Name, int], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Tells:
-    """Cause of a report: a flag, or any of the reserved bits in ``mask``."""
+    """Cause of a report: a flag, any of the reserved bits in ``mask``, or the values ``when`` as in ``Speaks``."""
 
     report: str
     flag: Name
     mask: int = 0
     only: verdicts.Only | None = None
+    when: tuple[tuple[Name, int], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,13 +231,19 @@ def _speaks(judgement: verdicts.Judgement) -> Iterator[Speaks]:
     for verdict, items in judgement.worst_first:
         for item in items:
             unless = tuple(Name(part.field.name) for part in item.unless)
-            yield Speaks(verdict, Name(item.by.field.name), unless, _mask(item.by), item.only)
+            yield Speaks(verdict, Name(item.by.field.name), unless, _mask(item.by), item.only, _when(item.by))
 
 
 def _tells(item: reports.Told) -> Tells:
-    return Tells(item.report.name, Name(item.by.field.name), _mask(item.by), item.only)
+    return Tells(item.report.name, Name(item.by.field.name), _mask(item.by), item.only, _when(item.by))
 
 
-def _mask(by: plan.Part | plan.Reserved) -> int:
-    """Return the mask of reserved bits in the number made of all of them, or 0 for a flag."""
+def _mask(by: verdicts.Cause) -> int:
+    """Return the mask of reserved bits in the number made of all of them, or 0 for any other cause."""
     return by.mask if isinstance(by, plan.Reserved) else 0
+
+
+def _when(by: verdicts.Cause) -> tuple[tuple[Name, int], ...]:
+    """Return the fields of a cause that consists of values, each with its value, or nothing for any other cause."""
+    conditions = by.conditions if isinstance(by, verdicts.Match) else ()
+    return tuple((Name(part.field.name), value) for part, value in conditions)

@@ -1,4 +1,4 @@
-"""Reports of the encoder in frames: their flags, and reserved bits that differ from the manual."""
+"""Reports of the encoder in frames: flags, reserved bits that differ from the manual, and values with a verdict."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 from ..model import Device, Field, Flag, Interface, Layout, Verdict
 from ..model.kinds import Unused
-from .codec import Codec, Part, Reserved, codec_of
-from .verdicts import Judgement, Only, by_code, judgement_of, telling, unexplained
+from .codec import Codec, codec_of
+from .verdicts import Cause, Judgement, Only, by_code, judgement_of, telling, unexplained
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Report:
     """One report of a family. ``number`` is its bit in the set of all reports.
 
-    ``field`` is the flag or the reserved bits, from the first frame that has them.
+    ``field`` is the flag, the reserved bits or the flag of a sign, from the first frame that has them.
     """
 
     name: str
@@ -30,13 +30,13 @@ class Report:
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """Report in a frame: an active flag, or reserved bits that differ from the manual.
+    """Report in a frame: an active flag, reserved bits that differ from the manual, or values with a verdict.
 
     Without ``only`` it applies to all order codes.
     """
 
     report: Report
-    by: Part | Reserved
+    by: Cause
     only: Only | None = None
 
     @property
@@ -104,7 +104,7 @@ def _reports(device: Device) -> Mapping[tuple[str, str], Report]:
     found = [
         (interface.name, layout.name, item, only is not None and not only.holds)
         for interface, layout in _sent(device)
-        for field in layout.fields
+        for field in (*layout.fields, *(sign.flag for sign in layout.signs))
         for item, only in by_code(field)
         if _is_told(item)
     ]

@@ -29,6 +29,21 @@ class Only:
 
 
 @dataclass(frozen=True, slots=True)
+class Match:
+    """Values of parts that decide a verdict together, like the active flag ``field``, which has no bits.
+
+    The value of a flag is 1 while it is active.
+    """
+
+    field: Field
+    conditions: tuple[tuple[Part, int], ...]
+
+
+#: Cause of a verdict or a report: a flag, reserved bits, or values.
+Cause = Part | Reserved | Match
+
+
+@dataclass(frozen=True, slots=True)
 class Speaks:
     """Cause of a verdict, unless one of the flags ``unless``, which it combines, is active.
 
@@ -36,7 +51,7 @@ class Speaks:
     it applies to all order codes.
     """
 
-    by: Part | Reserved
+    by: Cause
     unless: tuple[Part, ...]
     only: Only | None = None
 
@@ -107,10 +122,13 @@ def verdict_of(field: Field) -> Verdict | None:
             assert_never(field.kind)
 
 
-def telling(codec: Codec) -> Iterator[Part | Reserved]:
-    """Yield the flags and the reserved bits of a frame."""
+def telling(codec: Codec) -> Iterator[Cause]:
+    """Yield the flags, the reserved bits, and the values of a frame that can decide its verdict."""
     yield from (part for part in codec.parts if isinstance(part.field.kind, Flag))
     yield from codec.reserved
+    parts = {part.field.name: part for part in codec.parts}
+    for sign in codec.layout.signs:
+        yield Match(sign.flag, tuple((parts[name], value) for name, value in sign.conditions))
 
 
 def by_code(field: Field) -> Iterator[tuple[Field, Only | None]]:

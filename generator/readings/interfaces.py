@@ -7,7 +7,8 @@ from dataclasses import replace
 from itertools import accumulate
 
 from ..language.problems import Path
-from ..model import Biss, Constant, ControlField, Interface, Layout, Rs485, Spi, Ssi, Timing
+from ..model import Biss, Constant, ControlField, Flag, Interface, Layout, PlacedField, Rs485, Spi, Ssi, Timing
+from ..say.place import bits as bit_text
 from .fact import Fact, Facts, Key, Sort
 from .frame_bits import word
 from .reading import Reading, in_hex, over, plain
@@ -75,6 +76,27 @@ def _of_frame(frame: Subject, layout: Layout) -> Iterator[Fact]:
         yield frame.fact(Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", place, mild=not several)
     lengths = {case: str(layout.bits.value(each)) for case, each in reading.cases(frame.interface).items()}
     yield frame.fact(Sort.POSITION, "length", lengths, "bits", owner)
+    yield from _combinations(frame, layout)
+
+
+def _combinations(frame: Subject, layout: Layout) -> Iterator[Fact]:
+    """Yield the verdicts of combinations of values, which are identified by their bits."""
+    signs = {sign.flag.name: sign for sign in layout.signs}
+    parameters = next(iter(frame.reading.cases(frame.interface).values()), {})
+    placed = {item.name: item for item in layout.place(parameters).fields} if layout.combinations else {}
+    for item in layout.combinations:
+        conditions = ((placed[name], value) for name, value in signs[item.name].conditions)
+        values = ", ".join(sorted(_condition(field, value) for field, value in conditions))
+        path = ("combinations", item.name)
+        subject = frame.inside(("combination", values), path, f"the combination of {values} in {frame.what}")
+        yield subject.first(Sort.VERDICT, item.makes_position.value, "makes_position")
+        yield from subject.stated(item)
+
+
+def _condition(field: PlacedField, value: int) -> str:
+    """Return the bits of a field, and their value in a combination."""
+    is_low = isinstance(field.field.kind, Flag) and field.field.kind.active_low
+    return f"{bit_text(field.high, field.low)} = {value ^ is_low}"
 
 
 def _of_interface(reading: Reading, interface: Interface) -> Iterator[Fact]:

@@ -16,6 +16,7 @@ from ..model import (
     Layout,
     PlacedField,
     Register,
+    Sign,
     Unused,
     Variant,
     Verdict,
@@ -68,6 +69,8 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
     layout = decoded.layout.layout
     values = {item.name: item for item in decoded.fields}
     active = [item.field for item in decoded.layout.fields if _speaks(item, values[item.name])]
+    if layout.sender == "encoder":
+        active += [sign.flag for sign in layout.signs if _is_active(sign, layout, values)]
     register = "" if layout.sender == "encoder" else decoded.layout.name
     found = {item.name: alarm_of(device, item, register) for item in active}
     alarms = {
@@ -93,6 +96,21 @@ def _speaks(item: PlacedField, found: DecodedField) -> bool:
             return found.raw != value & item.mask
         case _:
             return False
+
+
+def _is_active(sign: Sign, layout: Layout, values: Mapping[str, DecodedField]) -> bool:
+    """Return whether all fields of a sign have their values."""
+    return all(
+        name in values and values[name].value == _decoded(layout.field(name), number)
+        for name, number in sign.conditions
+    )
+
+
+def _decoded(field: Field, number: int) -> str | bool:
+    """Return the decoded value of a flag or of a field with named values."""
+    if isinstance(field.kind, Flag):
+        return bool(number)
+    return next(item.name for item in field.values if item.value == number)
 
 
 def _worth(kind: Kind) -> Verdict | None:

@@ -152,7 +152,13 @@ def value(item: Value, bits: int) -> Said:
     """Return a named value of a field of ``bits`` bits."""
     own = f" ({own_names(item)})" if own_names(item) else ""
     about = f": {item.meaning}" if item.meaning else ""
-    return said(f"{hexadecimal(item.value, (bits + 3) // 4)} ", Code(item.name), own, about, source=item.source)
+    number = f"{hexadecimal(item.value, (bits + 3) // 4)} "
+    return said(number, Code(item.name), own, about, effect(item), source=item.source)
+
+
+def effect(item: Value) -> str:
+    """Return the verdict of a named value on the position as the end of a statement, or an empty string."""
+    return f" ({WORTH[item.makes_position]})" if item.makes_position is not None else ""
 
 
 def short(number: int) -> str:

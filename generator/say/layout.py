@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ..model import Alternative, Device, Interface, Join, Layout, Rs485, choices
+from ..model import Alternative, Combination, Device, Interface, Join, Layout, Rs485, Sign, choices
 from .alternative import names, needs
 from .erratum import errata, erratum
+from .report import conditions
 from .text import Code, Part, Said, listed, said, told
-from .words import counted
+from .words import WORTH, counted, sentence
 
 
 def head(interface: Interface, layout: Layout, name: Part, alternatives: Sequence[Alternative] = ()) -> Said:
@@ -55,7 +56,7 @@ def errata_of(device: Device, interface: Interface, item: Layout) -> Iterator[Sa
 
 
 def facts(interface: Interface, layout: Layout) -> Iterator[Said]:
-    """Yield its selector, its code, its gaps and its joined numbers."""
+    """Yield its selector, its code, its gaps, its joined numbers and its combinations of values."""
     yield from carries(interface, layout)
     if layout.gray_when:
         when = Code(layout.gray_when)
@@ -65,6 +66,18 @@ def facts(interface: Interface, layout: Layout) -> Iterator[Said]:
     if layout.gaps:
         yield said(f"Bits without a field are {layout.gaps}")
     yield from joins(layout)
+    combined = {item.name: item for item in layout.combinations}
+    yield from (
+        combination(layout, sign, combined[sign.flag.name]) for sign in layout.signs if sign.flag.name in combined
+    )
+
+
+def combination(layout: Layout, sign: Sign, item: Combination) -> Said:
+    """Return the values of a combination with their meaning and the verdict on the position."""
+    values = conditions((layout.field(name), value) for name, value in sign.conditions).parts
+    texts = (item.meaning, item.remedy, item.note)
+    about = " ".join(sentence(text) for text in texts if text).removesuffix(".")
+    return said("While ", *values, f", {WORTH[item.makes_position]}: ", about, label=item.name, source=item.source)
 
 
 def carries(interface: Interface, layout: Layout) -> Iterator[Said]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from ..model import (
     Alarm,
     Choice,
@@ -20,6 +22,7 @@ from ..model import (
 )
 from .field import short
 from .steps import with_steps
+from .text import Code, Part, Said, parted, said
 from .words import sentence
 
 
@@ -62,6 +65,18 @@ def deciding(field: Field) -> str:
             return ""
         case _:
             assert_never(field.kind)
+
+
+def conditions(values: Iterable[tuple[Field, int]]) -> Said:
+    """Return the values that lead to a verdict together, with the bits of each field. 1 stands for an active flag."""
+    return said(*parted((_condition(field, value) for field, value in values), " and "))
+
+
+def _condition(field: Field, value: int) -> tuple[Part, ...]:
+    if isinstance(field.kind, Flag):
+        return Code(field.name), f" is {int(bool(value) != field.kind.active_low)}"
+    name = next(item.name for item in field.values if item.value == value)
+    return Code(field.name), f" is {short(value)} (", Code(name), ")"
 
 
 def remedy(field: Field, alarm: Alarm | None) -> str:

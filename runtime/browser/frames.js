@@ -170,10 +170,11 @@ function tell(found) {
   const plain = fromGray(at, number);
   const active = new Set(at.fields.filter((item) => speaks(item, bits(plain, item.low, item.width)))
     .map((item) => item.name));
-  found.reports = at.tells.filter((item) => active.has(item.flag));
+  const applies = ({ flag, when }) => (when ? when.every((pair) => matches(found, pair)) : active.has(flag));
+  found.reports = at.tells.filter(applies);
   if (at.layout.otherwise) {
-    const worst = at.speaks.find(({ flag, unless = [] }) =>
-      active.has(flag) && !unless.some((name) => active.has(name)));
+    const worst = at.speaks.find((item) =>
+      applies(item) && !(item.unless ?? []).some((name) => active.has(name)));
     found.verdict = worst ? worst.verdict : at.layout.otherwise;
   }
   found.differences = [...at.fields.flatMap((item) => differenceOf(found, item)), ...strangeIn(found)];
@@ -184,6 +185,15 @@ function speaks({ field, width }, raw) {
   if ("unused" in field) return raw !== (big(field.unused) & ones(width));
   return field.kind === "flag" ? raw !== 0n : field.kind === "not_flag" && raw === 0n;
 }
+
+/** Whether a flag is active (1) or inactive (0), or another field has this value. */
+function matches({ at, number }, [name, wanted]) {
+  const item = at.fields.find((one) => one.name === name);
+  const raw = item && bits(fromGray(at, number), item.low, item.width);
+  return Boolean(item) && (isFlag(item.field) ? speaks(item, raw) === (wanted === 1) : raw === big(wanted));
+}
+
+const isFlag = ({ kind }) => kind === "flag" || kind === "not_flag";
 
 function differenceOf(found, { field }) {
   if (field.equals === undefined || found.at.layout.sender === "master") return [];

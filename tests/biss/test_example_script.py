@@ -1,4 +1,4 @@
-"""docs/example/decode_from_xml.py decodes frames with fifty lines, an XML parser and the description of a device."""
+"""docs/example/decode_from_xml.py decodes frames with sixty lines, an XML parser and the description of a device."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def run(device: str, code: str, layout: str, frame: str, *answers: str) -> dict[
 
 def test_it_is_short_and_needs_nothing_but_lxml() -> None:
     text = SCRIPT.read_text(encoding="utf-8")
-    assert len([line for line in text.splitlines() if line.strip()]) <= 50
+    assert len([line for line in text.splitlines() if line.strip()]) <= 60
     names = [item.name for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Import) for item in node.names]
     modules = [node.module for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)]
     assert (names, modules) == (["re", "sys"], ["lxml"])

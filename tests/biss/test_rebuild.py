@@ -24,6 +24,7 @@ from xml_reader import from_xml
 pytestmark = pytest.mark.slow
 
 ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
+SPECS = Path(__file__).parents[1] / "specs"
 #: Members that the XML does not carry: those that follow from the others and only guide code, the counts of the
 #: second reading, and earlier versions.
 COMPUTED = {
@@ -140,12 +141,15 @@ def build_class(kind: Any, item: Item) -> Any:
     return kind(**made)
 
 
+def _verdict(item: Item) -> Item:
+    return {"makes_position": model.Verdict(item["makes_position"]) if item["makes_position"] else None}
+
+
 def _field(item: Item) -> Item:
     equals = item["equals_text"] or item["equals"]
     # A text of the spec that is not an expression remains a text, as in the model.
     text = types.SimpleNamespace(value=item["equals_text"]) if item["equals_text"] else None
-    verdict = model.Verdict(item["makes_position"]) if item["makes_position"] else None
-    of_kind = {"active_low": item["active"] == "low", "odd": item["parity"] == "odd", "makes_position": verdict}
+    of_kind = {"active_low": item["active"] == "low", "odd": item["parity"] == "odd", **_verdict(item)}
     return {
         **item,
         "kind": item | of_kind,
@@ -176,6 +180,7 @@ def _register(item: Item) -> Item:
         "gray_of": "",
         "gray_when": "",
         "channel": None,
+        "combinations": [],
     }
     return {
         **item,
@@ -208,7 +213,9 @@ def _table(item: Item) -> Item:
 
 
 ADAPT: dict[str, Any] = {
+    "Combination": lambda item: item | _verdict(item),
     "Field": _field,
+    "Value": lambda item: item | _verdict(item),
     "Layout": lambda item: {**item, "in_bytes": item["carried_as"] == "bytes"},
     "Ssi": _ssi,
     "Register": _register,
@@ -258,9 +265,9 @@ def differences(ours: Any, other: Any, path: str = "") -> list[str]:
 
 
 def public() -> dict[str, Device]:
-    """Return encoders with codes for widths, or with requests and replies over RS-485."""
-    found, _ = load_library([ENCODERS / name for name in ("ichaus", "cui")])
-    return {item.name: item for item in found if item.name in ("icmhm", "amt21")}
+    """Return encoders with codes for widths, with requests and replies over RS-485, or with verdicts on values."""
+    found, _ = load_library([*(ENCODERS / name for name in ("ichaus", "cui")), SPECS / "signs.yaml"])
+    return {item.name: item for item in found if item.name in ("icmhm", "amt21", "signs")}
 
 
 @pytest.fixture(scope="module")
@@ -306,6 +313,9 @@ ALTERED: list[tuple[str, tuple[int | str, ...]]] = [
     ("am36", ("interfaces", "biss", "clock", "max_hz")),
     ("am36", ("layouts", "single_cycle_data", "fields", "error", "unused")),
     ("am36", ("layouts", "single_cycle_data", "fields", "error", "makes_position")),
+    ("signs", ("layouts", "gray_word", "fields", "quality", "values", "poor", "makes_position")),
+    ("signs", ("layouts", "word", "combinations", "field_out_of_range", "makes_position")),
+    ("signs", ("layouts", "word", "combinations", "field_out_of_range", "meaning")),
     ("amm5", ("procedures", "reset_errors", "steps", 0, "in_succession")),
     ("amm5", ("alternatives", "eeprom_address", "meaning")),
     ("amm5", ("alternatives", "eeprom_address", "answers", "as_t_format", "sets", "mem_busy_bit")),
@@ -317,6 +327,7 @@ ALTERED: list[tuple[str, tuple[int | str, ...]]] = [
 @pytest.mark.parametrize(("name", "path"), ALTERED, ids=lambda item: ".".join(map(str, item)))
 def test_a_lost_fact_would_be_seen(devices: Mapping[str, Device], name: str, path: tuple[int | str, ...]) -> None:
     """The comparison is effective: a change of any single text or number of the description changes the model."""
+    devices = {**devices, **public()}
     data: Any = from_xml(to_xml(device_dump(devices[name])).encode())
     holder = data
     for key in path[:-1]:

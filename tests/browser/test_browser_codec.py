@@ -30,6 +30,7 @@ MADE_UP += (
     "specs/ring",
     "specs/ring_turns",
     "specs/scale",
+    "specs/signs",
     "specs/wide",
     "specs/long",
     "specs/long_crc",

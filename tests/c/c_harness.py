@@ -53,6 +53,7 @@ MADE_UP = {
     "long_crc": SPECS / "long_crc.yaml",
     "ring_turns": SPECS / "ring_turns.yaml",
     "scale": SPECS / "scale.yaml",
+    "signs": SPECS / "signs.yaml",
     "wide": SPECS / "wide.yaml",
     "reserved": _HERE / "specs" / "reserved.yaml",
     "shapes": _HERE / "specs" / "shapes.yaml",

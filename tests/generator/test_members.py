@@ -50,7 +50,7 @@ ELSEWHERE = {
     "Register": "interface last_address default_bytes min max limits_of wait_at_least_ms other_bits join",
     "Timing": "interface",
     "Crc": "poly_with_top_bit",
-    "NamedValue": "printed_name names",
+    "NamedValue": "printed_name names makes_position",
     "ControlField": "names",
     "Alarm": "group",
     "Erratum": "overlay edition",

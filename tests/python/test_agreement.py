@@ -57,7 +57,8 @@ FAMILIES = sorted(
 #: Specs with features that no device has.
 MADE_UP = {"words": TESTS / "specs", "odd_shapes": TESTS / "python" / "specs", "shapes": TESTS / "c" / "specs"}
 MADE_UP |= dict.fromkeys(
-    ("banks", "gray", "lowfirst", "ring", "ring_turns", "scale", "wide", "long", "long_crc"), TESTS / "specs"
+    ("banks", "gray", "lowfirst", "ring", "ring_turns", "scale", "signs", "wide", "long", "long_crc"),
+    TESTS / "specs",
 )
 MADE_UP |= {"as5047p": TESTS.parent / "examples" / "encoders" / "ams"}
 MADE_UP |= {

@@ -1,4 +1,4 @@
-"""The verdict on the position of a frame and its reports, written from the flags and unused bits of its layout."""
+"""The verdict on the position of a frame and its reports, written from flags, unused bits and values of its layout."""
 
 from __future__ import annotations
 
@@ -31,15 +31,36 @@ def _speaking(codec: Codec) -> Iterator[tuple[Field, Verdict | None]]:
             yield item, item.kind.makes_position
 
 
+def _signs(codec: Codec) -> Iterator[tuple[str, str, Verdict]]:
+    """Yield each named value with a verdict and each combination: its name, its condition in C, and the verdict."""
+    for item in codec.layout.fields:
+        for value in item.values:
+            if value.makes_position is not None:
+                yield f"{item.name}_{value.name}", _has_value(codec, item, value.name), value.makes_position
+    for combination in codec.layout.combinations:
+        pairs = [text.split(".") for text in combination.when]
+        conditions = [_has_value(codec, codec.layout.field(name), word) for name, word in pairs]
+        yield combination.name, f"({' && '.join(conditions)})", combination.makes_position
+
+
+def _has_value(codec: Codec, field: Field, word: str) -> str:
+    if isinstance(field.kind, Flag):
+        return _speaks(codec, field) if word == "active" else f"!{_speaks(codec, field)}"
+    (number,) = (value.value for value in field.values if value.name == word)
+    return f"((unsigned long long)in.{codec.member(field.name).name} == {number}ULL)"
+
+
 def _verdict(codec: Codec) -> str:
     by_name = {item.name: item for item, _ in _speaking(codec)}
     text = str(list(Verdict).index(Verdict.UNKNOWN))
     flags = [item.kind for item in codec.layout.fields if isinstance(item.kind, Flag)]
+    signs = list(_signs(codec))
     tells = any(kind.makes_position is not Verdict.USABLE and not kind.only for kind in flags)
+    tells = tells or any(worth is not Verdict.USABLE for _, _, worth in signs)
     if tells:
         text = str(list(Verdict).index(Verdict.USABLE))
     for verdict in (Verdict.USABLE_WITH_WARNING, Verdict.NOT_USABLE):
-        saying = []
+        saying = [condition for _, condition, worth in signs if worth is verdict]
         for item, worth in _speaking(codec):
             names = item.kind.sums_up if isinstance(item.kind, Flag) else ()
             others = "".join(f" && !{_speaks(codec, by_name[name])}" for name in names if name in by_name)
@@ -60,6 +81,11 @@ def _reports(codec: Codec) -> str:
         for item, worth in _speaking(codec)
         for is_other, explained in _by_code(item)
         if is_other or worth is not Verdict.USABLE
+    ]
+    told += [
+        f"({condition} ? {f'{codec.prefix}_report_{names[name, False]}'.upper()} : 0)"
+        for name, condition, worth in _signs(codec)
+        if worth is not Verdict.USABLE
     ]
     return " | ".join(told)
 

@@ -28,6 +28,7 @@ from . import (
     rs485,
     shapes,
     spi,
+    value_verdicts,
     values,
 )
 from .walk import Rule
@@ -46,6 +47,7 @@ FOUNDATIONS: tuple[Rule, ...] = (
 #: Rules on layouts, registers, groups and CRCs. One with an error cannot be built.
 SHAPES: tuple[Rule, ...] = (
     shapes.layout_keys,
+    value_verdicts.combinations,
     values.crc_impossible,
     values.field_count,
 )
@@ -103,6 +105,8 @@ RULES: tuple[Rule, ...] = (
     printed.default_lists,
     printed.writes,
     flags.makes_position_missing,
+    value_verdicts.value_verdicts,
+    value_verdicts.report_names,
     flags.error_usable,
     flags.flag_sums,
     flags.alarm_name,

@@ -11,6 +11,8 @@ from .walk import Fields, Spec, by_name, field_lists, field_names, items, layout
 
 #: Words in the name of a flag that signals an error. BiSS calls it nE.
 _ERROR = re.compile(r"(?<![A-Za-z])(?:nE|n?Err|(?i:errors?|faults?|failures?))(?![A-Za-z])")
+#: Words before such a word that say the opposite.
+_NO_ERROR = re.compile(r"(?i:\b(?:no|not|without|free)\b)")
 
 
 def makes_position_missing(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -36,12 +38,28 @@ def error_usable(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for fields in field_lists(spec):
         for path, field in fields:
             name = str(field.get("name", ""))
-            is_error = "active" in field and _ERROR.search(f"{name.replace('_', ' ')} {field.get('printed_name', '')}")
+            report_usable_values(path, field, report)
+            is_error = "active" in field and names_error(name, field)
             if not is_error or field.get("makes_position") != "usable" or "note" in field:
                 continue
             wrong = f"{quoted(name)} leaves the position usable while it is active; write 'makes_position: not_usable'"
             right = "or usable_with_warning. If the position is usable, explain it in a 'note' of the flag"
             report.add("error-usable", (*path, "makes_position"), f"{wrong}, {right}")
+
+
+def report_usable_values(path: Path, field: Spec, report: DocumentReport) -> None:
+    """Report named values that are errors but leave the position usable, unless a note of the field explains it."""
+    for name, value in mapping(field, "values").items():
+        if names_error(name, value) and value.get("makes_position") == "usable" and "note" not in field:
+            wrong = f"the value {quoted(name)} leaves the position usable; write 'makes_position: not_usable'"
+            right = "or usable_with_warning. If the position is usable, explain it in a 'note' of the field"
+            report.add("error-usable", (*path, "values", name, "makes_position"), f"{wrong}, {right}")
+
+
+def names_error(name: str, item: Spec) -> bool:
+    """Return True if the name of a flag or value, or its name in the manual, says that it is an error."""
+    texts = (name.replace("_", " "), str(item.get("printed_name", "")))
+    return any(_ERROR.search(text) and not _NO_ERROR.search(text) for text in texts)
 
 
 def flag_sums(spec: Spec, raw: Spec, report: DocumentReport) -> None:

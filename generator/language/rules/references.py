@@ -323,7 +323,7 @@ def example_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 #: Lists that paths leave out: a frame belongs to its interface, and a field to its frame.
-_LISTS = ("layouts", "fields")
+_LISTS = ("layouts", "fields", "combinations")
 
 
 def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:

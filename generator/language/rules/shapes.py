@@ -107,6 +107,9 @@ def _check_kind(path: Path, field: Spec, report: DocumentReport) -> None:
     for key in _OF_FLAGS:
         if key in field and "active" not in field and not (key == "makes_position" and "unused" in field):
             wrong = f"{quoted(key)} is only for flags; to make {name} a flag, add 'active: high' or 'active: low'"
+            if key == "makes_position" and "values" in field:
+                way = "write it at a value, as in too_weak: {value: 2, makes_position: usable_with_warning}"
+                wrong = f"{name} has named values, and not each of them has the same effect on the position; {way}"
             report.add("layout-keys", (*path, key), wrong, at_key=True)
     for key in _OF_PARITIES:
         if key in field and "parity_of" not in field:

@@ -42,8 +42,8 @@ def frame(device: Device, layout: Layout, reporting: Reporting | None) -> Data:
     of = describe(codec, reporting)
     told = zip(of.tells, reporting.told if reporting is not None else (), strict=True)
     tells = [described(item) | _words(each.made_of, alarm_of(device, each.made_of)) for item, each in told]
-    # Use the order of the frame, without flags first.
-    names = [item.name for item in layout.fields]
+    # Use the order of the frame, without flags first. Values with a verdict come last.
+    names = [*(item.name for item in layout.fields), *(sign.flag.name for sign in layout.signs)]
     return _layout(device, codec, of) | kept(
         title=title(layout),
         source=cite(layout.source),

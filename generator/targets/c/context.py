@@ -34,7 +34,7 @@ class Context:
         self.scope = Scope(self.prefix, largest, answers)
         self.enumerations = Enumerations(device, self.prefix)
         self.choices = self.enumerations.choices
-        self.reports = Reports(device, self.prefix)
+        self.reports = Reports(device, self.prefix, self.choices)
 
     def crc_name(self, crc: Crc, carried_as: str) -> str:
         """Return the name of the function of a CRC over bits or bytes. A CRC needed for both has two functions."""

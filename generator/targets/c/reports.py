@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from ...language.problems import Path
-from ...model import Device, Layout, Verdict, cite
+from ...model import Device, Flag, Layout, Verdict, cite
 from ...plan.codec import Part, Reserved
 from ...plan.reports import Report, Reporting, reportings, reports_of
-from ...plan.verdicts import Only, Speaks
+from ...plan.verdicts import Cause, Match, Only, Speaks
 from ...say.name import title
 from ...say.report import alarm_of, meaning, remedy, source
 from ...say.text import said
@@ -24,10 +24,21 @@ _UNUSED = Name("frame->unused")
 
 
 class FrameReports:
-    """The functions ``verdict`` and ``reports`` of a frame. The name of a missing function is empty."""
+    """The functions ``verdict`` and ``reports`` of a frame. The name of a missing function is empty.
 
-    def __init__(self, family: Reports, reporting: Reporting, frame: str, type_: str) -> None:
+    ``choices`` has the constants of named values by layout and field.
+    """
+
+    def __init__(
+        self,
+        family: Reports,
+        reporting: Reporting,
+        frame: str,
+        type_: str,
+        choices: Mapping[tuple[str, str], Enumeration],
+    ) -> None:
         self.family, self.reporting, self.frame, self.type = family, reporting, frame, type_
+        self._choices = choices
         self.judgement = reporting.judgement
         self.verdict = f"{frame}_verdict" if reporting.judgement is not None else ""
         self.reports = f"{frame}_reports" if reporting.told else ""
@@ -65,8 +76,21 @@ class FrameReports:
         member = Name(f"variant->{c_name(only.parameter)}")
         return (Operation("!=" if only.holds else "==", (member, Number(0))),)
 
-    def _says(self, by: Part | Reserved) -> Expr:
-        return self._differ([by]) if isinstance(by, Reserved) else Name(_flag(by))
+    def _says(self, by: Cause) -> Expr:
+        return self._differ([by]) if isinstance(by, Reserved) else joined("&&", tuple(self._active(by)))
+
+    def _active(self, by: Part | Match) -> Iterator[Expr]:
+        """Yield the conditions that a flag is active, or that fields have their values."""
+        if isinstance(by, Part):
+            yield Name(_flag(by))
+            return
+        for part, value in by.conditions:
+            name = _flag(part)
+            if isinstance(part.field.kind, Flag):
+                yield Name(name if value else f"!{name}")
+            else:
+                constant = self._choices[self.reporting.codec.layout.name, part.field.name].names[value]
+                yield Operation("==", (Name(name), Name(constant)))
 
     @property
     def worse(self) -> Iterator[tuple[Expr, Verdict]]:
@@ -77,10 +101,10 @@ class FrameReports:
     def _any(self, speaking: Sequence[Speaks]) -> Expr:
         """Return the condition that one of these is active. Unused bits are checked together."""
         unused = [item.by for item in speaking if isinstance(item.by, Reserved)]
-        flags = [(item.by, item) for item in speaking if isinstance(item.by, Part)]
         said = [
-            joined("&&", (*self._holds(item.only), Name(_flag(by)), *(Name(f"!{_flag(one)}") for one in item.unless)))
-            for by, item in flags
+            joined("&&", (*self._holds(item.only), *self._active(item.by), *map(_inactive, item.unless)))
+            for item in speaking
+            if not isinstance(item.by, Reserved)
         ]
         return joined("||", (*said, *([self._differ(unused)] if unused else [])))
 
@@ -93,10 +117,10 @@ class FrameReports:
 class Reports:
     """All reports of a family. ``mask`` is the type with a bit for each."""
 
-    def __init__(self, device: Device, prefix: str) -> None:
-        self.all = reports_of(device)
+    def __init__(self, device: Device, prefix: str, choices: Mapping[tuple[str, str], Enumeration]) -> None:
+        self.all, self._choices = reports_of(device), choices
         if len(self.all) > 64:
-            wrong = f"the frames have {len(self.all)} flags and fields of unused bits to report"
+            wrong = f"the frames have {len(self.all)} flags, values and fields of unused bits to report"
             raise TargetError(f"{wrong}; the C target supports at most 64", ("interfaces",))
         self.mask = unsigned(max(len(self.all), 32))
         self.text = f"{prefix}_report_text"
@@ -120,7 +144,7 @@ class Reports:
     def of(self, layout: Layout, name: str, type_: str) -> FrameReports | None:
         """Return the functions of a frame, if it has any."""
         reporting = self._by_frame.get(layout.name)
-        return FrameReports(self, reporting, name, type_) if reporting is not None else None
+        return FrameReports(self, reporting, name, type_, self._choices) if reporting is not None else None
 
     def constant(self, report: Report) -> Expr:
         """Return the bit of a report."""
@@ -147,6 +171,10 @@ def _note(device: Device, report: Report) -> str:
     field = report.field
     unused = ", unused" if report.is_unused else ""
     return S.sentence(said(title(field), unused, source=source(field, alarm_of(device, field))))
+
+
+def _inactive(part: Part) -> Expr:
+    return Name(f"!{_flag(part)}")
 
 
 def _flag(part: Part) -> str:

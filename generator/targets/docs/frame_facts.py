@@ -16,12 +16,12 @@ from ...model import (
 )
 from ...plan.reports import reportings
 from ...plan.values import Active, TwosComplement, meaning_of
-from ...plan.verdicts import Judgement, Only, Speaks
+from ...plan.verdicts import Judgement, Match, Only, Speaks
 from ...say.crc import inverted, reflected
 from ...say.markdown import STYLE, code, link, text
 from ...say.numbers import number
 from ...say.place import bits, frame_bytes
-from ...say.report import deciding
+from ...say.report import conditions, deciding
 from ...say.text import said
 from ...say.words import WORTH, counted
 
@@ -109,17 +109,25 @@ def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
     """Return the rule for the verdict on the position of an order code."""
     parts = []
     for verdict, items in judgement.worst_first:
-        by_value: dict[str, list[str]] = {}
-        for item in items:
-            if _applies(item.only, variant):
-                by_value.setdefault(deciding(item.by.field), []).append(_cause(item))
-        if by_value:
-            causes = (f"{' or '.join(names)} is {value}" for value, names in by_value.items())
-            parts.append(f"{_VERDICT[verdict]} if {', or if '.join(causes)}")
+        applying = [item for item in items if _applies(item.only, variant)]
+        if applying:
+            parts.append(f"{_VERDICT[verdict]} if {', or if '.join(_causes(applying))}")
     if not parts:
         return STYLE.phrase(said(WORTH[judgement.otherwise]))
     correct = ", if the CRC is correct," if has_crc else ""
     return "; ".join([*parts, f"otherwise{correct} {_VERDICT[judgement.otherwise]}"])
+
+
+def _causes(items: Sequence[Speaks]) -> Iterator[str]:
+    """Yield the conditions of a verdict. Flags with the same active level are one condition."""
+    by_value: dict[str, list[str]] = {}
+    for item in items:
+        if not isinstance(item.by, Match):
+            by_value.setdefault(deciding(item.by.field), []).append(_cause(item))
+    yield from (f"{' or '.join(names)} is {value}" for value, names in by_value.items())
+    for item in items:
+        if isinstance(item.by, Match):
+            yield STYLE.phrase(conditions((part.field, value) for part, value in item.by.conditions))
 
 
 _VERDICT = {

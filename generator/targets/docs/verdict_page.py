@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Alarm, Device, Field, Interface, Layout, Verdict
+from ...model import Alarm, Device, Field, Interface, Layout, Sign, Verdict
 from ...plan.reports import Reporting, reportings, reports_of, sums_up
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Only, verdict_of
 from ...say.evidence import document
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import own_names
-from ...say.report import advice, alarm_of, by_hand, deciding, meaning, source
+from ...say.report import advice, alarm_of, by_hand, conditions, deciding, meaning, source
 from ...say.text import Code, listed, said
 from .page_links import to_erratum, to_layout, to_steps
 
@@ -64,20 +64,23 @@ def _decides(device: Device, told: Sequence[Reporting]) -> Iterator[Row]:
 def _speaking(device: Device, interface: Interface, layout: Layout, judgement: Judgement) -> Iterator[Row]:
     """Yield the fields that decide the verdict on a frame, worst verdict first."""
     speaking = [(verdict, item.by.field, item.only) for verdict, items in judgement.worst_first for item in items]
-    order = [item.name for item in layout.fields]
+    signs = {sign.flag.name: sign for sign in layout.signs}
+    order = [*(item.name for item in layout.fields), *signs]
     if judgement.otherwise is Verdict.UNKNOWN:
         # A warning does not improve on an unknown position.
         warning = (item for item in layout.fields if verdict_of(item) is Verdict.USABLE_WITH_WARNING)
         speaking += [(judgement.otherwise, item, None) for item in warning]
     speaking.sort(key=lambda item: ([*Verdict].index(item[0]), order.index(item[1].name)))
-    speaking += [(Verdict.USABLE, item, None) for item in layout.fields if verdict_of(item) is Verdict.USABLE]
+    fields = (*layout.fields, *(sign.flag for sign in signs.values()))
+    speaking += [(Verdict.USABLE, item, None) for item in fields if verdict_of(item) is Verdict.USABLE]
     for verdict, field, only in speaking:
+        sign = signs.get(field.name)
         yield (
             _named(field),
-            _when(field, only) + _unless(field, layout),
+            _when(field, only) + _unless(field, layout) if sign is None else _conditions(layout, sign),
             code(verdict.value),
             _cited(device, field),
-            _errata(device, interface, layout, field),
+            _errata(device, interface, layout, field, sign),
         )
 
 
@@ -86,6 +89,11 @@ def _when(field: Field, only: Only | None) -> str:
     if only is None:
         return deciding(field)
     return f"{deciding(field)} {f'with {code(only.codes)}' if only.holds else 'with all others'}"
+
+
+def _conditions(layout: Layout, sign: Sign) -> str:
+    """Return the values of fields that decide the verdict together."""
+    return STYLE.phrase(conditions((layout.field(name), value) for name, value in sign.conditions))
 
 
 def _unless(field: Field, layout: Layout) -> str:
@@ -137,11 +145,14 @@ def _links(device: Device, layouts: Sequence[Layout]) -> str:
     return ", ".join(to_layout(device, item, code(item.name)) for item in layouts)
 
 
-def _errata(device: Device, interface: Interface, layout: Layout, field: Field) -> str:
-    """Return links to the errata about a field and, for a flag, about its group."""
-    paths = {f"interfaces.{interface.name}.{layout.name}.{field.name}", f"field_groups.{field.group}.{field.name}"}
-    if field.group and isinstance(meaning_of(field), Active):
-        paths.add(f"field_groups.{field.group}")
+def _errata(device: Device, interface: Interface, layout: Layout, field: Field, sign: Sign | None) -> str:
+    """Return links to the errata about a field and, for a flag, about its group. A sign has those of all its fields."""
+    frame = f"interfaces.{interface.name}.{layout.name}"
+    paths = {f"{frame}.{field.name}"}
+    for item in [field] if sign is None else [layout.field(name) for name, _ in sign.conditions]:
+        paths |= {f"{frame}.{item.name}", f"field_groups.{item.group}.{item.name}"}
+        if item.group and isinstance(meaning_of(item), Active):
+            paths.add(f"field_groups.{item.group}")
     about = (item for item in device.errata if not item.edition and not paths.isdisjoint(item.affects))
     found = (item.name for item in about if item.severity != "wording")
     return ", ".join(to_erratum(device, name) for name in found)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from ...model import Field, Verdict
+from ...model import Field, Flag, Verdict
 from ...plan.codec import Codec, Part, Reserved
 from ...plan.reports import Reporting
-from ...plan.verdicts import Only, Speaks
-from .expr import Atom, Expr, Not, Operation, joined, mask
+from ...plan.verdicts import Match, Only, Speaks
+from .expr import Atom, Expr, Not, Operation, coded, joined, mask
 from .names import ClassNames
 
 
@@ -72,20 +72,32 @@ class FrameReports:
         return unused if ones == sum(item.mask for item in self._reserved) else Operation(unused, "&", mask(ones))
 
     def _conditions(self, items: Sequence[Speaks]) -> list[str]:
-        """Return a condition for each flag, and one for all unused bits."""
+        """Return a condition for each flag and each match of values, and one for all unused bits."""
         flags = [
             self._speaks(item.by, [*map(self._flag, item.unless)], item.only)
             for item in items
-            if isinstance(item.by, Part)
+            if not isinstance(item.by, Reserved)
         ]
         reserved = [item.by for item in items if isinstance(item.by, Reserved)]
         return [*flags, *([str(self._differ(reserved))] if reserved else [])]
 
-    def _speaks(self, flag: Part, unless: Sequence[Expr], only: Only | None) -> str:
-        """Return the condition for a flag. It is ignored while certain others are active, and for other order codes."""
+    def _match(self, match: Match) -> list[Expr]:
+        """Return a condition for each value of a match."""
+        conditions: list[Expr] = []
+        for part, value in match.conditions:
+            attribute = self._flag(part)
+            if isinstance(part.field.kind, Flag):
+                conditions.append(attribute if value else Not(attribute))
+            else:
+                conditions.append(Atom(f"{attribute} == {coded(value)}"))
+        return conditions
+
+    def _speaks(self, by: Part | Match, unless: Sequence[Expr], only: Only | None) -> str:
+        """Return the condition for a cause. It is ignored while certain flags are active, and for other order codes."""
         others = [Not(joined("or", unless))] if unless else []
+        active = self._match(by) if isinstance(by, Match) else [self._flag(by)]
         # The flag comes first, because it is rarely active. The other conditions are then skipped.
-        conditions = [self._flag(flag), *self._holds(only), *others]
+        conditions = [*active, *self._holds(only), *others]
         return str(conditions[0]) if len(conditions) == 1 else f"({joined('and', conditions)})"
 
 

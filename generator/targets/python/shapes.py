@@ -107,9 +107,10 @@ class Shape:
         return Sometimes(self._record(value), str(holding(only, member)))
 
     def _record(self, item: Any) -> Call:
-        """Return the call of the class of the same name. The mask of a cause identifies its unused bits."""
+        """Return the call of the class of the same name. A cause other than a flag has no name."""
         kind = type(item).__name__
-        omitted = ("only", "flag") if getattr(item, "mask", 0) else ("only",)
+        is_flag = not getattr(item, "mask", 0) and not getattr(item, "when", ())
+        omitted = ("only",) if is_flag else ("only", "flag")
         given = [(each, getattr(item, each.name)) for each in fields(item) if each.name not in omitted]
         shown = [(each.name, self._shown(value)) for each, value in given if value != each.default]
         count = _POSITIONAL.get(kind, 0)

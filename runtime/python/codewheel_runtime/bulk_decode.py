@@ -26,7 +26,7 @@ from .shape import (
     unused_groups,
     width_of,
 )
-from .table import ErrorKind, Table
+from .table import ErrorKind, Table, all_match
 
 #: Number of frames decoded at once: small enough for the cache, large enough to keep the overhead of calls low.
 CHUNK: Final = 32_768
@@ -461,7 +461,9 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
     turned = bool(shape.unused) and spare.any()
     speaking: dict[Verdict, list[Any]] = {}
     for item in shape.speaks:
-        if item.flag:
+        if item.when:
+            where = all_match(out, item.when)
+        elif item.flag:
             where = out[item.flag]
             for name in item.unless:
                 where = np.greater(where, out[name])

@@ -162,14 +162,12 @@ class Sent(Coded):
 
     @property
     def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: active flags, and unused bits that differ from the manual."""
-        tells, fields = shape_of(type(self), *self._given()).tells, cast(Any, self)
+        """Reports of the encoder: active flags, unused bits that differ from the manual, and values with a verdict."""
+        tells = shape_of(type(self), *self._given()).tells
         if not tells:
             return ()
         known: Mapping[str, Report] = _module_of(type(self), "facts").REPORTS
-        return tuple(
-            known[report] for report, flag, mask in tells if (getattr(self, flag) if flag else fields.unused & mask)
-        )
+        return tuple(known[item.report] for item in tells if item.is_active(self))
 
 
 class Fixed(Coded):

@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from enum import IntEnum
 from fractions import Fraction
+from functools import reduce
 from importlib import import_module
 from math import tau
+from operator import and_
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal, overload
 
@@ -28,6 +30,12 @@ _OF_A_LENGTH: Final[Mapping[str, int]] = {"micrometres": 1, "millimetres": 1_000
 _UNITS: Final = ("counts", *_OF_A_TURN, *_OF_A_LENGTH)
 
 
+def all_match(columns: Any, when: Iterable[tuple[str, int]]) -> Any:
+    """Return an array that is True where all these columns have the values next to them."""
+    found = [columns[name] == value for name, value in when]
+    return reduce(and_, found)
+
+
 class ErrorKind(IntEnum):
     """Frame errors, in the order in which ``decode`` checks for them."""
 
@@ -45,6 +53,8 @@ _NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
 
 
 if TYPE_CHECKING:
+    from .shape import Tells
+
     _Columns = Mapping[str, Any]
 else:
 
@@ -79,7 +89,7 @@ class Table(_Columns):
         verdict: Any,
         position: str,
         parts: Mapping[str, tuple[str, int, int]],
-        tells: tuple[tuple[str, str, int], ...] = (),
+        tells: tuple[Tells, ...] = (),
         measured: frozenset[str] = frozenset(),
         scales: Mapping[str, tuple[str, Scale]] = _NOTHING,
         others: Mapping[str, Any] = _NOTHING,
@@ -141,11 +151,18 @@ class Table(_Columns):
     def reports(self) -> dict[str, Any]:
         """Arrays by name of the report. Each is True for the valid frames with that report."""
         made: dict[str, Any] = {}
-        for report, flag, mask in self._tells:
-            unused: Any = self["unused"] if mask else None
-            active = self[flag] if flag else unused & (mask & (1 << 8 * unused.itemsize) - 1) != 0
-            made[report] = active & self.ok
+        for item in self._tells:
+            made[item.report] = self._active(item) & self.ok
         return made
+
+    def _active(self, item: Tells) -> Any:
+        """Return an array that is True for the frames to which a report applies, valid or not."""
+        if item.when:
+            return all_match(self, item.when)
+        if item.flag:
+            return self[item.flag]
+        unused: Any = self["unused"]
+        return unused & (item.mask & (1 << 8 * unused.itemsize) - 1) != 0
 
     @property
     def others(self) -> Mapping[str, Any]:

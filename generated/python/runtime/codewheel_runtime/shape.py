@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from enum import IntEnum
 from functools import lru_cache
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from .codec import BitField, assert_never
 from .facts import Scale
@@ -123,20 +123,31 @@ class Unused(NamedTuple):
 
 
 class Speaks(NamedTuple):
-    """Condition for a ``verdict``: a flag is active and certain others are not, or unused bits in ``mask`` differ."""
+    """Condition for a ``verdict``: a flag is active and certain others are not, or unused bits in ``mask`` differ.
+
+    With ``when``, all these columns have the values next to them, 1 for an active flag.
+    """
 
     verdict: Verdict
     flag: str = ""
     unless: tuple[str, ...] = ()
     mask: int = 0
+    when: tuple[tuple[str, int], ...] = ()
 
 
 class Tells(NamedTuple):
-    """Condition for a ``report``: a flag is active, or unused bits in ``mask`` differ."""
+    """Condition for a ``report``: a flag is active, unused bits in ``mask`` differ, or ``when`` as in ``Speaks``."""
 
     report: str
     flag: str = ""
     mask: int = 0
+    when: tuple[tuple[str, int], ...] = ()
+
+    def is_active(self, frame: Any) -> bool:
+        """Return whether a decoded frame has the report."""
+        if self.when:
+            return all(getattr(frame, name) == value for name, value in self.when)
+        return bool(getattr(frame, self.flag) if self.flag else frame.unused & self.mask)
 
 
 class Shape(NamedTuple):

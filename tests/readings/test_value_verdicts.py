@@ -1,0 +1,71 @@
+"""Second readings of verdicts on values and combinations, which are compared by their bits."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from codewheel.commands import check
+
+# Reads whole specs twice.
+pytestmark = pytest.mark.slow
+
+SPECS = Path(__file__).resolve().parents[1] / "specs"
+
+
+@pytest.fixture
+def second(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A second reading of the spec, which agrees."""
+    for name in ("signs.yaml", "manufacturer.yaml"):
+        shutil.copy(SPECS / name, tmp_path)
+    text = (tmp_path / "signs.yaml").read_text(encoding="utf-8")
+    text = re.sub(r"evidence: .*\n", "", text).replace("manufacturer: test\n", "")
+    # Conditions have no order.
+    text = text.replace("{increasing: active, decreasing: active}", "{decreasing: active, increasing: active}")
+    second = tmp_path / "signs.second.yaml"
+    second.write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return second
+
+
+def differences(second: Path, old: str, new: str) -> list[str]:
+    """Return the problems of the second reading with a change, each without its place."""
+    text = second.read_text(encoding="utf-8")
+    assert text.count(old) == 1
+    second.write_text(text.replace(old, new), encoding="utf-8")
+    problems = check.run([Path()], []).report.problems
+    messages = [item.message.partition(";")[0] for item in problems if Path(item.file).name == second.name]
+    return [message.rpartition(":")[0] for message in messages]
+
+
+def test_readings_that_agree(second: Path) -> None:
+    assert not check.run([Path()], []).report.problems
+
+
+def test_the_verdict_of_a_value_is_compared(second: Path) -> None:
+    found = differences(
+        second, "poor: {value: 2, makes_position: usable_with_warning}", "poor: {value: 2, makes_position: not_usable}"
+    )
+    value = "verdict on the position of value 2 of bits 9:8 of 'gray_word'"
+    assert found == [f"{value}: not_usable here, usable_with_warning in signs.yaml"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        (
+            "makes_position: usable_with_warning\n            remedy",
+            "makes_position: not_usable\n            remedy",
+            ["the combination of bit 1 = 1, bit 2 = 1 in 'word': not_usable here, usable_with_warning in signs.yaml"],
+        ),
+        (
+            "{decreasing: active, increasing: active}",
+            "{decreasing: inactive, increasing: active}",
+            ["the combination of bit 1 = 0, bit 2 = 1 in 'word': usable_with_warning here, nothing in signs.yaml"],
+        ),
+    ],
+)
+def test_a_combination_is_compared(second: Path, old: str, new: str, expected: list[str]) -> None:
+    assert differences(second, old, new) == expected
