@@ -34,21 +34,31 @@ class _Case:
 
 def check_measurements(device: Device, report: DocumentReport) -> None:
     """Check measurements against the position of each order code, and report the first contradiction."""
-    told: set[Path] = set()
+    reported: set[Path] = set()
     _check_scales(device, report)
     for interface in device.interfaces:
-        path: Path = (
-            ("interfaces", interface.name, "measurement") if interface.measurement is not None else ("measurement",)
-        )
-        measurement = device.measurement_of(interface.name)
-        if measurement is not None:
-            wrong = next(
-                filter(None, (_fault(device, measurement, case) for case in _cases(device, interface, measurement))),
-                None,
-            )
-            if wrong is not None and path not in told:
-                told.add(path)
-                report.add("measurement-does-not-fit", (*path, wrong[0]), wrong[1])
+        problem = next(_problems_of(device, interface), None)
+        if problem is not None and problem[0] not in reported:
+            path, key, message = problem
+            reported.add(path)
+            report.add("measurement-does-not-fit", (*path, key), message)
+
+
+def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, str, str]]:
+    """Yield the place of a contradiction, the wrong key there, and the message."""
+    measurement = device.measurement_of(interface.name)
+    if measurement is None:
+        return
+    shared: Path = ("measurement",)
+    if interface.measurement is not None:
+        shared = ("interfaces", interface.name, "measurement")
+    for case in _cases(device, interface, measurement):
+        own_range = case.layout.position_range
+        problem = _fault(device, measurement.within(own_range), case)
+        if problem is not None:
+            key, message = problem
+            own: Path = ("interfaces", interface.name, "layouts", case.layout.name, "position_range")
+            yield own if getattr(own_range, key, None) is not None else shared, key, message
 
 
 def _check_scales(device: Device, report: DocumentReport) -> None:
@@ -93,7 +103,9 @@ def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, 
             return name, f"'{name}' is {value} for {case.variant.code}; it must be at most {_MOST}"
     if (other_unit := _other_unit(case, values)) is not None:
         return other_unit
-    if key not in values or not case.width:
+    own_range = case.layout.position_range
+    never_wraps = own_range is not None and not own_range.wraps
+    if key not in values or not case.width or never_wraps:
         return None
     for name, value in values.items():
         if (
@@ -173,6 +185,8 @@ def _out_of_range(measurement: Measurement, case: _Case, key: str) -> tuple[str,
     of = f"'{name}' in '{case.layout.name}'"
     is_signed = case.layout.field(name).number.signed
     if measurement.highest is None:
+        if is_signed and total != 1 << width and not total & total - 1:
+            return key, _too_wide(case, of, total)
         if not is_signed or not total & total - 1:
             return None
         wrong = f"{of} is signed, and its range does not follow from {total} counts for {case.variant.code}"
@@ -184,6 +198,13 @@ def _out_of_range(measurement: Measurement, case: _Case, key: str) -> tuple[str,
     found = f"positions of {case.variant.code} are {highest - total + 1} to {highest}"
     range_ = f"{of} holds {least} to {most}"
     return "highest", f"'highest' is {highest} for {total} counts, so {found}, but {range_}"
+
+
+def _too_wide(case: _Case, of: str, total: int) -> str:
+    """Return the message about a signed position that can be more numbers than the encoder has positions."""
+    wrong = f"{of} is signed and has {case.width} bits, but the position wraps around after {total} counts"
+    never = "'position_range: {wraps: false}' if it never wraps around, otherwise its own range"
+    return f"{wrong} for {case.variant.code}; give that layout {never}"
 
 
 def _upside_down(measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:

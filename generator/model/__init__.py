@@ -89,7 +89,7 @@ from .kinds import (
     Verdict,
 )
 from .layout import Crc, Field, Join, Layout, Piece, PlacedField, PlacedLayout, number_from_bytes, number_to_bytes
-from .measurement import Measurement
+from .measurement import LayoutRange, Measurement
 from .never import assert_never
 from .scale import Scale
 from .steps import (
@@ -154,6 +154,7 @@ __all__ = [
     "Join",
     "Kind",
     "Layout",
+    "LayoutRange",
     "Led",
     "LedState",
     "LostFigure",

@@ -419,6 +419,11 @@ class Device:
         """Return the measurement of the position on this interface."""
         return self.interface(interface).measurement or self.measurement
 
+    def measurement_in(self, interface: str, layout: Layout) -> Measurement | None:
+        """Return the measurement of the position in frames of this layout. Its range may differ from other layouts."""
+        measurement = self.measurement_of(interface)
+        return measurement.within(layout.position_range) if measurement is not None else None
+
     def supply_of(self, variant: Variant) -> Supply | None:
         """Return the supply that an order code needs, or None if the manual does not give it.
 
@@ -458,7 +463,7 @@ class Device:
             interface = next((item.name for item, each in self.layouts() if each is layout), "")
             if not interface:
                 return None
-            measurement = self.measurement_of(interface) if layout.sender == "encoder" else None
+            measurement = self.measurement_in(interface, layout) if layout.sender == "encoder" else None
             sets = [item.parameters for item in self.variants_over(interface)]
             self._ranges[id(layout)] = narrower(measurement, layout, sets) if measurement is not None else None
         return self._ranges[id(layout)]
