@@ -480,15 +480,6 @@ class Device:
             return -half, half - 1
         return valid.lowest.value(placed.parameters), valid.highest.value(placed.parameters)
 
-    def signed_position(self, interface: str) -> Field | None:
-        """Return the widest field that holds the position of an interface in two's complement, or None."""
-        measurement = self.measurement_of(interface)
-        if measurement is None:
-            return None
-        layouts = (item for item in self.interface(interface).layouts if item.sender == "encoder")
-        fields = (item for layout in layouts for item in layout.fields if item.name == measurement.of)
-        return max((item for item in fields if item.number.signed), key=lambda item: item.widest, default=None)
-
     def register(self, name: str) -> Register:
         return next(item for item in self.registers if item.name == name)
 
