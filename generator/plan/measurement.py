@@ -104,6 +104,8 @@ def _is_measured(device: Device, parameter: Parameter) -> bool:
         value, item = variant.parameters.get(parameter.name), device.measurement_of(variant.interface)
         if value is None or item is None or not counts(item):
             continue
+        if len(position_ranges(device, device.interface(variant.interface))) > 1:
+            return False
         if any(name not in variant.parameters for part in counts(item) for name in part.parameters):
             return False
         whole = prod(part.value(variant.parameters) for part in counts(item))
