@@ -36,6 +36,7 @@ def check_measurements(device: Device, report: DocumentReport) -> None:
     """Check measurements against the position of each order code, and report the first contradiction."""
     reported: set[Path] = set()
     _check_scales(device, report)
+    _check_gray(device, report)
     for interface in device.interfaces:
         problem = next(_problems_of(device, interface), None)
         if problem is not None and problem[0] not in reported:
@@ -76,6 +77,48 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
                     told.add(path)
                     wrong = f"'measurement' already gives the unit of '{field.name}'; leave 'scale' out"
                     report.add("scale-of", path, wrong, at_key=True)
+
+
+def _check_gray(device: Device, report: DocumentReport) -> None:
+    """Check that a position in Gray code has a power of two of counts per turn, for every order code.
+
+    Other numbers of counts are sent as Gray excess, whose codes begin above 0.
+    """
+    switched = _set_at_run_time(device)
+    for interface in device.interfaces:
+        measurement = device.measurement_of(interface.name)
+        if measurement is None or measurement.counts_per_turn is None:
+            continue
+        for layout in interface.layouts:
+            if layout.sender != "encoder" or not _codes_position(layout, measurement):
+                continue
+            for variant in device.variants_over(interface.name):
+                counts = measurement.counts_per_turn.value(variant.parameters)
+                can_be_gray = layout.place(variant.parameters).gray or layout.gray_when in switched
+                if can_be_gray and counts > 0 and counts & (counts - 1):
+                    path: Path = ("interfaces", interface.name, "layouts", layout.name, "gray")
+                    report.add("gray-excess", path, _excess_message(layout, variant, counts), at_key=True)
+                    break
+
+
+def _codes_position(layout: Layout, measurement: Measurement) -> bool:
+    """Return True if Gray code covers the position within a turn."""
+    if not layout.gray_of or measurement.of not in layout.member_names:
+        return False
+    return layout.names_in(measurement.of)[-1] in layout.names_in(layout.gray_of)
+
+
+def _excess_message(layout: Layout, variant: Variant, counts: int) -> str:
+    wrong = f"'{layout.gray_of}' has {counts} counts per turn for {variant.code}, not a power of two"
+    code = "leave 'gray' and 'measurement' out, call the field 'gray_code', and convert it in your program"
+    return f"{wrong}, and Gray excess cannot be described yet; {code}"
+
+
+def _set_at_run_time(device: Device) -> set[str]:
+    """Return the parameters that depend on a register."""
+    held = {item.name for item in device.run_time_parameters}
+    names = (item.name for item in device.parameters)
+    return {name for name in names if not held.isdisjoint(device.needed_parameters([name]))}
 
 
 def _cases(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_Case]:
