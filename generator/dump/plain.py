@@ -71,7 +71,16 @@ def variant_dump(device: Device, match: Match) -> Item:
         "written_as_in": match.written_as_in,
     }
     here = held_by(for_interface(device, variant.interface), [variant.code])
-    return _Dump(here, variant).whole((variant,), variant.parameters, label)
+    parameters = tuple(item for item in here.parameters if item.interface in ("", variant.interface))
+    here = replace(here, parameters=parameters, measurement=here.measurement_of(variant.interface))
+    own = replace(variant, parameters=_own_parameters(device, variant))
+    return _Dump(here, variant).whole((own,), own.parameters, label)
+
+
+def _own_parameters(device: Device, variant: Variant) -> dict[str, int]:
+    """Return the parameters of an order code, without those that belong to another interface."""
+    others = {item.name for item in device.parameters if item.interface not in ("", variant.interface)}
+    return {name: value for name, value in variant.parameters.items() if name not in others}
 
 
 @dataclass(frozen=True)
@@ -111,8 +120,12 @@ class _Dump:
             "parameter_definitions": self.plain(self.device.parameters, source),
             "alternatives": self.plain(self.device.alternatives, ()),
             "order_code_grammar": self.plain(self.device.order_code, ()),
-            "order_codes": [self.plain(item, source) | _cited(source) for item in variants],
+            "order_codes": [self._variant(item, source) for item in variants],
         }
+
+    def _variant(self, variant: Variant, source: Sources) -> Item:
+        own = replace(variant, parameters=_own_parameters(self.device, variant))
+        return self.plain(own, source) | _cited(source)
 
     def _talk(self) -> Item:
         """Return the frames and registers with their meanings."""

@@ -87,9 +87,7 @@ def _position_range(raw: Raw, context: Context) -> LayoutRange | None:
     if "position_range" not in raw:
         return None
     given = raw["position_range"]
-    numbers = {
-        key: context.expression(given[key]) if key in given else None for key in ("turns", "modulus", "highest")
-    }
+    numbers = {key: context.expression(given[key]) if key in given else None for key in ("turns", "modulus", "highest")}
     return LayoutRange(source=sources(given) or sources(raw), wraps=given.get("wraps", True), **numbers)
 
 

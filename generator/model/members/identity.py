@@ -249,7 +249,7 @@ IDENTITY = (
         Member("code", "string", "Order code."),
         Member("parts", "{string}", "Value of each part."),
         Member("interface", "ssi|biss|rs485|spi", "Interface of the order code."),
-        Member("parameters", "{integer}", "Value of every parameter."),
+        Member("parameters", "{integer}", "Value of every parameter of its interface."),
         of="Variant",
     ),
 )

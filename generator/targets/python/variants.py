@@ -230,9 +230,7 @@ class Variants:
     @property
     def no_range(self) -> str:
         """Reason why an interface has no range that applies to all of its frames."""
-        unknown = any(
-            not self.modulus_of(item) and item.name not in self.by_frame for item in self.device.interfaces
-        )
+        unknown = any(not self.modulus_of(item) and item.name not in self.by_frame for item in self.device.interfaces)
         reasons = ["the manual does not give it"] if unknown else []
         reasons += ["it depends on the frame, see range_of()"] if self.by_frame else []
         return ", or ".join(reasons)
@@ -324,9 +322,9 @@ class Variants:
         """Classes of the runtime that convert and unwrap its positions, or that of any encoder."""
         cases = {"Rotary": self.counts_per_turn, "Linear": self.step_um, "FineLinear": self.step_nm}
         cases["Wrapping"] = self.modulus
-        return [
-            name for name, found in cases.items() if found.cases or (name == "Wrapping" and self.by_frame)
-        ] or ["Encoder"]
+        return [name for name, found in cases.items() if found.cases or (name == "Wrapping" and self.by_frame)] or [
+            "Encoder"
+        ]
 
     @cached_property
     def frame_bits(self) -> Cases[Expr]:
