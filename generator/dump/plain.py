@@ -120,12 +120,8 @@ class _Dump:
             "parameter_definitions": self.plain(self.device.parameters, source),
             "alternatives": self.plain(self.device.alternatives, ()),
             "order_code_grammar": self.plain(self.device.order_code, ()),
-            "order_codes": [self._variant(item, source) for item in variants],
+            "order_codes": [self.plain(item, source) | _cited(source) for item in variants],
         }
-
-    def _variant(self, variant: Variant, source: Sources) -> Item:
-        own = replace(variant, parameters=_own_parameters(self.device, variant))
-        return self.plain(own, source) | _cited(source)
 
     def _talk(self) -> Item:
         """Return the frames and registers with their meanings."""

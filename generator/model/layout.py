@@ -197,8 +197,8 @@ class Layout:
 
     It is transmitted either ``in_bytes``, with the ``byte_order`` ``low_byte_first`` or ``high_byte_first``, or as
     bits, most significant first. ``fields`` are in transmission order for frames, and start at the most significant bit
-    for registers. ``channel`` is the BiSS data channel if the encoder has several. ``position_range`` is the range of its
-    position, if it differs from that of the interface.
+    for registers. ``channel`` is the BiSS data channel if the encoder has several. ``position_range`` is the range of
+    its position, if it differs from that of the interface.
     """
 
     name: str
