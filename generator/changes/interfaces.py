@@ -53,14 +53,7 @@ def _position_range(
     if old is not None and new is not None:
         yield from members(both, place, old, new)
     elif old is not new:
-        said = f": {_range_text(old)} → {_range_text(new)}"
-        yield both.change("measurement", place, said, old, new)
-
-
-def _range_text(own_range: LayoutRange | None) -> str:
-    if own_range is None:
-        return "that of the interface"
-    return "its own" if own_range.wraps else "without a wrap"
+        yield from both.presence("measurement", place, old, new)
 
 
 def _control_values(both: FamilyPair, thing: Thing, old: ControlField, new: ControlField) -> Iterator[Change]:

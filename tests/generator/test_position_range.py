@@ -204,3 +204,34 @@ def test_show_states_the_range_of_the_reply(capsys: pytest.CaptureFixture[str]) 
     shown = " ".join(capsys.readouterr().out.split())
     assert "in wide_position_reply never wraps around [7.2 p.37, 7.3.3 p.39]" in shown
     assert "16,777,216 counts in total" in shown
+
+
+def _in_folder(folder: Path, *changes: tuple[str, str]) -> Path:
+    folder.mkdir()
+    text = SPECS[1].read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    (folder / "sma21.yaml").write_text(text, encoding="utf-8")
+    (folder / "manufacturer.yaml").write_bytes(SPECS[0].read_bytes())
+    return folder
+
+
+def test_diff_reports_another_range(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    own = "position_range: {wraps: false}"
+    before = _in_folder(tmp_path / "before", (own, "position_range: {modulus: 2^48}"))
+    main(["diff", str(before), str(_in_folder(tmp_path / "after"))])
+    shown = " ".join(capsys.readouterr().out.split())
+    assert f"frame wide_position_reply: position range: modulus {2**48} → none" in shown
+    assert "frame wide_position_reply: position range: wraps yes → no" in shown
+
+
+def test_diff_reports_a_new_range(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The functions of C for the interface are replaced by functions for each reply, so the change is breaking."""
+    layout = "        when: {data_id: [4, 11, 15]}\n"
+    own = "        position_range: {modulus: 2^rs485_position_bits}\n"
+    before = _in_folder(tmp_path / "before")
+    after = _in_folder(tmp_path / "after", (layout, layout + own))
+    main(["diff", str(before), str(after)])
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "breaking frame position_reply: position range is new" in shown
