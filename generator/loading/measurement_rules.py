@@ -246,7 +246,7 @@ def _out_of_range(measurement: Measurement, case: _Case, key: str) -> tuple[str,
 def _too_wide(case: _Case, of: str, total: int) -> str:
     """Return the message about a signed position that can be more numbers than the encoder has positions."""
     wrong = f"{of} is signed and has {case.width} bits, but the position wraps around after {total} counts"
-    never = "'position_range: {wraps: false}' if it never wraps around, otherwise its own range"
+    never = "'position_range: {wraps: false}' if it never wraps around, otherwise give 'highest'"
     return f"{wrong} for {case.variant.code}; give that layout {never}"
 
 

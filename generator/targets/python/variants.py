@@ -320,11 +320,13 @@ class Variants:
     @property
     def bases(self) -> list[str]:
         """Classes of the runtime that convert and unwrap its positions, or that of any encoder."""
-        cases = {"Rotary": self.counts_per_turn, "Linear": self.step_um, "FineLinear": self.step_nm}
-        cases["Wrapping"] = self.modulus
-        return [name for name, found in cases.items() if found.cases or (name == "Wrapping" and self.by_frame)] or [
-            "Encoder"
-        ]
+        measured = {
+            "Rotary": bool(self.counts_per_turn.cases),
+            "Linear": bool(self.step_um.cases),
+            "FineLinear": bool(self.step_nm.cases),
+            "Wrapping": bool(self.modulus.cases or self.by_frame),
+        }
+        return [name for name, applies in measured.items() if applies] or ["Encoder"]
 
     @cached_property
     def frame_bits(self) -> Cases[Expr]:
