@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from ..model import Biss, ControlField, Interface, Layout, Rs485, Timing
+from ..model import Biss, ControlField, Interface, Layout, LayoutRange, Rs485, Timing
 from .change import Change, Thing
 from .compare import compared, members, things
 from .family_pair import FamilyPair
@@ -35,6 +35,7 @@ def _interface(both: FamilyPair, thing: Thing, old: Interface, new: Interface) -
 def _frame(both: FamilyPair, thing: Thing, old: Layout, new: Layout) -> Iterator[Change]:
     place = thing.unnamed
     yield from layout(both, place, old, new)
+    yield from _position_range(both, place, old.position_range, new.position_range)
     was = {both.to_new("decision", item.name) for item in both.old.alternatives_of(old)}
     needed = {item.name for item in both.new.alternatives_of(new)}
     inner = place.inside("alternatives", place.label)
@@ -42,6 +43,17 @@ def _frame(both: FamilyPair, thing: Thing, old: Layout, new: Layout) -> Iterator
         yield both.change("frame-decision", inner, f": no longer needs the decision {name}", name, None)
     for name in sorted(needed - was):
         yield both.change("frame-decision", inner, f": needs the decision {name}", None, name)
+
+
+def _position_range(
+    both: FamilyPair, thing: Thing, old: LayoutRange | None, new: LayoutRange | None
+) -> Iterator[Change]:
+    """Compare the ranges of a position in one frame. Without its own range, a frame has that of the interface."""
+    place = thing.inside("position_range", f"{thing.label}: position range")
+    if old is not None and new is not None:
+        yield from members(both, place, old, new)
+    elif old is not new:
+        yield from both.presence("measurement", place, old, new)
 
 
 def _control_values(both: FamilyPair, thing: Thing, old: ControlField, new: ControlField) -> Iterator[Change]:

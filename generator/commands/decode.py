@@ -360,8 +360,9 @@ def _reported(report: Report) -> str:
 def _measured(device: Device, variant: Variant, decoded: codec.Decoded) -> str:
     """Return the position in degrees or micrometres, or only the angle if the frame has no other part of it."""
     measurement = device.measurement_of(variant.interface)
-    if measurement is None:
+    if measurement is None or decoded.layout is None:
         return ""
+    measurement = measurement.within(decoded.layout.layout.position_range)
     name = measurement.of
     if name not in decoded.values:
         joins = [join for layout in device.interface(variant.interface).layouts for join in layout.joins]

@@ -13,7 +13,7 @@ from ..order_codes.with_numbers import with_code
 from ..say.erratum import erratum
 from ..say.evidence import grade
 from ..say.lines import WIDTH, pairs, wrapped
-from ..say.measurement import measurement
+from ..say.measurement import measurement, own_ranges, position_range
 from ..say.numbers import decimal
 from ..say.order_code import open_values, spelling
 from ..say.origin import origin as says_origin
@@ -44,6 +44,7 @@ def device_text(device: Device) -> str:
     lines += _position(
         [("", device.measurement), *((item.title, item.measurement) for item in device.interfaces)], None
     )
+    lines += [line for item in device.interfaces for line in _own_ranges(device, item.name, None)]
     for interface in device.interfaces:
         lines += ["", *interface_lines(device, interface)]
         for layout in interface.layouts:
@@ -59,6 +60,7 @@ def variant_text(device: Device, match: Match) -> str:
     lines += [*label_differences(device, match), *_manual(device), *_parameters(device, variant)]
     lines += alternative_lines(here)
     lines += _position([("", device.measurement_of(variant.interface))], variant.parameters)
+    lines += _own_ranges(here, variant.interface, variant.parameters)
     interface = here.interface(variant.interface)
     lines += ["", *interface_lines(here, with_code(interface, variant))]
     for layout in interface.layouts:
@@ -118,6 +120,18 @@ def _position(
             counts += f", {places or decimal(millimetres)} mm in total"
         rows.append((over or item.of, f"{counts}  [{cite(item.source)}]"))
     return ["", "Position", *pairs(rows, 2)] if rows else []
+
+
+def _own_ranges(device: Device, interface: str, parameters: Mapping[str, int] | None) -> list[str]:
+    """Return the lines about layouts in which the position has another range."""
+    style = at(parameters) if parameters is not None else BY_NAME
+    return pairs(
+        (
+            (f"in {name}", f"{style.phrase(position_range(item))}  [{cite(item.source)}]")
+            for name, item in own_ranges(device, interface)
+        ),
+        2,
+    )
 
 
 def _listed(title: str, rows: Sequence[tuple[str, str, Sources]]) -> list[str]:

@@ -72,7 +72,16 @@ def variant_dump(device: Device, match: Match) -> Item:
         "written_as_in": match.written_as_in,
     }
     here = held_by(for_interface(device, variant.interface), [variant.code])
-    return _Dump(here, variant).whole((variant,), variant.parameters, label)
+    parameters = tuple(item for item in here.parameters if item.interface in ("", variant.interface))
+    here = replace(here, parameters=parameters, measurement=here.measurement_of(variant.interface))
+    own = replace(variant, parameters=_own_parameters(device, variant))
+    return _Dump(here, variant).whole((own,), own.parameters, label)
+
+
+def _own_parameters(device: Device, variant: Variant) -> dict[str, int]:
+    """Return the parameters of an order code, without those that belong to another interface."""
+    others = {item.name for item in device.parameters if item.interface not in ("", variant.interface)}
+    return {name: value for name, value in variant.parameters.items() if name not in others}
 
 
 @dataclass(frozen=True)

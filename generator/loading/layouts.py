@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from ..language.problems import Path
 from ..language.rules.shapes import PLACES
-from ..model import INTERFACES, Constant, Field, Join, Layout, Parity
+from ..model import INTERFACES, Constant, Field, Join, Layout, LayoutRange, Parity
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from ..model.scale import WIDEST
@@ -79,8 +79,17 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
         gray_of=gray.get("of", ""),
         gray_when=gray.get("when", ""),
         combinations=build_combinations(raw),
+        position_range=_position_range(raw, site.context),
     )
     return layout if is_sound(layout, site, raw.get("byte_order") == "low_byte_first") else None
+
+
+def _position_range(raw: Raw, context: Context) -> LayoutRange | None:
+    if "position_range" not in raw:
+        return None
+    given = raw["position_range"]
+    numbers = {key: context.expression(given[key]) if key in given else None for key in ("turns", "modulus", "highest")}
+    return LayoutRange(source=sources(given) or sources(raw), wraps=given.get("wraps", True), **numbers)
 
 
 def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], site: Site) -> Field:

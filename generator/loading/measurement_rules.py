@@ -34,21 +34,32 @@ class _Case:
 
 def check_measurements(device: Device, report: DocumentReport) -> None:
     """Check measurements against the position of each order code, and report the first contradiction."""
-    told: set[Path] = set()
+    reported: set[Path] = set()
     _check_scales(device, report)
+    _check_gray(device, report)
     for interface in device.interfaces:
-        path: Path = (
-            ("interfaces", interface.name, "measurement") if interface.measurement is not None else ("measurement",)
-        )
-        measurement = device.measurement_of(interface.name)
-        if measurement is not None:
-            wrong = next(
-                filter(None, (_fault(device, measurement, case) for case in _cases(device, interface, measurement))),
-                None,
-            )
-            if wrong is not None and path not in told:
-                told.add(path)
-                report.add("measurement-does-not-fit", (*path, wrong[0]), wrong[1])
+        problem = next(_problems_of(device, interface), None)
+        if problem is not None and problem[0] not in reported:
+            path, key, message = problem
+            reported.add(path)
+            report.add("measurement-does-not-fit", (*path, key), message)
+
+
+def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, str, str]]:
+    """Yield the place of a contradiction, the wrong key there, and the message."""
+    measurement = device.measurement_of(interface.name)
+    if measurement is None:
+        return
+    shared: Path = ("measurement",)
+    if interface.measurement is not None:
+        shared = ("interfaces", interface.name, "measurement")
+    for case in _cases(device, interface, measurement):
+        own_range = case.layout.position_range
+        problem = _fault(device, measurement.within(own_range), case)
+        if problem is not None:
+            key, message = problem
+            own: Path = ("interfaces", interface.name, "layouts", case.layout.name, "position_range")
+            yield own if getattr(own_range, key, None) is not None else shared, key, message
 
 
 def _check_scales(device: Device, report: DocumentReport) -> None:
@@ -66,6 +77,48 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
                     told.add(path)
                     wrong = f"'measurement' already gives the unit of '{field.name}'; leave 'scale' out"
                     report.add("scale-of", path, wrong, at_key=True)
+
+
+def _check_gray(device: Device, report: DocumentReport) -> None:
+    """Check that a position in Gray code has a power of two of counts per turn, for every order code.
+
+    Other numbers of counts are sent as Gray excess, whose codes begin above 0.
+    """
+    switched = _set_at_run_time(device)
+    for interface in device.interfaces:
+        measurement = device.measurement_of(interface.name)
+        if measurement is None or measurement.counts_per_turn is None:
+            continue
+        for layout in interface.layouts:
+            if layout.sender != "encoder" or not _codes_position(layout, measurement):
+                continue
+            for variant in device.variants_over(interface.name):
+                counts = measurement.counts_per_turn.value(variant.parameters)
+                can_be_gray = layout.place(variant.parameters).gray or layout.gray_when in switched
+                if can_be_gray and counts > 0 and counts & (counts - 1):
+                    path: Path = ("interfaces", interface.name, "layouts", layout.name, "gray")
+                    report.add("gray-excess", path, _excess_message(layout, variant, counts), at_key=True)
+                    break
+
+
+def _codes_position(layout: Layout, measurement: Measurement) -> bool:
+    """Return True if Gray code covers the position within a turn."""
+    if not layout.gray_of or measurement.of not in layout.member_names:
+        return False
+    return layout.names_in(measurement.of)[-1] in layout.names_in(layout.gray_of)
+
+
+def _excess_message(layout: Layout, variant: Variant, counts: int) -> str:
+    wrong = f"'{layout.gray_of}' has {counts} counts per turn for {variant.code}, not a power of two"
+    code = "leave 'gray' and 'measurement' out, call the field 'gray_code', and convert it in your program"
+    return f"{wrong}, and Gray excess cannot be described yet; {code}"
+
+
+def _set_at_run_time(device: Device) -> set[str]:
+    """Return the parameters that depend on a register."""
+    held = {item.name for item in device.run_time_parameters}
+    names = (item.name for item in device.parameters)
+    return {name for name in names if not held.isdisjoint(device.needed_parameters([name]))}
 
 
 def _cases(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_Case]:
@@ -93,7 +146,9 @@ def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, 
             return name, f"'{name}' is {value} for {case.variant.code}; it must be at most {_MOST}"
     if (other_unit := _other_unit(case, values)) is not None:
         return other_unit
-    if key not in values or not case.width:
+    own_range = case.layout.position_range
+    never_wraps = own_range is not None and not own_range.wraps
+    if key not in values or not case.width or never_wraps:
         return None
     for name, value in values.items():
         if (
@@ -173,6 +228,8 @@ def _out_of_range(measurement: Measurement, case: _Case, key: str) -> tuple[str,
     of = f"'{name}' in '{case.layout.name}'"
     is_signed = case.layout.field(name).number.signed
     if measurement.highest is None:
+        if is_signed and total != 1 << width and not total & total - 1:
+            return key, _too_wide(case, of, total)
         if not is_signed or not total & total - 1:
             return None
         wrong = f"{of} is signed, and its range does not follow from {total} counts for {case.variant.code}"
@@ -184,6 +241,13 @@ def _out_of_range(measurement: Measurement, case: _Case, key: str) -> tuple[str,
     found = f"positions of {case.variant.code} are {highest - total + 1} to {highest}"
     range_ = f"{of} holds {least} to {most}"
     return "highest", f"'highest' is {highest} for {total} counts, so {found}, but {range_}"
+
+
+def _too_wide(case: _Case, of: str, total: int) -> str:
+    """Return the message about a signed position that can be more numbers than the encoder has positions."""
+    wrong = f"{of} is signed and has {case.width} bits, but the position wraps around after {total} counts"
+    never = "'position_range: {wraps: false}' if it never wraps around, otherwise give 'highest'"
+    return f"{wrong} for {case.variant.code}; give that layout {never}"
 
 
 def _upside_down(measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:

@@ -131,6 +131,7 @@ def record(
         raise NoRecord(f"{variant.code} has the interface {interface.title}; {only}")
     measurement = device.measurement_of(variant.interface) or _WITHOUT_UNIT
     placed = _frame(interface, measurement, decided(device, variant, answers))
+    measurement = measurement.within(placed.layout.position_range)
     deciding = device.alternatives_of(placed.layout)
     missing = [item.name for item in deciding if item.name not in answers]
     if missing:

@@ -101,7 +101,7 @@ from .layout import (
     number_from_bytes,
     number_to_bytes,
 )
-from .measurement import Measurement
+from .measurement import LayoutRange, Measurement
 from .never import assert_never
 from .scale import Scale
 from .steps import (
@@ -167,6 +167,7 @@ __all__ = [
     "Join",
     "Kind",
     "Layout",
+    "LayoutRange",
     "Led",
     "LedState",
     "LostFigure",

@@ -419,6 +419,11 @@ class Device:
         """Return the measurement of the position on this interface."""
         return self.interface(interface).measurement or self.measurement
 
+    def measurement_in(self, interface: str, layout: Layout) -> Measurement | None:
+        """Return the measurement of the position in frames of this layout. Its range may differ from other layouts."""
+        measurement = self.measurement_of(interface)
+        return measurement.within(layout.position_range) if measurement is not None else None
+
     def supply_of(self, variant: Variant) -> Supply | None:
         """Return the supply that an order code needs, or None if the manual does not give it.
 
@@ -458,7 +463,7 @@ class Device:
             interface = next((item.name for item, each in self.layouts() if each is layout), "")
             if not interface:
                 return None
-            measurement = self.measurement_of(interface) if layout.sender == "encoder" else None
+            measurement = self.measurement_in(interface, layout) if layout.sender == "encoder" else None
             sets = [item.parameters for item in self.variants_over(interface)]
             self._ranges[id(layout)] = narrower(measurement, layout, sets) if measurement is not None else None
         return self._ranges[id(layout)]
@@ -474,15 +479,6 @@ class Device:
         if valid is None or valid.field.name != item.name:
             return -half, half - 1
         return valid.lowest.value(placed.parameters), valid.highest.value(placed.parameters)
-
-    def signed_position(self, interface: str) -> Field | None:
-        """Return the widest field that holds the position of an interface in two's complement, or None."""
-        measurement = self.measurement_of(interface)
-        if measurement is None:
-            return None
-        layouts = (item for item in self.interface(interface).layouts if item.sender == "encoder")
-        fields = (item for layout in layouts for item in layout.fields if item.name == measurement.of)
-        return max((item for item in fields if item.number.signed), key=lambda item: item.widest, default=None)
 
     def register(self, name: str) -> Register:
         return next(item for item in self.registers if item.name == name)

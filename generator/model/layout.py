@@ -14,6 +14,7 @@ from types import MappingProxyType
 from .expressions import Expression
 from .facts import Sources
 from .kinds import Choice, Constant, CrcValue, Decimal, Digits, Flag, Kind, Number, Parity, Text, Unused, Value, Verdict
+from .measurement import LayoutRange
 from .never import assert_never
 from .record import dataclass
 from .scale import Scale
@@ -225,7 +226,8 @@ class Layout:
 
     It is transmitted either ``in_bytes``, with the ``byte_order`` ``low_byte_first`` or ``high_byte_first``, or as
     bits, most significant first. ``fields`` are in transmission order for frames, and start at the most significant bit
-    for registers. ``channel`` is the BiSS data channel if the encoder has several.
+    for registers. ``channel`` is the BiSS data channel if the encoder has several. ``position_range`` is the range of
+    its position, if it differs from that of the interface.
     """
 
     name: str
@@ -246,6 +248,7 @@ class Layout:
     gray_when: str = ""
     channel: int | None = None
     combinations: tuple[Combination, ...] = ()
+    position_range: LayoutRange | None = None
 
     def field(self, name: str) -> Field:
         return next(item for item in self.fields if item.name == name)

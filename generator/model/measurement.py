@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from .expressions import Expression
@@ -11,6 +12,25 @@ from .record import dataclass
 
 if TYPE_CHECKING:
     from fractions import Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class LayoutRange:
+    """Range of the position in one layout, if it differs from that of the interface.
+
+    A position that never ``wraps`` can be any number that fits its field.
+    """
+
+    turns: Expression | None
+    modulus: Expression | None
+    highest: Expression | None
+    source: Sources
+    wraps: bool = True
+
+    @property
+    def numbers(self) -> tuple[Expression, ...]:
+        """The expressions in it."""
+        return tuple(item for item in (self.turns, self.modulus, self.highest) if item is not None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,3 +76,15 @@ class Measurement:
             counts = self.per_counts.value(parameters) if self.per_counts is not None else 1
             return Fraction(self.step_nm.value(parameters), 1000 * counts)
         return Fraction(self.step_um.value(parameters)) if self.step_um is not None else None
+
+    def within(self, layout_range: LayoutRange | None) -> Measurement:
+        """Return the measurement with the range of one layout. The units are the same in all layouts."""
+        if layout_range is None:
+            return self
+        source = layout_range.source or self.source
+        if not layout_range.wraps:
+            return replace(self, turns=None, modulus=None, highest=None, source=source)
+        turns, modulus, highest = layout_range.turns, layout_range.modulus, layout_range.highest
+        if turns is None and modulus is None:
+            return replace(self, highest=highest, source=source)
+        return replace(self, turns=turns, modulus=modulus, highest=highest, source=source)

@@ -68,6 +68,8 @@ def _expressions(device: Device, kind: str) -> Iterator[Expression]:
     measurement = device.measurement_of(kind)
     if measurement is not None:
         yield from _of_measurement(measurement)
+    for layout in device.interface(kind).layouts:
+        yield from layout.position_range.numbers if layout.position_range is not None else ()
 
 
 def _of_layout(layout: Layout) -> Iterator[Expression]:

@@ -1,12 +1,13 @@
-"""Units of positions: values by interface, and the number of counts after which a position wraps around."""
+"""Units and ranges of positions: values by interface, ranges by layout, and counts until a position wraps around."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
+from dataclasses import replace
 from math import prod
 from typing import Generic, TypeVar
 
-from ..model import Device, Interface, Measurement, Parameter
+from ..model import Device, Field, Interface, Layout, Measurement, Parameter
 from ..model.expressions import Expression
 from ..model.record import dataclass
 
@@ -35,6 +36,57 @@ def by_interface(device: Device, value: Callable[[Interface], T | None]) -> Case
     return Cases(cases, sum(map(len, kinds.values())) == len(device.interfaces))
 
 
+@dataclass(frozen=True, slots=True)
+class PositionRange:
+    """Range of the position in some layouts of an interface.
+
+    ``signed_field`` is the field with it in two's complement, or None if it is never negative.
+    """
+
+    measurement: Measurement
+    never_wraps: bool
+    signed_field: Field | None
+    layouts: tuple[Layout, ...]
+
+    @property
+    def has_difference(self) -> bool:
+        """True if the distance between two positions is known."""
+        return self.never_wraps or self.measurement.total is not None
+
+
+def position_ranges(device: Device, interface: Interface) -> tuple[PositionRange, ...]:
+    """Return the ranges of the position over an interface, or none without a measurement.
+
+    There is only one unless the layouts differ.
+    """
+    measurement = device.measurement_of(interface.name)
+    if measurement is None:
+        return ()
+    sent = [item for item in interface.layouts if item.sender == "encoder"]
+    layouts = [item for item in sent if measurement.of in item.member_names]
+    groups: dict[Hashable, PositionRange] = {}
+    for layout in layouts:
+        found = _position_range(measurement, layout)
+        same = groups.setdefault(_numbers_of(found), found)
+        if same is not found:
+            groups[_numbers_of(found)] = replace(same, layouts=(*same.layouts, layout))
+    return tuple(groups.values()) or (PositionRange(measurement, False, None, tuple(sent)),)
+
+
+def _position_range(measurement: Measurement, layout: Layout) -> PositionRange:
+    own_range = layout.position_range
+    never_wraps = own_range is not None and not own_range.wraps
+    fields = [item for item in layout.fields if item.name == measurement.of and item.number.signed]
+    return PositionRange(measurement.within(own_range), never_wraps, fields[0] if fields else None, (layout,))
+
+
+def _numbers_of(item: PositionRange) -> Hashable:
+    """Return what determines the range, without sources. The width of a signed position matters without a highest."""
+    measurement, field = item.measurement, item.signed_field
+    width = field.width if field is not None and measurement.highest is None else None
+    return measurement.total, measurement.highest, item.never_wraps, field is not None, width
+
+
 def also_measured(device: Device) -> frozenset[str]:
     """Return the derived parameters that equal a quantity of the measurement for all order codes.
 
@@ -52,6 +104,8 @@ def _is_measured(device: Device, parameter: Parameter) -> bool:
         value, item = variant.parameters.get(parameter.name), device.measurement_of(variant.interface)
         if value is None or item is None or not counts(item):
             continue
+        if len(position_ranges(device, device.interface(variant.interface))) > 1:
+            return False
         if any(name not in variant.parameters for part in counts(item) for name in part.parameters):
             return False
         whole = prod(part.value(variant.parameters) for part in counts(item))

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ..language.problems import Path
-from ..model import Interface, Parameter
+from ..model import Interface, Layout, Parameter
 from ..order_codes.labels import spelled
 from ..say.place import bits
 from .fact import Fact, Facts, Sort
@@ -112,6 +112,7 @@ def _measured(reading: Reading, interface: Interface) -> Iterator[Fact]:
     yield from subject.present(Sort.MEASUREMENT, measurement)
     cases = reading.cases(interface.name)
     for layout in interface.layouts:
+        yield from _range_of(subject, interface, layout)
         places = {}
         for case, parameters in cases.items():
             low, width = layout.place(parameters).place_of(measurement.of)
@@ -121,3 +122,14 @@ def _measured(reading: Reading, interface: Interface) -> Iterator[Fact]:
             key = (*subject.key, "of", layout.sender, *layout.selects)
             what = f"measured bits of '{layout.name}'"
             yield Fact(Sort.MEASUREMENT, key, places, what, (*place, "of"), subject.key)
+
+
+def _range_of(measured: Subject, interface: Interface, layout: Layout) -> Iterator[Fact]:
+    """Yield the facts about the range that a layout has for itself."""
+    if layout.position_range is None:
+        return
+    place: Path = ("interfaces", interface.name, "layouts", layout.name, "position_range")
+    key = (*measured.key, "range", layout.sender, *layout.selects)
+    what = f"position range of '{layout.name}'"
+    subject = replace(measured, key=key, place=place, what=what, under=measured.key)
+    yield from subject.present(Sort.MEASUREMENT, layout.position_range)

@@ -20,6 +20,7 @@ from ..model import (
     Field,
     Flag,
     Layout,
+    Measurement,
     Number,
     Parity,
     PlacedField,
@@ -98,25 +99,37 @@ class VirtualEncoder:
 
     @property
     def counts(self) -> int:
-        """Number of positions."""
-        of = self.device.measurement_of(self.variant.interface)
-        parameters = self.variant.parameters
-        if of is not None and of.counts_per_turn is not None and of.turns is not None:
-            return of.counts_per_turn.value(parameters) * of.turns.value(parameters)
-        if of is not None and of.modulus is not None:
-            return of.modulus.value(parameters)
-        return 1 << sum(width for _, width in self._parts())
+        """Number of positions in the first frame with a position."""
+        return self._counts(self._first)
 
     @property
     def lowest(self) -> int:
-        """Lowest position. It is negative if the position is signed."""
-        fields = self._fields()
+        """Lowest position in that frame. It is negative if the position is signed."""
+        return self._lowest(self._first)
+
+    def _counts(self, layout: Layout | None) -> int:
+        """Return the number of positions in frames with this layout."""
+        of = self._measurement(layout)
+        total = of.total if of is not None else None
+        if total is not None:
+            return total.value(self.variant.parameters)
+        return 1 << sum(item.width for item in self._fields(layout))
+
+    def _lowest(self, layout: Layout | None) -> int:
+        """Return the lowest position in frames with this layout."""
+        fields = self._fields(layout)
         if len(fields) != 1 or not fields[0].field.number.signed:
             return 0
-        of = self.device.measurement_of(self.variant.interface)
+        of = self._measurement(layout)
         if of is not None and of.highest is not None:
-            return of.highest.value(self.variant.parameters) - self.counts + 1
-        return -(self.counts // 2)
+            return of.highest.value(self.variant.parameters) - self._counts(layout) + 1
+        return -(self._counts(layout) // 2)
+
+    def _measurement(self, layout: Layout | None) -> Measurement | None:
+        """Return the unit and range of the position in frames with this layout."""
+        if layout is None:
+            return self.device.measurement_of(self.variant.interface)
+        return self.device.measurement_in(self.variant.interface, layout)
 
     def position_names(self) -> frozenset[str]:
         """Return the names of the fields that form the position or a part of it."""
@@ -128,14 +141,23 @@ class VirtualEncoder:
 
     def _wrapped(self, position: int) -> int:
         """Return the position that the encoder sends for a count."""
-        return self.lowest + (position - self.lowest) % self.counts
+        return self._wrapped_in(self._first, position)
 
-    def parts_now(self) -> dict[str, int]:
-        """Return the bits of each field of the current position."""
-        position, values = self.position_now(), dict[str, int]()
-        for name, width in reversed(self._parts()):
-            values[name] = position & ((1 << width) - 1)
-            position >>= width
+    def _wrapped_in(self, layout: Layout | None, position: int) -> int:
+        """Return the position that frames with this layout contain for a count."""
+        lowest = self._lowest(layout)
+        return lowest + (position - lowest) % self._counts(layout)
+
+    def parts_now(self, layout: Layout | None = None) -> dict[str, int]:
+        """Return the bits of each field of the current position in frames with a layout, by default the first one."""
+        if layout is None or not self._carries_position(layout):
+            layout = self._first
+        is_away = self.is_busy() and self._not_ready
+        count = 0 if is_away else self._wrapped_in(layout, self.raw_position() + self._offset)
+        values = dict[str, int]()
+        for item in reversed(self._fields(layout)):
+            values[item.name] = count & item.mask
+            count >>= item.width
         return values
 
     def raw_position(self) -> int:
@@ -169,6 +191,9 @@ class VirtualEncoder:
     def reset(self, procedure: str) -> None:
         """Carry out a reset: clear its alarms, and set the parts of the position that its name contains to 0."""
         self.flags -= {item.name for item in self.device.alarms if procedure in item.cleared_by}
+        # The position of another frame may be wider, so it stays as it is unless a part of it is reset.
+        if not any(name in procedure for name, _ in self._parts()):
+            return
         low = 0
         value = self._wrapped(self.raw_position() + self._offset)
         for name, width in reversed(self._parts()):
@@ -246,7 +271,7 @@ class VirtualEncoder:
 
     def _values(self, layout: Layout, given: Mapping[str, int | str | bool]) -> dict[str, int | str | bool]:
         values: dict[str, int | str | bool] = {}
-        parts = self.parts_now()
+        parts = self.parts_now(layout)
         for item in self.place(layout).fields:
             field = item.field
             if not field.carries_data:
@@ -266,18 +291,25 @@ class VirtualEncoder:
 
     def _parts(self) -> tuple[tuple[str, int], ...]:
         """Return the fields that form the position with their widths, most significant first."""
-        return tuple((item.name, item.width) for item in self._fields())
+        return tuple((item.name, item.width) for item in self._fields(self._first))
 
-    def _fields(self) -> tuple[PlacedField, ...]:
-        """Return the fields that form the position, most significant first."""
+    @property
+    def _first(self) -> Layout | None:
+        """The first frame with a position."""
+        return next(filter(self._carries_position, self.layouts("encoder")), None)
+
+    def _carries_position(self, layout: Layout) -> bool:
         of = self.device.measurement_of(self.variant.interface)
         name = of.of if of is not None else "position"
-        for layout in self.layouts("encoder"):
-            placed = self.place(layout)
-            parts = [placed.field(part) for part in layout.names_in(name)]
-            if layout.names_in(name) != (name,) or parts[0] is not None:
-                return tuple(item for item in parts if item is not None)
-        return ()
+        return layout.names_in(name) != (name,) or self.place(layout).field(name) is not None
+
+    def _fields(self, layout: Layout | None) -> tuple[PlacedField, ...]:
+        """Return the fields that form the position in frames with a layout, most significant first."""
+        if layout is None:
+            return ()
+        of = self.device.measurement_of(self.variant.interface)
+        parts = map(self.place(layout).field, layout.names_in(of.of if of is not None else "position"))
+        return tuple(item for item in parts if item is not None)
 
     @cached_property
     def _not_ready(self) -> set[str]:

@@ -64,7 +64,10 @@ def _check_order_code(dump: Any, variant: Variant) -> None:
         for key in ("high", "low", "width")
     ]
     assert all(isinstance(place, int) for place in places)
-    assert dump["parameters"] == dict(variant.parameters)
+    others = {"ssi": {"biss", "rs485"}, "biss": {"ssi", "rs485"}, "rs485": {"ssi", "biss"}}[variant.interface]
+    assert not others & {item["interface"] for item in dump["parameter_definitions"]}
+    assert dump["parameters"].items() <= dict(variant.parameters).items()
+    assert dump["order_codes"][0]["parameters"] == dump["parameters"]
     assert set(dump["interfaces"]) == {variant.interface}
 
 
@@ -214,3 +217,16 @@ def test_what_belongs_to_another_interface_is_left_out(amm5: Device) -> None:
     assert "scd_length" not in {item["name"] for item in dump["errata"]}
     assert "mem_busy_position" in {item["name"] for item in dump["errata"]}
     assert all(item["interface"] in ("", "rs485") for item in dump["timings"])
+
+
+def test_an_order_code_has_only_the_modulus_that_holds_for_it(devices: Mapping[str, Device]) -> None:
+    """Over RS-485, the position at 1 µm has 24 bits [SMA21 7.3.3], although it has 25 over SSI and BiSS [5.2]."""
+    sma21 = devices["sma21"]
+    found = {code: variant_dump(sma21, find(sma21, code)) for code in ("SMA21-JP1-0001", "SMA21-BG1-0001")}
+    assert found["SMA21-JP1-0001"]["measurement"]["modulus"] == 2**24
+    assert found["SMA21-BG1-0001"]["measurement"]["modulus"] == 2**25
+    assert "modulus" not in found["SMA21-JP1-0001"]["parameters"]
+    assert found["SMA21-BG1-0001"]["parameters"]["modulus"] == 2**25
+    ranges = {item["name"]: item["position_range"] for item in found["SMA21-JP1-0001"]["layouts"]}
+    assert [name for name, item in ranges.items() if item is not None] == ["wide_position_reply"]
+    assert ranges["wide_position_reply"]["wraps"] is False

@@ -179,6 +179,7 @@ def _register(item: Item) -> Item:
         "note": item["note"],
         "gray_of": "",
         "gray_when": "",
+        "position_range": None,
         "channel": None,
         "combinations": [],
     }

@@ -327,11 +327,18 @@ def functions(view: DeviceView) -> list[Numeric]:
     limits = [limits for register in view.registers for limits in register.limits]
     plain = [*view.variants.derived, *(item for limit in limits for item in limit.functions)]
     positions = view.positions
-    is_signed = positions is not None and positions.is_signed
-    of_positions = [
-        Numeric(f"{view.prefix}_{name}", *_types(_OF_POSITIONS[name], is_signed))
-        for name in (positions.names if positions is not None else ())
-    ]
+    of_positions = []
+    for item in positions.ranges if positions is not None else ():
+        of_positions += [
+            Numeric(f"{view.prefix}_{name}", *_types(_OF_POSITIONS[name.removeprefix(item.scope)], item.is_signed))
+            for name in item.names
+        ]
+    if positions is not None:
+        of_positions += [
+            Numeric(f"{view.prefix}_{name}", *_types(_OF_POSITIONS[name], positions.is_signed))
+            for name in positions.names
+            if name in _OF_POSITIONS and not name.endswith(("modulus", "position_difference"))
+        ]
     return [*(Numeric(item.name, item.type) for item in plain), *of_positions]
 
 

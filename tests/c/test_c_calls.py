@@ -32,7 +32,7 @@ SHARED = {
 FAMILY = re.compile(
     r"find_order_code|next_candidate|report_text|(read|write|take)_\w+"
     r"|(\w+_)?(encode|decode|is_expected|verdict|reports|position|set_\w+)|reg_\w+_(mask|shift|max)"
-    r"|turns|degrees|micrometres|millimetres|position_difference|clock_limit_hz|timeout_ns"
+    r"|turns|degrees|micrometres|millimetres|(\w+_)?position_difference|clock_limit_hz|timeout_ns"
     r"|request_frame|reply_frame|frame_length"
 )
 

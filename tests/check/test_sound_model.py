@@ -152,7 +152,10 @@ IN_TWO_FIELDS = "{name: turns, bits: 4}\n          - {name: angle, bits: positio
         ((), "counts_per_turn: 2^position_bits"),
         (((POSITION, "{name: position, bits: 12}"),), "counts_per_turn: 3600"),
         (((POSITION, "{name: position, bits: 24}"),), "counts_per_turn: 4096"),
-        (((POSITION, "{name: position, bits: 48, signed: true}"),), "counts_per_turn: 2^position_bits, turns: 16"),
+        (
+            ((POSITION, "{name: position, bits: 48, signed: true}"),),
+            "counts_per_turn: 2^position_bits, turns: 16, highest: 32767",
+        ),
         (((POSITION, PADDED),), "counts_per_turn: 2^position_bits, turns: 1"),
         ((FRAME_BITS, TWO_SETS, (POSITION, "{name: position, bits: frame_bits}")), "counts_per_turn: 2^position_bits"),
         (((POSITION, "{name: position, bits: position_bits + 4}"),), "counts_per_turn: 2^position_bits, turns: 10"),

@@ -40,6 +40,10 @@ ALONE = {
 #: Words that no encoder uses, with the reason to keep them.
 UNUSED = {
     **dict.fromkeys(
+        ("position_range.highest", "position_range.modulus", "position_range.source", "position_range.turns"),
+        "the words of measurement, for a reply that wraps around elsewhere than others",
+    ),
+    **dict.fromkeys(
         (
             "biss.network.topology.bus",
             "biss.timeout.rule.fixed",

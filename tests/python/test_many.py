@@ -314,7 +314,7 @@ def test_a_negative_position_of_a_signed_field(families: dict[str, Family]) -> N
     frames = sma21.WidePositionReply.encode_many({"position": [3, -1]})
     assert encoder.decode_many(frames, sma21.WidePositionReply).unwrapped().tolist() == [3, -1]
     with pytest.raises(ValueError, match="position must be -140737488355328 to 140737488355327, got 140737488355328"):
-        encoder.unwrap(0, 1 << 47)
+        encoder.range_of(sma21.WidePositionReply).unwrap(0, 1 << 47)
 
 
 def lookup_of(families: dict[str, Family], label: str) -> Any:

@@ -55,6 +55,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, T
 
 from codewheel_runtime.codec import (
     Data,
+    PositionRange,
     Rows,
     Word,
     Words,
@@ -307,26 +308,38 @@ class Variant(Linear, Wrapping):
 
     @property
     def modulus(self) -> int:
-        """Number of counts after which ``position`` wraps around."""
-        if self.interface is _RS485:
-            return 1 << self.rs485_position_bits
-        return 1 << self.position_bits
+        """Number of counts after which ``position`` wraps around.
+
+        Raises:
+            ValueError: Over this interface, it depends on the frame, see range_of().
+        """
+        if self.interface in (_SSI, _BISS):
+            return 1 << self.position_bits
+        raise ValueError(f"no modulus over {self.interface.title}: it depends on the frame, see range_of()")
 
     @property
     def lowest(self) -> int:
-        """Lowest ``position``. It is negative if positions are signed."""
-        if self.interface is _RS485:
-            return -self.highest - 1
-        return 0
+        """Lowest ``position``. It is negative if positions are signed.
+
+        Raises:
+            ValueError: Over this interface, it depends on the frame, see range_of().
+        """
+        if self.interface in (_SSI, _BISS):
+            return 0
+        raise ValueError(f"no lowest over {self.interface.title}: it depends on the frame, see range_of()")
 
     @property
     def highest(self) -> int:
-        """Highest ``position``. It can reach ``modulus`` or more if an offset shifts all positions up."""
+        """Highest ``position``. It can reach ``modulus`` or more if an offset shifts all positions up.
+
+        Raises:
+            ValueError: Over this interface, it depends on the frame, see range_of().
+        """
         if self.interface is _SSI:
             return self.modulus - 1
         if self.interface is _BISS:
             return (1 << self.scd_value_bits) - 1
-        return 140_737_488_355_327
+        raise ValueError(f"no highest over {self.interface.title}: it depends on the frame, see range_of()")
 
     @property
     def frame_bits(self) -> int:
@@ -543,6 +556,17 @@ class Rs485Encoder(Variant):
         """
         check_kind(kind, Reply)
         return encode_many(columns, kind, *needed_by(kind, self))
+
+    def _ranges(self) -> Mapping[str, PositionRange]:
+        return {
+            "position_reply": PositionRange(0, (1 << self.rs485_position_bits) - 1, 1 << self.rs485_position_bits),
+            "identification_reply": PositionRange(
+                0,
+                (1 << self.rs485_position_bits) - 1,
+                1 << self.rs485_position_bits,
+            ),
+            "wide_position_reply": PositionRange(-140_737_488_355_328, 140_737_488_355_327, None),
+        }
 
 
 @overload

@@ -126,6 +126,7 @@ RULES: tuple[Rule, ...] = (
     shapes.example_shape,
     shapes.example_arguments,
     shapes.measurement_shape,
+    shapes.position_range_shape,
     shapes.table_shape,
     quantities.quantity_text,
     quantities.quantity_repeated,

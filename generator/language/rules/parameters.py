@@ -18,6 +18,7 @@ from .walk import (
     layouts,
     mapping,
     measurements,
+    position_ranges,
 )
 
 #: Quantities by their units as manuals name them. Other units are used unchanged.
@@ -76,6 +77,8 @@ def expressions(spec: Spec) -> Iterator[tuple[Path, int | str]]:
         yield from _of_limits(path, register)
     for path, measurement in measurements(spec):
         yield from _under(path, measurement, _MEASURED)
+    for path, _, own_range in position_ranges(spec):
+        yield from _under(path, own_range, _MEASURED)
     for kind, interface in mapping(spec, "interfaces").items():
         yield from _of_words(kind, interface)
 
@@ -91,6 +94,8 @@ def uses(spec: Spec, raw: Spec | None = None) -> Iterator[tuple[Path, str, int |
         found += _of_limits(fields.path, fields.owner)
         found += _under((*fields.path, "gray"), mapping(fields.owner, "gray"), ("when",))
         yield from ((path, fields.interface, text) for path, text in found)
+    for path, kind, own_range in position_ranges(spec):
+        yield from ((path, kind, text) for path, text in _under(path, own_range, _MEASURED))
     for kind, interface in mapping(spec, "interfaces").items():
         own = "measurement" in interface
         here: Path = ("interfaces", kind, "measurement") if own else ("measurement",)

@@ -9,7 +9,20 @@ from ...model.expressions import Expression, ExpressionError
 from ...say.words import counted
 from ..problems import DocumentReport, Path, listed, missing, quoted
 from .values import constant_width
-from .walk import Fields, Has, Spec, by_name, field_lists, interface_of, items, mapping, measurements
+from .walk import (
+    Fields,
+    Has,
+    Spec,
+    by_name,
+    field_lists,
+    interface_of,
+    items,
+    layouts,
+    mapping,
+    measurements,
+    position_ranges,
+    readable_names,
+)
 
 #: Keys that define the kind of a field. A field without any is a number.
 KINDS = ("constant", "unused", "active", "values", "values_of", "crc", "parity_of", "digits", "text")
@@ -355,6 +368,39 @@ def measurement_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if "highest" in measurement and needed[-1] not in mapping(raw, *map(str, path)):
             wrong = f"'highest' has no effect without {quoted(needed[-1])}; add it, or leave 'highest' out"
             report.add("measurement-shape", (*path, "highest"), wrong, at_key=True)
+
+
+def position_range_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that the range of one layout has a position to refer to, and matches the movement."""
+    groups = by_name(raw, "field_groups")
+    owners = {fields.path: fields for fields in layouts(raw)}
+    movement = spec.get("movement")
+    for path, interface, own_range in position_ranges(spec):
+        measurement = mapping(raw, "interfaces", interface, "measurement") or mapping(raw, "measurement")
+        fields = owners[path[:-1]]
+        name = quoted(fields.owner.get("name"))
+        if not measurement:
+            wrong = "'position_range' needs a 'measurement', which gives the unit of the position"
+            report.add("measurement-shape", path, f"{wrong}; add it to the interface or the encoder", at_key=True)
+        elif fields.owner.get("from") != "encoder" or measurement.get("of") not in readable_names(fields, groups):
+            wrong = f"{name} does not carry the position, {quoted(measurement.get('of'))}, to the master"
+            report.add("measurement-shape", path, f"{wrong}; leave 'position_range' out", at_key=True)
+        _check_range_keys(path, own_range, measurement, str(movement), report)
+
+
+def _check_range_keys(path: Path, own_range: Spec, measurement: Spec, movement: str, report: DocumentReport) -> None:
+    """Check that the keys of a range belong together."""
+    total, foreign = ("turns", "modulus") if movement == "rotary" else ("modulus", "turns")
+    if foreign in own_range and movement in ("rotary", "linear"):
+        wrong = f"{quoted(foreign)} does not apply to a {movement} encoder; write {quoted(total)}"
+        report.add("measurement-shape", (*path, foreign), wrong, at_key=True)
+    if "wraps" in own_range:
+        for key in [key for key in ("turns", "modulus", "highest") if key in own_range][:1]:
+            wrong = f"{quoted(key)} contradicts 'wraps: false'; leave one of the two out"
+            report.add("measurement-shape", (*path, key), wrong, at_key=True)
+    elif "highest" in own_range and not {total, "modulus"} & {*own_range, *measurement}:
+        wrong = f"'highest' has no effect without {quoted(total)}; add it, or leave 'highest' out"
+        report.add("measurement-shape", (*path, "highest"), wrong, at_key=True)
 
 
 def _check_step(path: Path, measurement: Spec, report: DocumentReport) -> None:

@@ -166,6 +166,13 @@ def measurements(spec: Spec) -> Iterator[tuple[Path, Spec]]:
             yield ("interfaces", kind, "measurement"), mapping(interface, "measurement")
 
 
+def position_ranges(spec: Spec) -> Iterator[tuple[Path, str, Spec]]:
+    """Yield the ranges that layouts have for themselves, each with its path and the interface."""
+    for fields in layouts(spec):
+        if mapping(fields.owner, "position_range"):
+            yield (*fields.path, "position_range"), fields.interface, mapping(fields.owner, "position_range")
+
+
 def bank_select(data: Spec) -> Any:
     """Return the name of the register that selects banks, or None."""
     return mapping(data, "interfaces", Biss.name).get("bank_select")

@@ -32,7 +32,9 @@ FAMILY = Part(
     Member("evidence", "evidence", "Evidence for the facts."),
     Member("manual", "manual", "Manual that was transcribed."),
     Member("documents", "[document]", "Public documents that sources cite."),
-    Member("parameters", "{integer}", "Value of every parameter for the order code. Empty for a family."),
+    Member(
+        "parameters", "{integer}", "Value of every parameter of its interface for the order code. Empty for a family."
+    ),
     Member("parameter_definitions", "[parameter]", "Parameters of the family."),
     Member("alternatives", "[alternative]", "Questions that the manual leaves open and the user must decide."),
     Member("order_code_grammar", "order_code_grammar", "Structure of an order code."),

@@ -249,7 +249,11 @@ IDENTITY = (
         Member("code", "string", "Order code."),
         Member("parts", "{string}", "Value of each part."),
         Member("interface", "ssi|biss|rs485|spi", "Interface of the order code."),
-        Member("parameters", "{integer}", "Value of every parameter."),
+        Member(
+            "parameters",
+            "{integer}",
+            "Value of every parameter. For one order code, without those of other interfaces.",
+        ),
         of="Variant",
     ),
 )

@@ -10,7 +10,7 @@ from functools import cached_property, partial
 from itertools import chain
 from typing import Protocol, TypeVar
 
-from ...model import Device, Ssi
+from ...model import Device, Layout, Ssi
 from ...model.record import dataclass
 from ...order_codes.narrowing import for_codes
 from ...plan.crcs import crc_functions
@@ -212,10 +212,16 @@ class DeviceView:
             if f"{item.key}:" in text and re.search(rf"\b{item.key}:", text)
         ]
 
-    def modulus(self, encoder: str) -> str:
-        """Return the counts after which the position wraps around, as C, 0 if the manual gives none."""
-        where = self.positions
-        return f"{self.prefix}_modulus({encoder})" if where is not None and "modulus" in where.names else "0U"
+    def modulus(self, encoder: str, layout: Layout | None = None) -> str:
+        """Return the counts after which the position in a frame wraps around, as C, 0 if it does not or may not.
+
+        Without a frame, it is that of the only one of the interface.
+        """
+        ranges = self.positions.ranges if self.positions is not None else ()
+        name = layout.name if layout is not None else ""
+        frames = [item for item in ranges if not name or name in {each.name for each in item.layouts}]
+        wrapping = [item for item in frames if not item.never_wraps]
+        return f"{self.prefix}_{wrapping[0].scope}modulus({encoder})" if wrapping else "0U"
 
     @property
     def usage(self) -> Usage | None:

@@ -259,7 +259,7 @@ class ExampleCode:
     @property
     def modulus(self) -> str:
         """The counts after which the position wraps around, for a tracker."""
-        return self.view.modulus("encoder") if self.position is not None else "0U"
+        return self.view.modulus("encoder", self.frame.layout) if self.position is not None else "0U"
 
     @property
     def counts(self) -> str:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from ...model import Measurement, cite
+from ...model import Layout, Measurement, cite
 from ...model.expressions import Expression
 from ...model.record import dataclass
+from ...plan.measurement import PositionRange, position_ranges
 from .context import Context
 from .expr import Cast, Expr, Number, Scope
 from .functions import Function, wide_number_of
@@ -14,24 +15,47 @@ from .names import Declared
 
 
 @dataclass(frozen=True, slots=True)
-class AnglePositions:
-    """Positions of a rotary encoder, which wrap around after ``turns``, if the manual gives this number.
+class RangeFunctions:
+    """The functions about the range of positions: the modulus, and the distance between two positions.
 
-    ``one_turn`` is True for singleturn encoders.
+    ``scope`` precedes their names: it is empty, or the name of a frame with a range that other frames do not have.
+    ``modulus`` is None for an angle, and for a position that never wraps around.
     """
+
+    prefix: str
+    scope: str
+    is_signed: bool
+    never_wraps: bool
+    modulus: Function | None
+    turns: Expr | None
+    one_turn: bool
+    layouts: tuple[Layout, ...]
+
+    @property
+    def names(self) -> Iterator[str]:
+        """The functions, by the ends of their names."""
+        if not self.never_wraps:
+            yield f"{self.scope}modulus"
+        yield f"{self.scope}position_difference"
+
+
+@dataclass(frozen=True, slots=True)
+class AnglePositions:
+    """Positions of a rotary encoder."""
 
     prefix: str
     where: str
     is_signed: bool
     per_turn: Function
-    turns: Expr | None
-    one_turn: bool
+    ranges: tuple[RangeFunctions, ...]
 
     @property
     def names(self) -> Iterator[str]:
         """The functions, by the ends of their names."""
-        rolling = ("modulus", "position_difference") if self.turns is not None else ()
-        yield from ("counts_per_turn", *rolling, "turns", "degrees")
+        yield "counts_per_turn"
+        for item in self.ranges:
+            yield from item.names
+        yield from ("turns", "degrees")
 
     def declared(self) -> Iterator[Declared]:
         yield from ((f"{self.prefix}_{name}", ()) for name in self.names)
@@ -39,12 +63,12 @@ class AnglePositions:
 
 @dataclass(frozen=True, slots=True)
 class LengthPositions:
-    """Positions of a linear encoder, which wrap around after ``modulus``, if the manual gives this number."""
+    """Positions of a linear encoder."""
 
     prefix: str
     where: str
     is_signed: bool
-    modulus: Function | None
+    ranges: tuple[RangeFunctions, ...]
     step: Expr
     step_varies: bool
     unit: str
@@ -54,8 +78,9 @@ class LengthPositions:
     @property
     def names(self) -> Iterator[str]:
         """The functions, by the ends of their names."""
-        rolling = ("modulus", "position_difference") if self.modulus is not None else ()
-        yield from (*rolling, self.unit, "millimetres")
+        for item in self.ranges:
+            yield from item.names
+        yield from (self.unit, "millimetres")
 
     def declared(self) -> Iterator[Declared]:
         yield from ((f"{self.prefix}_{name}", ()) for name in self.names)
@@ -71,35 +96,64 @@ def positions(context: Context) -> Positions | None:
 
 
 def _positions(context: Context, measurement: Measurement) -> Positions | None:
-    is_signed = context.device.signed_position(context.interface.name) is not None
+    found = position_ranges(context.device, context.interface)
+    is_signed = any(item.signed_field is not None for item in found)
     scope, prefix, where = context.scope, context.prefix, f"[{cite(measurement.source)}]"
-    steps, turns = measurement.counts_per_turn, measurement.turns
+    ranges = tuple(_range_functions(context, found))
     step, fine, counts = measurement.step_um, measurement.step_nm, measurement.per_counts
-    if steps is not None:
+    if measurement.counts_per_turn is not None:
         about = f"Return the number of counts in one revolution {where}."
-        per_turn = wide_number_of(scope, f"{prefix}_counts_per_turn", steps, about)
-        one_turn = turns == Expression(1)
-        return AnglePositions(
-            prefix, where, is_signed, per_turn, scope.of(turns) if turns is not None else None, one_turn
-        )
+        per_turn = wide_number_of(scope, f"{prefix}_counts_per_turn", measurement.counts_per_turn, about)
+        return AnglePositions(prefix, where, is_signed, per_turn, ranges)
     length = step if step is not None else fine
     if length is not None:
         unit, per_mm = ("micrometres", 1_000) if step is not None else ("nanometres", 1_000_000)
         per_counts = _signed(scope, counts) if counts is not None else None
-        modulus = None
-        if measurement.modulus is not None:
-            wraps = "wraps around" if is_signed else "wraps around to 0"
-            about = f"Return the number of counts after which the position {wraps} {where}."
-            if measurement.highest is not None and is_signed:
-                about += f" The highest position is {measurement.highest.render()}."
-            elif measurement.highest is not None:
-                about += f" An offset raises all positions, up to {measurement.highest.render()}."
-            modulus = wide_number_of(scope, f"{prefix}_modulus", measurement.modulus, about)
         varies = not all(item.is_constant for item in measurement.steps)
         return LengthPositions(
-            prefix, where, is_signed, modulus, _signed(scope, length), varies, unit, per_mm, per_counts
+            prefix, where, is_signed, ranges, _signed(scope, length), varies, unit, per_mm, per_counts
         )
     return None
+
+
+def _range_functions(context: Context, ranges: Sequence[PositionRange]) -> Iterator[RangeFunctions]:
+    """Yield the functions of the interface, or those of each frame if their ranges differ."""
+    for item in ranges:
+        if not item.has_difference:
+            continue
+        if len(ranges) == 1:
+            yield _functions_of(context, item, "", item.layouts)
+            continue
+        for layout in item.layouts:
+            yield _functions_of(context, item, f"{layout.name}_", (layout,))
+
+
+def _functions_of(context: Context, item: PositionRange, before: str, layouts: tuple[Layout, ...]) -> RangeFunctions:
+    turns, is_signed = item.measurement.turns, item.signed_field is not None
+    return RangeFunctions(
+        prefix=context.prefix,
+        scope=before,
+        is_signed=is_signed,
+        never_wraps=item.never_wraps,
+        modulus=_modulus(context, item, f"{context.prefix}_{before}modulus"),
+        turns=context.scope.of(turns) if turns is not None else None,
+        one_turn=turns == Expression(1),
+        layouts=layouts,
+    )
+
+
+def _modulus(context: Context, item: PositionRange, name: str) -> Function | None:
+    """Return the function for the number of counts after which a length wraps around."""
+    measurement, is_signed = item.measurement, item.signed_field is not None
+    if measurement.modulus is None:
+        return None
+    wraps = "wraps around" if is_signed else "wraps around to 0"
+    about = f"Return the number of counts after which the position {wraps} [{cite(measurement.source)}]."
+    if measurement.highest is not None and is_signed:
+        about += f" The highest position is {measurement.highest.render()}."
+    elif measurement.highest is not None:
+        about += f" An offset raises all positions, up to {measurement.highest.render()}."
+    return wide_number_of(context.scope, name, measurement.modulus, about)
 
 
 def _signed(scope: Scope, value: Expression) -> Expr:

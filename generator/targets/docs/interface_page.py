@@ -9,7 +9,7 @@ from ...model import Device, Interface, Supply, Variant
 from ...order_codes.narrowing import for_interface
 from ...order_codes.parameters import follows_registers
 from ...say.markdown import STYLE, cited, code, text
-from ...say.measurement import measurement
+from ...say.measurement import measurement, own_ranges, position_range
 from ...say.name import Named, title
 from ...say.parameter import initial
 from ...say.words import volts
@@ -82,6 +82,8 @@ def _short_rows(here: Device, interface: Interface, variants: Sequence[Variant])
     counted = here.measurement_of(interface.name)
     if counted is not None:
         yield "Position", STYLE.phrase(measurement(counted)), cited(counted.source)
+        for name, own_range in own_ranges(here, interface.name):
+            yield f"Position in {code(name)}", STYLE.phrase(position_range(own_range)), cited(own_range.source)
     found = _supplies(here, variants)
     for voltage, those in found.items():
         whose = f" ({order_codes(here, those)})" if len(those) < len(variants) else ""

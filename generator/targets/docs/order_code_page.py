@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from typing import Annotated
 
-from ...model import INTERFACES, Biss, Device, Interface, Layout, Parameter, Variant
+from ...model import INTERFACES, Biss, Device, Interface, Layout, Measurement, Parameter, Variant
 from ...model.record import dataclass
 from ...order_codes.narrowing import for_codes
 from ...order_codes.parameters import parameters_of, run_time_names
@@ -14,7 +14,7 @@ from ...order_codes.with_numbers import applied
 from ...say.evidence import grade
 from ...say.layout import size
 from ...say.markdown import STYLE, cited, code, link, text
-from ...say.measurement import measurement
+from ...say.measurement import measurement, own_ranges, position_range
 from ...say.name import title
 from ...say.parameter import value
 from ...say.place import field_at, hexadecimal
@@ -146,6 +146,17 @@ class Codes:
         }
 
 
+def _position(here: Device, interface: str, measured: Measurement) -> str:
+    """Return the unit and range of the position, and the ranges that single frames have."""
+    others = [
+        f"in {code(name)} it {STYLE.phrase(position_range(item))}"
+        if not item.wraps
+        else f"in {code(name)}: {STYLE.phrase(position_range(item))}"
+        for name, item in own_ranges(here, interface)
+    ]
+    return ", ".join([STYLE.phrase(measurement(measured)), *others])
+
+
 def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage:
     """Return the values of the page. ``pictures`` are those of the family, of which the page may replace some."""
     here, interface, badges = alike.here, alike.interface, Badges(alike.here)
@@ -158,7 +169,7 @@ def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage
         "codes": alike.codes,
         # The notes on SSI and RS-485 begin with the line, those on BiSS with limits that users must keep.
         "lead": lead(interface.note) if isinstance(interface, Biss) else "",
-        "position": STYLE.phrase(measurement(measured)) if measured is not None else "",
+        "position": _position(here, interface.name, measured) if measured is not None else "",
         "evidence": grade(here),
         "wiring": pin_tables.wiring(here),
         "supply": pin_tables.supply(here, alike.variants),

@@ -8,7 +8,7 @@ from typing import Any
 from ...model import Alternative, Answer, Device, Interface, Parameter
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...say.markdown import STYLE, cited, code, joined, link, text
-from ...say.measurement import measurement
+from ...say.measurement import measurement, own_ranges, position_range
 from ...say.name import heading
 from ...say.order_code import open_values
 from ...say.parameter import origin
@@ -139,3 +139,8 @@ def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
     for over, item in [("", device.measurement), *((part.title, part.measurement) for part in device.interfaces)]:
         if item is not None:
             yield code(item.of) + (f" over {over}" if over else ""), STYLE.phrase(measurement(item)), cited(item.source)
+    for interface in device.interfaces:
+        of = device.measurement_of(interface.name)
+        for name, item_range in own_ranges(device, interface.name) if of is not None else ():
+            where = f"{code(of.of)} in {code(name)}" if of is not None else ""
+            yield where, STYLE.phrase(position_range(item_range)), cited(item_range.source)

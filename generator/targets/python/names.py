@@ -32,9 +32,9 @@ STANDARD: Mapping[str, tuple[str, ...]] = {
 PACKAGE: Mapping[str, tuple[str, ...]] = {
     f"codewheel_runtime.{module}": tuple(names.split())
     for module, names in {
-        "codec": """BitField Data Rows Word Words as_bytes as_word check_encoder check_kind check_limits check_width
-            choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed text_number too_long
-            wrong_encoder""",
+        "codec": """BitField Data PositionRange Rows Word Words as_bytes as_word check_encoder check_kind check_limits
+            check_width choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed text_number
+            too_long wrong_encoder""",
         "encoder": "Encoder Exchanged Positioned fact looked_up",
         "measures": "FineLinear Linear Rotary Wrapping",
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
@@ -89,8 +89,8 @@ MODULE_NAMES = """ALARMS Address ArithmeticError BISS BissEncoder CHARACTERISTIC
 #: Names that the class of the variants uses.
 VARIANT_NAMES = """bytes cls code counts_per_turn decode decode_many degrees encode_many exchanges family frame_bits
     from_degrees from_millimetres from_radians from_turns highest interface lowest metres micrometres millimetres
-    modulus nanometres parts per_counts pipeline radians self special special_code step_nm step_um tail try_decode
-    turns unlisted unwrap with_registers written_as_in""".split()
+    modulus nanometres parts per_counts pipeline radians range_of self special special_code step_nm step_um tail
+    try_decode turns unlisted unwrap with_registers written_as_in""".split()
 #: Names that the generated classes and their methods use.
 CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode encode_many frame_bits index
     is_as_documented limits reports self to_dict usable_position variant verdict""".split()

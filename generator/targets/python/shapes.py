@@ -11,6 +11,7 @@ from ...model import Fault, Scale
 from ...model.expressions import Expression
 from ...plan.codec import FrameCrc, allowed_values
 from ...plan.description import Column, Name, describe
+from ...plan.measurement import position_ranges
 from ...plan.reports import Reporting
 from ...plan.values import is_named, meaning_of
 from ...plan.verdicts import Only
@@ -59,6 +60,17 @@ class Shape:
             yield "others", Code(str(others(coder.context.scope, self.plan)))
         yield "limited", (register.limits_of, coder.limited) if register is not None and coder.limited else ()
         yield "otherwise", self._shown(of.otherwise)
+        yield "frame", self._frame
+
+    @property
+    def _frame(self) -> str:
+        """Name of the frame, if its positions have another range than those of other frames."""
+        coder = self.coder
+        if coder.register is not None or not coder.measured:
+            return ""
+        interface = coder.context.device.interface(coder.layout_interface)
+        ranges = position_ranges(coder.context.device, interface)
+        return coder.layout.name if len(ranges) > 1 or any(item.never_wraps for item in ranges) else ""
 
     def _column(self, item: Column) -> Call:
         """Return a column with its name in messages, if that differs, and the only values of its field."""

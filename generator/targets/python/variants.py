@@ -6,11 +6,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 
-from ...model import Interface, Measurement, Register, Spi, Variant
+from ...model import Interface, Layout, Measurement, Register, Spi, Variant
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.labels import beginnings
-from ...plan.measurement import Cases, also_measured, by_interface, counts
+from ...plan.measurement import (
+    Cases,
+    PositionRange,
+    also_measured,
+    by_interface,
+    counts,
+    position_ranges,
+)
 from ...plan.replies import Exchanged, exchanges
 from ...plan.run_time_parameters import Held, held_parameters
 from ...plan.values import meaning_of
@@ -196,21 +203,91 @@ class Variants:
     def modulus(self) -> Cases[Expr]:
         """Number of counts after which the position wraps around."""
 
-        def whole(item: Measurement) -> Expr | None:
-            factors = [*map(self._scope.of, counts(item))]
-            return joined("*", factors) if factors else None
+        def whole(interface: Interface) -> Expr | None:
+            only = self._only_range(interface)
+            return self._modulus(only.measurement) if only is not None else None
 
-        return self._cases(whole)
+        return by_interface(self.device, whole)
+
+    def _modulus(self, item: Measurement) -> Expr | None:
+        factors = [*map(self._scope.of, counts(item))]
+        return joined("*", factors) if factors else None
+
+    def _only_range(self, interface: Interface) -> PositionRange | None:
+        """Return the range of the position, unless it depends on the frame or there is no measurement."""
+        found = position_ranges(self.device, interface)
+        return found[0] if len(found) == 1 and not found[0].never_wraps else None
+
+    @cached_property
+    def by_frame(self) -> list[str]:
+        """Names of the interfaces over which frames have different ranges, or positions that never wrap around."""
+        return [
+            item.name
+            for item in self.device.interfaces
+            if self._only_range(item) is None and position_ranges(self.device, item)
+        ]
+
+    @property
+    def no_range(self) -> str:
+        """Reason why an interface has no range that applies to all of its frames."""
+        unknown = any(not self.modulus_of(item) and item.name not in self.by_frame for item in self.device.interfaces)
+        reasons = ["the manual does not give it"] if unknown else []
+        reasons += ["it depends on the frame, see range_of()"] if self.by_frame else []
+        return ", or ".join(reasons)
+
+    def modulus_of(self, interface: Interface) -> Expr | None:
+        """Return the number of counts after which all positions over an interface wrap around, if it is known."""
+        only = self._only_range(interface)
+        return self._modulus(only.measurement) if only is not None else None
+
+    def ranges_over(self, interface: Interface) -> list[tuple[str, Sequence[Expr | None]]]:
+        """Return each frame with its lowest and highest position and modulus, if the frames differ."""
+        if interface.name not in self.by_frame:
+            return []
+        return [
+            (layout.name, self._range_values(item, layout))
+            for item in position_ranges(self.device, interface)
+            for layout in item.layouts
+            if item.has_difference
+        ]
+
+    def _range_values(self, item: PositionRange, layout: Layout) -> tuple[Expr | None, ...]:
+        modulus, measurement = self._modulus(item.measurement), item.measurement
+        if item.signed_field is None:
+            width = sum((layout.field(name).width for name in layout.names_in(measurement.of)), Expression(0))
+            whole = modulus if modulus is not None else self._power(width)
+            return number(0), self._of(measurement.highest) or Operation(whole, "-", number(1)), modulus
+        highest = self._highest_signed(item)
+        if measurement.highest is None or modulus is None:
+            width = item.signed_field.width
+            lowest = number(-1 << width.constant - 1) if width.is_constant else Operation(number(-1), "-", highest)
+            return lowest, highest, modulus
+        return Operation(Operation(highest, "-", modulus), "+", number(1)), highest, modulus
+
+    def _power(self, exponent: Expression) -> Expr:
+        if exponent.is_constant:
+            return number(1 << exponent.constant)
+        return Operation(number(1), "<<", self._scope.of(exponent))
+
+    def _highest_signed(self, item: PositionRange) -> Expr:
+        """Return the highest signed position. Without one in the spec, every number that fits in the field is valid."""
+        field, highest = item.signed_field, item.measurement.highest
+        assert field is not None
+        if highest is not None:
+            return self._scope.of(highest)
+        if field.width.is_constant:
+            return number((1 << field.widest - 1) - 1)
+        return Operation(self._power(field.width - Expression(1)), "-", number(1))
 
     @cached_property
     def lowest(self) -> Cases[Expr] | None:
         """Lowest position, if positions are signed."""
 
-        def of(interface: Interface, measurement: Measurement) -> Expr | None:
-            if self.device.signed_position(interface.name) is None:
+        def of(item: PositionRange) -> Expr | None:
+            if item.signed_field is None:
                 return None
             # Without a highest position in the spec, every number that fits in the field is valid.
-            is_whole = measurement.highest is None
+            is_whole = item.measurement.highest is None
             return Atom("-self.highest - 1" if is_whole else "self.highest - self.modulus + 1")
 
         return self._ends(of, number(0))
@@ -219,39 +296,37 @@ class Variants:
     def highest(self) -> Cases[Expr] | None:
         """Highest position, if positions are signed or an offset can shift them above ``modulus``."""
 
-        def of(interface: Interface, measurement: Measurement) -> Expr | None:
-            field = self.device.signed_position(interface.name)
-            if measurement.highest is not None or field is None:
-                return self._of(measurement.highest)
-            if field.width.is_constant:
-                return number((1 << field.widest - 1) - 1)
-            half = Operation(number(1), "<<", self._scope.of(field.width - Expression(1)))
-            return Operation(half, "-", number(1))
+        def of(item: PositionRange) -> Expr | None:
+            return self._highest_signed(item) if item.signed_field is not None else self._of(item.measurement.highest)
 
         return self._ends(of, Operation(Atom("self.modulus"), "-", number(1)))
 
     @property
     def is_shifted(self) -> bool:
         """True if an offset can shift the positions of an interface above ``modulus``."""
-        found = ((item.name, self._measurement(item)) for item in self.device.interfaces)
-        return any(of and of.highest and self.device.signed_position(name) is None for name, of in found)
+        found = filter(None, map(self._only_range, self.device.interfaces))
+        return any(item.measurement.highest is not None and item.signed_field is None for item in found)
 
-    def _ends(self, value: Callable[[Interface, Measurement], Expr | None], usual: Expr) -> Cases[Expr] | None:
+    def _ends(self, value: Callable[[PositionRange], Expr | None], usual: Expr) -> Cases[Expr] | None:
         """Return the ends of the range of positions on one side, or None if they are as usual."""
 
         def of(interface: Interface) -> Expr | None:
-            measurement = self._measurement(interface)
-            return (value(interface, measurement) or usual) if measurement is not None else None
+            only = self._only_range(interface)
+            return (value(only) or usual) if only is not None else None
 
         found = by_interface(self.device, of)
-        return found if any(end != usual for end, _ in found.cases) else None
+        return found if self.by_frame or any(end != usual for end, _ in found.cases) else None
 
     @property
     def bases(self) -> list[str]:
         """Classes of the runtime that convert and unwrap its positions, or that of any encoder."""
-        cases = {"Rotary": self.counts_per_turn, "Linear": self.step_um, "FineLinear": self.step_nm}
-        cases["Wrapping"] = self.modulus
-        return [name for name, found in cases.items() if found.cases] or ["Encoder"]
+        measured = {
+            "Rotary": bool(self.counts_per_turn.cases),
+            "Linear": bool(self.step_um.cases),
+            "FineLinear": bool(self.step_nm.cases),
+            "Wrapping": bool(self.modulus.cases or self.by_frame),
+        }
+        return [name for name, applies in measured.items() if applies] or ["Encoder"]
 
     @cached_property
     def frame_bits(self) -> Cases[Expr]:

@@ -106,7 +106,8 @@ def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
     if worth is not None and len(wrong):
         worth[wrong] = 0
     parts = {name: (join.name, low, width) for join in shape.joins for name, low, width in late_fields(shape, join)}
-    return Table(encoder, out, fault, worth, shape.position, parts, shape.tells, measured(shape), scales(shape))
+    own = (shape.position, parts, shape.tells, measured(shape), scales(shape))
+    return Table(encoder, out, fault, worth, *own, frame=shape.frame)
 
 
 def _is_arrow(frames: object) -> bool:

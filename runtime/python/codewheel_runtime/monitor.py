@@ -9,6 +9,7 @@ from collections import Counter, deque
 from time import monotonic, sleep
 from typing import Any, Protocol, TextIO
 
+from .codec import PositionRange
 from .encoder import Encoder
 
 #: Number of updates of the screen per second.
@@ -78,6 +79,7 @@ class _Screen:
         self._is_live = out.isatty()
         self._frame: Any = None
         self._count: int | None = None
+        self._range: PositionRange | None = None
         self._recent: deque[tuple[float, int | None]] = deque()
         self._errors: Counter[str] = Counter()
         self._shown, self._height, self._said = 0.0, 0, ""
@@ -90,7 +92,7 @@ class _Screen:
         self._frame, now = frame, monotonic()
         position = frame.usable_position
         if position is not None:
-            self._count = self._unwrapped(position)
+            self._count = self._unwrapped(type(frame), position)
         self._recent.append((now, None if position is None else self._count))
         while self._recent and now - self._recent[0][0] > _SPAN_S:
             self._recent.popleft()
@@ -115,11 +117,15 @@ class _Screen:
             self._out.write(f"{self._counts()}\n")
             self._out.flush()
 
-    def _unwrapped(self, position: int) -> int:
+    def _unwrapped(self, kind: type, position: int) -> int:
+        """Return the count of a position. It starts again if the range of the positions has changed."""
         try:
-            return self._encoder.unwrap(position if self._count is None else self._count, position)
+            valid = self._encoder.range_of(kind)
         except ValueError:
             return position
+        is_first = self._count is None or valid != self._range
+        self._range = valid
+        return valid.unwrap(position if is_first or self._count is None else self._count, position)
 
     def _update(self, now: float) -> None:
         if not self._is_live:

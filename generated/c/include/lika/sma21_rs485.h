@@ -859,22 +859,55 @@ static inline cw_result lika_sma21_rs485_reply_frame(
 
 /** Erratum position_below_zero (open, omission). */
 
-/** Return the number of counts after which the position wraps around [4.10 p.18]. */
+/** Return the number of counts after which the position wraps around to 0 [4.10 p.18]. */
 CW_CONSTEXPR
-static inline uint64_t lika_sma21_rs485_modulus(const lika_sma21_rs485 *variant)
+static inline uint64_t lika_sma21_rs485_position_reply_modulus(const lika_sma21_rs485 *variant)
 {
     return (uint64_t)1U << variant->rs485_position_bits;
 }
 
 /**
  * Return the distance from before to now, taking the shorter way around. The sum of the differences
- * continues across the wrap.
+ * continues across the wrap. Both are positions of position_reply. Frames with another range have
+ * their own function.
  */
 CW_CONSTEXPR
-static inline int64_t lika_sma21_rs485_position_difference(
+static inline int64_t lika_sma21_rs485_position_reply_position_difference(
+    const lika_sma21_rs485 *variant, uint64_t now, uint64_t before)
+{
+    return cw_difference(now, before, lika_sma21_rs485_position_reply_modulus(variant));
+}
+
+/** Return the number of counts after which the position wraps around to 0 [4.10 p.18]. */
+CW_CONSTEXPR
+static inline uint64_t lika_sma21_rs485_identification_reply_modulus(
+    const lika_sma21_rs485 *variant)
+{
+    return (uint64_t)1U << variant->rs485_position_bits;
+}
+
+/**
+ * Return the distance from before to now, taking the shorter way around. The sum of the differences
+ * continues across the wrap. Both are positions of identification_reply. Frames with another range
+ * have their own function.
+ */
+CW_CONSTEXPR
+static inline int64_t lika_sma21_rs485_identification_reply_position_difference(
+    const lika_sma21_rs485 *variant, uint64_t now, uint64_t before)
+{
+    return cw_difference(now, before, lika_sma21_rs485_identification_reply_modulus(variant));
+}
+
+/**
+ * Return the distance from before to now. The position never wraps around. Both are positions of
+ * wide_position_reply. Frames with another range have their own function.
+ */
+CW_CONSTEXPR
+static inline int64_t lika_sma21_rs485_wide_position_reply_position_difference(
     const lika_sma21_rs485 *variant, int64_t now, int64_t before)
 {
-    const uint64_t modulus = lika_sma21_rs485_modulus(variant);
+    (void)variant;
+    const uint64_t modulus = (uint64_t)1U << 63; /* more than any distance */
     return (now < before) ?
         cw_difference(0U, (uint64_t)before - (uint64_t)now, modulus) :
         cw_difference((uint64_t)now - (uint64_t)before, 0U, modulus);

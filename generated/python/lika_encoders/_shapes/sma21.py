@@ -234,6 +234,7 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
         fixed=0x2 << 0,
         position="position",
         otherwise=Verdict.USABLE,
+        frame="position_reply",
     )
 
 
@@ -285,6 +286,7 @@ def shape_of_wide_position_reply() -> Shape:
         fixed=(0x2 << 0) | (0x5 << 3),
         position="position",
         otherwise=Verdict.USABLE,
+        frame="wide_position_reply",
     )
 
 
@@ -379,6 +381,7 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
         fixed=(0x2 << 0) | (0xa << 3) | (0x51 << 40),
         position="position",
         otherwise=Verdict.USABLE,
+        frame="identification_reply",
     )
 
 

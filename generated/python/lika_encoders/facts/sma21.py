@@ -2218,7 +2218,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used=(
             "Over SSI and BiSS, the position wraps around after 2^position_bits counts. In the 24-bit replies over "
-            "RS-485, it wraps around at the full range of its field. The 48-bit position can be negative."
+            "RS-485, it wraps around at the full range of its field. The 48-bit position can be negative, and it "
+            "never wraps around."
         ),
         why=(
             "A preset of 0 or a reset of the position somewhere along the travel leaves positions below zero. All "

@@ -7,7 +7,7 @@ several manufacturers can be used together.
 
 from __future__ import annotations
 
-from .codec import BitField
+from .codec import BitField, PositionRange
 from .encoder import Encoder, Frame, PositionFrame
 from .errors import (
     ConstantError,
@@ -43,6 +43,7 @@ __all__ = [
     "OrderCodeError",
     "Poll",
     "PositionFrame",
+    "PositionRange",
     "RangeError",
     "Read",
     "Reading",

@@ -6,7 +6,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any, Final, NamedTuple
 
-from .codec import crc_of_bits
+from .codec import PositionRange, crc_of_bits
 from .encoder import Encoder
 from .inputs import UsageError, short
 from .reports import Verdict
@@ -42,6 +42,10 @@ class BissLayout(NamedTuple):
     def _no_size(self) -> str:
         bits = self.modulus.bit_length() - 1
         return f"the layout does not give the counts per turn: use singleturn={bits} instead of position={bits}"
+
+    def _range_in(self, frame: str, /) -> PositionRange:
+        """Return the range of the position, as an encoder does."""
+        return PositionRange(0, self.modulus - 1, self.modulus)
 
     def from_turns(self, turns: float) -> int:
         """Return the count nearest to ``turns`` revolutions. Raises ValueError if the layout does not specify them."""

@@ -308,6 +308,39 @@ def unwrap(
     return previous + (position - previous + modulus // 2) % modulus - modulus // 2
 
 
+class PositionRange(NamedTuple):
+    """Range of the positions in frames of one class.
+
+    Attributes:
+        lowest: Lowest position.
+        highest: Highest position.
+        modulus: Number of counts after which the position wraps around. None if it never does.
+    """
+
+    lowest: int
+    highest: int
+    modulus: int | None
+
+    def unwrap(self, previous: int, position: int) -> int:
+        """Return the count nearest to ``previous`` that corresponds to ``position``.
+
+        If the position never wraps around, this is the position.
+
+        Args:
+            previous: Result of the previous call. On the first call, pass the first ``position``.
+            position: Position in a frame of this class, in counts.
+
+        Returns:
+            The count.
+
+        Raises:
+            RangeError: ``position`` is above ``highest`` or below ``lowest``.
+        """
+        if self.modulus is None:
+            return check_limits("position", position, (self.lowest, self.highest))
+        return unwrap(previous, position, self.modulus, self.highest, self.lowest)
+
+
 def crc_of_bits(
     number: SupportsIndex, bits: int, *, width: int, poly: int, init: int, refout: bool, xorout: int
 ) -> int:

@@ -11,6 +11,7 @@ from .order_codes import OrderCode, checked
 from .reports import Family, Interface, Report, Verdict
 
 if TYPE_CHECKING:
+    from .codec import PositionRange
     from .errors import FrameError
     from .table import Table
 
@@ -216,6 +217,30 @@ class Encoder:
             ValueError: The manual does not say where the position wraps around.
         """
         raise ValueError(f"the manual does not say where the position of {self.code} wraps around")
+
+    def range_of(self, kind: type[Any], /) -> PositionRange:
+        """Return the range of the positions in frames of one class.
+
+        Args:
+            kind: Class of the frames.
+
+        Raises:
+            TypeError: Frames of this class have no position.
+            ValueError: The manual does not say where the position wraps around.
+        """
+        if not hasattr(kind, "usable_position"):
+            raise TypeError(f"frames of the class {kind.__name__} have no position")
+        from .frames import any_shape
+
+        return self._range_in(any_shape(kind, self).frame)
+
+    def _range_in(self, frame: str, /) -> PositionRange:
+        """Return the range of the positions in a frame of this name."""
+        raise ValueError(f"the manual does not say where the position of {self.code} wraps around")
+
+    def _ranges(self) -> Mapping[str, PositionRange]:
+        """Return the ranges of the positions by the names of frames, if they differ."""
+        return {}
 
     def _key(self) -> tuple[object, ...]:
         """Return the key by which encoders are compared. Two labels may denote the same encoder."""

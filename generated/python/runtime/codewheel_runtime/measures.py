@@ -7,7 +7,7 @@ from fractions import Fraction
 from math import tau
 from operator import index
 
-from .codec import unwrap
+from .codec import PositionRange, unwrap
 from .encoder import Encoder
 
 
@@ -102,7 +102,11 @@ class FineLinear(Length):
 
 
 class Wrapping(Encoder):
-    """Encoder whose positions wrap around. If they do not wrap around, the methods raise ValueError."""
+    """Encoder whose positions wrap around. If they do not wrap around, the methods raise ValueError.
+
+    If frames of different classes have different ranges, ``range_of`` returns that of one class, and the methods and
+    attributes here raise ValueError.
+    """
 
     @property
     def modulus(self) -> int:
@@ -136,3 +140,7 @@ class Wrapping(Encoder):
             RangeError: ``position`` is above ``highest`` or below ``lowest``.
         """
         return unwrap(previous, position, self.modulus, self.highest, self.lowest)
+
+    def _range_in(self, frame: str, /) -> PositionRange:
+        ranges = self._ranges()
+        return ranges[frame] if ranges else PositionRange(self.lowest, self.highest, self.modulus)

@@ -156,7 +156,8 @@ class Shape(NamedTuple):
     ``fixed`` contains the bits that are 1 in every such frame. ``position`` is the column of the position, if there is
     one, and ``otherwise`` the verdict if no condition applies. ``fields`` are all fields in the order of the manual.
     ``others`` is the mask of the bits of a register that belong to no field, if they are kept. ``limited`` is the name
-    of a value with limits, and its attribute.
+    of a value with limits, and its attribute. ``frame`` is the name of the frame if other frames have another range of
+    the position.
     """
 
     bits: int
@@ -177,6 +178,7 @@ class Shape(NamedTuple):
     fields: tuple[BitField, ...] = ()
     others: int | None = None
     limited: tuple[str, str] | None = None
+    frame: str = ""
 
 
 def kinds(shape: Shape) -> dict[str, str]:

@@ -13,7 +13,7 @@ from operator import and_
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal, overload
 
-from .codec import unwrap
+from .codec import PositionRange
 from .encoder import Encoder
 from .errors import RangeError
 from .facts import Scale
@@ -93,9 +93,10 @@ class Table(_Columns):
         measured: frozenset[str] = frozenset(),
         scales: Mapping[str, tuple[str, Scale]] = _NOTHING,
         others: Mapping[str, Any] = _NOTHING,
+        frame: str = "",
     ) -> None:
         self.encoder, self._tells, self._measured, self._others = encoder, tells, measured, others
-        self._columns, self._scales = columns, scales
+        self._columns, self._scales, self._frame = columns, scales, frame
         self._fault, self._verdict, self._position, self._parts = fault, verdict, position, parts
         self._names = [*others, *parts, *columns, *scales, *(["verdict"] if verdict is not None else []), "fault"]
 
@@ -195,7 +196,7 @@ class Table(_Columns):
 
     def _with(self, columns: dict[str, Any], fault: Any, verdict: Any, others: Mapping[str, Any]) -> Table:
         own = (self._position, self._parts, self._tells, self._measured, self._scales)
-        return Table(self.encoder, columns, fault, verdict, *own, others)
+        return Table(self.encoder, columns, fault, verdict, *own, others, self._frame)
 
     @overload
     def __getitem__(self, name: str) -> Any: ...
@@ -287,7 +288,7 @@ class Table(_Columns):
         """Return the position of each frame as a count that continues when the position wraps around.
 
         It starts with the first usable position. A frame without a usable position has the count of the preceding
-        frame. Between two usable frames the encoder must move by less than half of the ``modulus``.
+        frame. Between two usable frames the encoder must move by less than half of the modulus, if the position wraps.
 
         Args:
             previous: Last count of the preceding frames, to continue from.
@@ -302,19 +303,19 @@ class Table(_Columns):
         """
         np: Any = import_module("numpy")
         encoder: Any = self.encoder
-        modulus: int = encoder.modulus
-        highest: int = getattr(encoder, "highest", modulus - 1)
-        lowest: int = getattr(encoder, "lowest", 0)
+        valid: PositionRange = encoder._range_in(self._frame)
         good = np.flatnonzero(self.usable)
         position = self.position.astype(np.int64)
         if not len(good):
             return np.full(len(position), previous or 0, np.int64)
         used = position[good]
         for wrong in (int(used.max()), int(used.min())):
-            if not lowest <= wrong <= highest:
-                raise RangeError("position", wrong, f"{lowest} to {highest}")
-        start = int(used[0]) if previous is None else unwrap(previous, int(used[0]), modulus, highest, lowest)
-        steps = (np.diff(used) + modulus // 2) % modulus - modulus // 2
+            if not valid.lowest <= wrong <= valid.highest:
+                raise RangeError("position", wrong, f"{valid.lowest} to {valid.highest}")
+        start = int(used[0]) if previous is None else valid.unwrap(previous, int(used[0]))
+        steps = np.diff(used)
+        if valid.modulus is not None:
+            steps = (steps + valid.modulus // 2) % valid.modulus - valid.modulus // 2
         counts = np.concatenate([[start if previous is None else previous, start], start + np.cumsum(steps)])
         return counts[np.cumsum(self.usable)].astype(np.int64)
 
