@@ -309,7 +309,8 @@ def _times(interface: Biss | Ssi) -> dict[str, int | None]:
     if timeout is not None and timeout.at_most_ns is not None:
         longest = -(-timeout.at_most_ns // 1000)
     elif timeout is not None and timeout.half_clock_periods is not None:
-        longest = -(-timeout.half_clock_periods * 500_000 // interface.clock.min_hz)
+        slowest = interface.clock.min_hz
+        longest = -(-timeout.half_clock_periods * 500_000 // slowest) if slowest is not None else None
     pause = next((item.at_least_us for item in interface.timings if item.name == "pause"), None)
     return {
         "clock_min_hz": interface.clock.min_hz,
