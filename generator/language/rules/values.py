@@ -134,12 +134,12 @@ def clock_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         clock = mapping(spec, *map(str, path))
         if not clock:
             continue
-        if "used_hz" not in clock:
+        if "used_hz" not in clock and clock.keys() == mapping(raw, *map(str, path)).keys():
             _report_missing_limits(interface, clock, path, report)
         used = clock.get("used_hz", [])
         used = used if isinstance(used, list) else [used]
-        if used != sorted(used):
-            report.add("clock-range", (*path, "used_hz"), "'used_hz' is not in ascending order")
+        if used != sorted(set(used)):
+            report.add("clock-range", (*path, "used_hz"), "list the clocks of 'used_hz' once each, in ascending order")
         rising = [("min_hz", clock.get("min_hz")), *(("used_hz", hz) for hz in used), ("max_hz", clock.get("max_hz"))]
         known = [(key, hz) for key, hz in rising if hz is not None]
         for (low_key, low), (high_key, high) in pairwise(known):
