@@ -105,7 +105,7 @@ def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
         case Profile(text):
             return "Profile", text
         case DescriptionFile(text):
-            return "Description file", text
+            return "Description file", f"{text}, which the manufacturer supplies"
         case BankSelect(register):
             return "Bank select", named(device, register)
         case Network():

@@ -122,4 +122,6 @@ def test_files_for_masters_say_so(capsys: pytest.CaptureFixture[str]) -> None:
     text = capsys.readouterr().out
     assert ";Sensor mode: Max clock speed, start with;208;16;5000;" in text
     joined = " ".join(text.replace("#", " ").split())
-    assert "Only a value to start with, because the highest clock of the encoder is not known: Sensor mode: Max" in joined
+    assert (
+        "Only a value to start with, because the highest clock of the encoder is not known: Sensor mode: Max" in joined
+    )
