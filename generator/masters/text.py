@@ -11,6 +11,7 @@ from typing import Any
 from ..language.problems import listed
 from ..model import INTERFACES, Biss, Device
 from ..order_codes.labels import Match
+from ..say.interface import clocks_in_use
 from ..say.lines import WIDTH, pairs, wrapped
 from ..say.mentions import Subject
 from ..say.origin import origin
@@ -57,7 +58,8 @@ def facts(record: Record) -> Iterator[tuple[str, str]]:
     if row is not None and row.is_below:
         highest = f"below {hertz(row.hz)}"
     limits = (f"at least {hertz(slowest)}" if slowest is not None else "", highest)
-    yield "Clock", ", ".join(filter(None, limits)) or _unstated(record)
+    used = f"{_unstated(record)}, {clocks_in_use(record.used_hz)}" if record.used_hz else _unstated(record)
+    yield "Clock", ", ".join(filter(None, limits)) or used
     if record.cables.rows:
         yield "Clock by cable", _cables(record)
     if INTERFACES[record.words["interface"]] is Biss:
@@ -141,7 +143,7 @@ def refusal(reason: Refusal) -> str:
 
 
 def bound(setting: Setting) -> str:
-    """Return ``at least ``, ``at most ``, ``below `` or an empty string."""
+    """Return ``at least ``, ``at most ``, ``below ``, ``start with `` or an empty string."""
     return f"{setting.bound.replace('_', ' ')} " if setting.bound else ""
 
 
@@ -282,6 +284,7 @@ def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[st
         "record": {
             **record.words,
             **record.numbers,
+            "clock_used_hz": list(record.used_hz),
             "frame": [asdict(part) for part in record.parts],
             "timeout": record.timeout,
             "cable_m": record.cable_m,

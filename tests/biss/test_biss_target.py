@@ -202,6 +202,19 @@ def test_the_comment_tells_what_the_format_cannot(files: dict[str, str]) -> None
     assert "Inferred" in text
 
 
+def test_each_file_begins_with_what_must_not_be_done(files: dict[str, str]) -> None:
+    """AM36 6.1: the manufacturer supplies a file of the same name, which the master needs."""
+    identifiers = {name: text for name, text in files.items() if name.rpartition("/")[2].startswith("idbiss")}
+    assert len(identifiers) > 1
+    for name, text in identifiers.items():
+        first = " ".join(text.partition("<!--")[2].partition("-->")[0].split())
+        assert first.startswith("No BiSS master is known to accept this file."), name
+        assert "its own idbiss4C69.xml. If you have it, install it in the master, and never replace it" in first, name
+    readme = " ".join(files["biss/README.md"].split())
+    assert readme.startswith("# BiSS files **No BiSS master is known to accept `idbiss4C69.xml`.")
+    assert "never replace it with the file from this folder" in readme
+
+
 @pytest.mark.slow
 def test_one_length_is_stated_below_the_identity(amm5: Device) -> None:
     only = tuple(item for item in amm5.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
@@ -274,9 +287,9 @@ def test_another_maker(tmp_path: Path) -> None:
     devices, report = load_library([tmp_path])
     assert not report.problems
     files = generate(Library(devices))
-    made = {"LICENSE", "idbiss4163.xml", "acme-minimal.xml", "device-description.xsd"}
+    # Without an encoder that a master can identify, there is no idbiss file.
+    made = {"LICENSE", "README.md", "acme-minimal.xml", "device-description.xsd"}
     assert set(files) == {f"biss/{name}" for name in made}
-    assert "Not listed" in files["biss/idbiss4163.xml"]
     assert from_xml(files["biss/acme-minimal.xml"].encode()) == device_dump(devices[0])
     assert "docs/minimal.md" in generate_docs(Library(devices))
 

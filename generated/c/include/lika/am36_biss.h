@@ -231,7 +231,7 @@ typedef enum lika_am36_biss_report {
  * everything else, the manual refers to www.biss-interface.com.
  * Signals: EIA RS-422 for Clock IN (MA) and Data OUT (SLO) [6].
  * Profile: Standard encoder profile [6].
- * Description file: idbiss4C69.xml [6].
+ * Description file: idbiss4C69.xml, which the manufacturer supplies [6].
  * Network: point to point, one slave only [6].
  * Control data: Each frame carries one bit of control data, which is used to read and write the
  * registers. The manual describes the main fields and refers to the BiSS C protocol description for
