@@ -47,7 +47,7 @@ class Log:
         """Take skipped tests and the closing counts from a line that pytest has written."""
         skipped = re.match(r"SKIPPED \[(\d+)\] (.*)", line)
         if skipped and not KNOWN.search(skipped[2]):
-            file = re.match(r"tests/[\w/]+\.py", skipped[2])
+            file = re.match(r"tests/(?:\w+/)*test_\w+\.py", skipped[2])
             if in_clone and file:
                 self.skipped_files.add(file[0])
             else:

@@ -94,6 +94,14 @@ def test_files_that_the_clone_skips_run_here(is_still_skipped: bool, tmp_path: P
     assert (message in out) == is_still_skipped
 
 
+def test_a_test_that_a_helper_skips_in_the_clone_did_not_run(tmp_path: Path) -> None:
+    """The line names the helper, so it is not known which file to run here."""
+    skips = '[ "$1" = second ] && echo "SKIPPED [1] tests/working_tools.py:98: no clang here"\n'
+    code, out = parts(tmp_path, skips + PASSES)
+    assert code == 2
+    assert "DID NOT RUN: 1\n  1 skipped in make second: tests/working_tools.py:98: no clang here\n" in out
+
+
 def test_without_a_clone_ci_fails(tmp_path: Path) -> None:
     (tmp_path / "bin").mkdir()
     program(tmp_path / "no" / "git", '[ "$1" != clone ]\n')

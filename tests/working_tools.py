@@ -83,6 +83,7 @@ def require(command: Sequence[str], folders: Sequence[str] = ()) -> str:
 
     Otherwise, skip the test, or fail it with ``CODEWHEEL_REQUIRE_TOOLS=1``. ``folders`` are searched before ``PATH``.
     """
+    __tracebackhide__ = True  # pytest reports the place of the test.
     name, *options = command
     found = shutil.which(name, path=os.pathsep.join([*folders, os.environ.get("PATH", "")]))
     words = f"no {name} here"

@@ -910,8 +910,8 @@
 
   globalThis.codewheelDecode = {
     table: TABLE, FrameText, Refusal, bytesFor, bytesIn, bytesOfNumber, checked, decodeBits, decodeBytes, decodeFrame,
-    deadLine, decodeRegister, explained, findCode, highestNumber, inferred, linesOf, notOfAnyCode, numberIn, otherFrames,
-    placedFor, quantityOf, readLabel, UnknownCode,
+    deadLine, decodeRegister, explained, findCode, highestNumber, inferred, linesOf, notOfAnyCode, numberIn,
+    otherFrames, placedFor, quantityOf, readLabel, UnknownCode,
   };
   if (typeof document === "undefined") return;
 

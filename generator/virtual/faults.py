@@ -51,8 +51,8 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
     },
     "busy": {
         "rs485": "the encoder is busy for 20 ms: it reports this, or does not reply",
-        "biss": "the start bit comes 9 to 40 clocks late, and register accesses wait for 20 ms",
-        "ssi": "the encoder is busy for 20 ms: it reports this, or the data line is low",
+        "biss": "the start bit comes 9 to 40 clocks late, registers wait for 20 ms",
+        "ssi": "the encoder reports for 20 ms that it is busy, or the line is low",
     },
     "restart": {
         "rs485": "the supply is off for 20 ms",
