@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 import yaml
 from codewheel.changes.accepted import read_accepted
-from codewheel.commands import new_texts
 from codewheel.commands.cli import main
 from codewheel.commands.new import device_text, manufacturer_text
 from codewheel.commands.parsers import parser_for
@@ -165,8 +164,9 @@ def test_the_entry_for_an_older_edition_keeps_what_was_taken_away(
     extra = "  - {name: spare, interface: biss, address: 0x60, length: 1, access: read_only, source: '6'}\n"
     examples = ("MY-ENCODER-17-SC", "MY-ENCODER-13-SC")
     # The frame of the other example has 17 bits.
-    frame = new_texts.EXAMPLE.partition("  - name: position ")
-    without = ((frame[1] + frame[2]).replace("@CODE@", "MY-ENCODER").replace("@BITS@", new_texts.FRAME), "\n")
+    template = device_text("my_encoder", "example", "d.json")
+    frame = template[template.index("  - name: position  ") : template.index("# Errors and contradictions")]
+    without = (frame, "\n")
     revision = [
         ('  revision: "1.0"', '  revision: "1.1"'),
         ("changes: First issue.}\n", 'changes: First issue.}\n    - {revision: "1.1", changes: 17 bits removed}\n'),
