@@ -53,6 +53,7 @@ from .layouts import build_layout
 from .measurement_rules import check_measurements
 from .only import check_alarms, check_only, only_while, set_parameters
 from .parameter_sets import parameter_sets, too_much_work
+from .placeholders import with_placeholders
 from .procedures import build_procedures
 from .repeated_facts import check_agreement
 from .run_time_parameters import coded_values, held_in_registers
@@ -84,6 +85,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     device = replace(device, procedures=build_procedures(raw, device))
     check_measurements(device, report)
     device = replace(device, editions=editions(raw))
+    device = with_placeholders(raw, device, report)
     check_agreement(raw, device, report)
     check_examples(device, report)
     return replace(device, samples=samples(device)) if variants and not report.faults() else device

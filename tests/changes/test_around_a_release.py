@@ -57,7 +57,7 @@ def test_problems_as_comments_of_a_pull_request(tmp_path: Path, capsys: pytest.C
     code, out, _ = run(capsys, "check", folder, "--format", "github")
     assert code == 1
     # The workflow commands escape a percent sign everywhere, and a comma in properties.
-    assert out.startswith(f"::error file={tmp_path}/a%2Cb/my_encoder.yaml,line=132,col=12,title=typographic-quotes::")
+    assert out.startswith(f"::error file={tmp_path}/a%2Cb/my_encoder.yaml,line=134,col=12,title=typographic-quotes::")
     assert 'write "100%25" with straight quotes' in out
 
 
