@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from ...model import Biss
 from ..problems import DocumentReport, Path, quoted
+from .flags import position_names
 from .walk import Spec, bank_select, by_name, expanded, explained, interface_of, items, layouts, mapping
 
 #: Registers with a fixed place in BiSS, by their usual name: address, length, and the place in words.
@@ -105,7 +106,9 @@ def biss_frame(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         layout, sent = fields.owner, list(expanded(fields, groups))
         where = f"interfaces.{Biss.name}.{layout['name']}"
         if fields.interface == Biss.name and layout.get("from") == "encoder" and _FLAGS & _names(sent):
-            for path, affected, wrong in _frame_faults(sent, crcs, (*fields.path, "name"), where):
+            faults = [*_frame_faults(sent, crcs, (*fields.path, "name"), where)]
+            faults += _late_positions(sent, position_names(spec, Biss.name), where)
+            for path, affected, wrong in faults:
                 if not explained(report.document, affected):
                     end = f"If this is what the manual says, add an erratum that affects {affected}"
                     report.add("biss-protocol", path, f"{wrong}. {end}")
@@ -135,6 +138,19 @@ def _frame_faults(
     if not any("crc" in field for _, field in sent):
         right = "add a last field such as {name: crc, crc: NAME}"
         yield start, f"{where}.fields", f"the frame has no CRC, but a BiSS frame ends with one; {right}"
+
+
+def _late_positions(sent: list[tuple[Path, Spec]], positions: set[str], where: str) -> Iterator[tuple[Path, str, str]]:
+    """Yield the first part of the position that is sent after nE or nW, like ``_frame_faults``."""
+    flag = ""
+    for path, field in sent:
+        name = str(field.get("name"))
+        if name in _FLAGS:
+            flag = flag or name
+        elif flag and name in positions:
+            wrong = f"{quoted(name)} is after {quoted(flag)}, but BiSS sends the position before nE and nW"
+            yield path, f"{where}.{name}", f"{wrong}; move it before {quoted(flag)}"
+            return
 
 
 def _crc_faults(crc: Spec) -> Iterator[tuple[str, str, str]]:
