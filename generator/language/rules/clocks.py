@@ -13,6 +13,8 @@ _LOWEST_MINIMUM_HZ = 1_000
 _LOWEST_BAUD = 300
 #: Below this number, a unit of MHz is more likely than kHz.
 _LIKELY_MEGA = 50
+#: Standard baud rates that are not whole numbers of kbaud.
+_STANDARD_BAUDS = (9600, 19_200, 38_400, 57_600, 115_200, 230_400, 460_800, 921_600)
 
 
 def plausible_rate(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -32,6 +34,8 @@ def plausible_rate(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def _report_rate(rate: int, key: str, unit: str, path: tuple[str, ...], report: DocumentReport) -> None:
     prefix, factor = ("M", 1_000_000) if rate < _LIKELY_MEGA else ("k", 1000)
+    standard_rates = (standard for standard in _STANDARD_BAUDS if unit == "baud" and standard // 1000 == rate)
+    right = next(standard_rates, rate * factor)
     wrong = f"'{key}' is {rate} {unit}, which is implausible; if the manual means {rate} {prefix}{unit}"
-    remedy = f"write {rate * factor}. If the number is right, say so in a 'note' of the interface"
+    remedy = f"write {right}. If the number is right, say so in a 'note' of the interface"
     report.add("implausible-rate", path, f"{wrong}, {remedy}")

@@ -19,7 +19,10 @@ def saved_before_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             continue
         arguments = {argument["name"] for _, argument in items(procedure, "arguments")}
         writes = [(below, step) for below, step in items(procedure, "steps") if step["do"] == "write"]
-        is_saved = [bool(_SAVE.fullmatch(str(step.get("value", "")))) for _, step in writes]
+        is_saved = [
+            step.get("register") in registers and bool(_SAVE.fullmatch(str(step.get("value", ""))))
+            for _, step in writes
+        ]
         for index, (below, save) in enumerate(writes):
             later = [other for _, other in writes[index + 1 :] if other.get("register") != save.get("register")]
             if not is_saved[index] or any(is_saved[index + 1 :]):
@@ -35,6 +38,6 @@ def _first_unsaved(later: Iterable[Spec], arguments: set[str], registers: dict[s
     """Return the first register that later steps write with an argument, or an empty text. Not a volatile one."""
     for step in later:
         name = str(step.get("register", ""))
-        if step.get("value") in arguments and not registers.get(name, {}).get("volatile"):
+        if step.get("value") in arguments and name in registers and not registers[name].get("volatile"):
             return name
     return ""
