@@ -24,6 +24,8 @@ _FLAGS = {"error", "warning"}
 #: Widths of the parts of a control frame, and the two access directions.
 _WIDTHS = {"register_address": 7, "address": 7, "rw": 2, "data": 8}
 _DIRECTIONS = {"write": 0b01, "read": 0b10}
+#: Widths of the usual CRCs of BiSS, by the number that inverts them.
+_INVERTED = {0x3F: 6, 0xFFFF: 16}
 #: The CRC of a control frame: x^4 + x + 1, start 0, sent inverted.
 _CONTROL_CRC = {"width": 4, "poly": 0x3, "init": 0, "refin": False, "refout": False, "xorout": 0xF}
 
@@ -129,6 +131,10 @@ def _frame_faults(
             yield (*path, "crc_of"), f"{where}.{name}", wrong
         crc = crcs.get(field["crc"], {}) if "crc" in field else {}
         for key, right, reason in _crc_faults(crc):
+            if key == "xorout" and crc[key] in _INVERTED:
+                wrong = _inverts_another_width(field["crc"], crc, right)
+                yield (*path, "crc"), f"crcs.{field['crc']}.{key}", wrong
+                continue
             shown = f"{crc[key]:#x}" if crc[key] and key == "xorout" else str(crc[key]).lower()
             wrong = f"the CRC {quoted(field['crc'])} has {quoted(key)} {shown}, but BiSS sends the CRC {reason}"
             yield (*path, "crc"), f"crcs.{field['crc']}.{key}", f"{wrong}; write '{key}: {right}'"
@@ -151,6 +157,13 @@ def _late_positions(sent: list[tuple[Path, Spec]], positions: set[str], where: s
             wrong = f"{quoted(name)} is after {quoted(flag)}, but BiSS sends the position before nE and nW"
             yield path, f"{where}.{name}", f"{wrong}; move it before {quoted(flag)}"
             return
+
+
+def _inverts_another_width(name: str, crc: Spec, right: str) -> str:
+    """Return the message about a CRC whose width and inversion are those of two CRCs."""
+    inverted, width = _INVERTED[crc["xorout"]], crc["width"]
+    wrong = f"the CRC {quoted(name)} has 'width' {width}, but its 'xorout' {crc['xorout']:#x} inverts {inverted} bits"
+    return f"{wrong}; write 'width: {inverted}', or 'xorout: {right}' if the manual has a CRC of {width} bits"
 
 
 def _crc_faults(crc: Spec) -> Iterator[tuple[str, str, str]]:
