@@ -63,6 +63,9 @@ MISTAKES = {
         "rs485", "baud: 2500000", "baud: 115.2", "wrong-type", "if it is in kbaud, write 115200",
     ),
     "clock with a fraction": ("spi", "max_hz: 10000000", "max_hz: 2.5", "wrong-type", "in MHz, write 2500000"),
+    "word with another length": (
+        "spi", "word_bits: 16", "word_bits: 15", "width-mismatch", "'word_bits' is 15, but every layout has 16 bits",
+    ),
     "another width of the CRC": (
         "", "width: 6", "width: 8", "biss-protocol", "inverts 6 bits; write 'width: 6', or 'xorout: 0xff'",
     ),
@@ -82,7 +85,9 @@ def test_a_mistake_is_reported_with_a_way_out(
     text = device_text("my_encoder", "example", "d.json", like)
     assert old in text
     found = problems(tmp_path, text.replace(old, new, 1))
-    assert [message for name, message in found if name == rule and words in message], found
+    ((name, message),) = [problem for problem in found if problem[0] == rule]
+    assert name == rule
+    assert words in message
 
 
 def without_examples(text: str) -> str:
