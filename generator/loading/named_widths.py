@@ -19,7 +19,7 @@ _PROSE = frozenset(("meaning", "note", "source", "title", "printed_name", "print
 def check_named_widths(raw: Raw, device: Device, report: DocumentReport) -> None:
     """Report a parameter such as ``position_bits`` that differs from the width of ``position`` in a frame.
 
-    Only if nothing else depends on the parameter, because then nothing else would show a mistake in its formula.
+    Other facts would show a mistake in a formula that they use, so this checks only parameters without a use.
     """
     if report.document.family:  # An older edition may lack what uses a parameter.
         return
