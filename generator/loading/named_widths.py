@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from ..language.problems import DocumentReport
 from ..language.rules.walk import leaves
+from ..language.second_reading import is_second
 from ..model import Device, Interface, Layout, Parameter
 from .from_mapping import Raw
 
@@ -21,6 +22,8 @@ def check_named_widths(raw: Raw, device: Device, report: DocumentReport) -> None
 
     Other facts would show a mistake in a formula that they use, so this checks only parameters without a use.
     """
+    if is_second(report.document.file):
+        return
     if report.document.family:  # An older edition may lack what uses a parameter.
         return
     used = set(_used_words(raw))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..language.problems import DocumentReport, Path
+from ..language.second_reading import is_second
 from ..model import Device, Field, Interface, Layout, Measurement, Variant
 from ..model.expressions import Expression
 
@@ -12,6 +13,8 @@ def check_position_widths(device: Device, report: DocumentReport) -> None:
 
     Whole bytes may begin with zeros, as manuals draw them. So may a position in fewer bits than any order code has.
     """
+    if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
+        return
     for interface in device.interfaces:
         measurement = device.measurement_of(interface.name)
         if measurement is None or measurement.highest is not None or measurement.counts_per_turn is None:

@@ -80,7 +80,7 @@ def test_sarif(both: tuple[Path, Path], capsys: pytest.CaptureFixture[str], comm
     assert isinstance(result["message"]["text"], str)
     (place,) = (item["physicalLocation"] for item in result["locations"])
     assert place["artifactLocation"]["uri"] == new.as_uri()
-    line, column = (LINE, COLUMN) if command == "diff" else (121, 14)
+    line, column = (LINE, COLUMN) if command == "diff" else (123, 14)
     assert place["region"] == {"startLine": line, "startColumn": column}
 
 

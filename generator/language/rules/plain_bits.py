@@ -6,6 +6,7 @@ import re
 
 from ...model import INTERFACES
 from ..problems import DocumentReport, quoted
+from ..second_reading import is_second
 from .walk import Fields, Has, Spec, field_lists
 
 _FLAG = re.compile(r"(?:n_?)?(?:e|w|err|error|fault|failure|warn|warning|alarm)(?:_(?:bit|flag))?")
@@ -19,6 +20,8 @@ def plain_bits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
     A plain number has no effect on the verdict, and no decoder checks it. A note explains a bit that is neither.
     """
+    if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
+        return
     for fields in field_lists(spec):
         for path, field in fields if _is_received(fields) else ():
             name = str(field.get("name", ""))

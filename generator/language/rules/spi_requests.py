@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from ...model import Spi
 from ..problems import DocumentReport, quoted
+from ..second_reading import is_second
 from .values import constant_width
 from .walk import Fields, Has, Spec, by_name, expanded, items
 
@@ -17,6 +18,8 @@ def requests_that_write(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
     A second word of a write has no address. The encoder knows it by the word before.
     """
+    if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
+        return
     groups, layouts = by_name(raw, "field_groups"), by_name(spec, *_HERE, "layouts")
     exchanges = [exchange for _, exchange in items(spec, *_HERE, "exchanges")]
     bits = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
