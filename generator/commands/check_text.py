@@ -8,6 +8,7 @@ from typing import Any
 
 from ..language.problems import Report
 from ..say.numbers import counted
+from . import placeholders
 from .formats import Finding, as_review
 from .look_up import read_line
 
@@ -15,7 +16,8 @@ from .look_up import read_line
 def as_data(report: Report) -> dict[str, Any]:
     """Return the problems in the form that ``--json`` prints."""
     problems = [problem.to_json() for problem in report.shown]
-    return {"files": report.files, "passed_over": report.passed_over, "problems": problems}
+    data = {"files": report.files, "passed_over": report.passed_over, "problems": problems}
+    return data | {"placeholders": placeholders.as_data(report.files)}
 
 
 def as_text(families: Sequence[str], report: Report, paths: Sequence[Path], form: str = "text") -> str:
@@ -28,6 +30,7 @@ def as_text(families: Sequence[str], report: Report, paths: Sequence[Path], form
             [Finding(item.file, item.line, item.column, item.rule, item.message) for item in report.shown], form
         )
     lines = [problem.format() for problem in report.shown]
+    lines += placeholders.notice(report.files)
     lines.append(read_line(paths, families, report))
     if report:
         lines.append(counted(len(report), "problem"))

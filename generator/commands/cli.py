@@ -24,7 +24,10 @@ from .parsers import parser_for
 from .terminal import Progress, Stop, prepare, release
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from ..cache import Cache
+    from ..language.problems import Report
 
 JSON_VERSION = 1
 
@@ -94,7 +97,7 @@ def _generate(chosen: argparse.Namespace) -> int:
     known = None if chosen.templates is not None or chosen.biss_dtd is not None else before.get(Generated)
     if known is not None:
         with _OTHER_FORM:
-            read = look_up.read_line(paths, known["families"], before.report(known["files"]))
+            read = _read_line(paths, known["families"], before.report(known["files"]))
             if is_unchanged(chosen, known["hashes"], read, before.cache):
                 return 0
     from ..loading.library import load_families
@@ -106,7 +109,7 @@ def _generate(chosen: argparse.Namespace) -> int:
     known = None if report or chosen.edition or chosen.templates or chosen.biss_dtd else alike.get(Hashes)
     if known is not None:
         with _OTHER_FORM:
-            read = look_up.read_line(paths, names, report)
+            read = _read_line(paths, names, report)
             if is_unchanged(chosen, known["hashes"], read, before.cache):
                 before.put({"families": names, "files": report.files} | known)
                 return 0
@@ -139,7 +142,7 @@ def _generate(chosen: argparse.Namespace) -> int:
         if report:
             raise look_up.problems(report)
         names = [device.name for device in devices]
-        print(look_up.read_line(paths, names, report))
+        print(_read_line(paths, names, report))
         with progress:
             files = rendered(Library(devices, chosen.templates), targets, settings, begun)
     if chosen.templates is None and are_built_in(targets, chosen.target):
@@ -151,6 +154,13 @@ def _generate(chosen: argparse.Namespace) -> int:
         import_module(f"{__package__}.coverage").refuse_unproved(families, "written", _cache(chosen))
 
     return run(chosen, files, gate)
+
+
+def _read_line(paths: Sequence[Path], families: Sequence[str], report: Report) -> str:
+    """Return the line about the specs that were read, and one about values that are still the template's."""
+    from .placeholders import short_notice
+
+    return "\n".join(filter(None, (look_up.read_line(paths, families, report), short_notice(report.files))))
 
 
 def _check(chosen: argparse.Namespace) -> int:

@@ -15,6 +15,7 @@ from ..order_codes.parameters import parameters_of
 from ..reference import codec
 from ..reference.findings import Findings, Report
 from ..reference.registers import decode_register
+from ..say.evidence import placeholders
 from ..say.lines import WIDTH
 from ..say.lines import wrapped as wrapped_anew
 from ..say.name import words
@@ -279,6 +280,8 @@ def explain(
     lines += [wrapped(others, WIDTH, "  ", "")] if others else []
     lines += _why_lines(why, decoded.layout) if why is not None else []
     lines.append(f"evidence: {device.evidence.grade}")
+    if device.evidence.placeholders:
+        lines.append(wrapped(placeholders(device), WIDTH, "  ", ""))
     return "\n".join(lines)
 
 

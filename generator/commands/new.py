@@ -12,12 +12,15 @@ from pathlib import Path
 from ..language.problems import Report
 from ..language.read import read_document
 from ..language.rules.names import TAKEN
-from . import new_texts as texts
+from ..render import our_templates
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 _LONGEST_NAME = 40
 #: Encoders to start from. The rotary ones count revolutions, except over SPI.
 LIKE = ("biss", "ssi", "rs485", "rs485-exchanges", "spi", "linear")
+#: Manufacturer and schema in the templates.
+_MANUFACTURER = "example"
+_SCHEMA_IN_TEMPLATES = "../../generator/language/{}.schema.json"
 
 
 class NameRefused(ValueError):
@@ -86,7 +89,7 @@ def _suggested(name: str) -> str:
 def _manufacturer(path: Path) -> str:
     document = read_document(path, Report()) if path.is_file() else None
     found = document.data.get("manufacturer") if document is not None else None
-    return found if isinstance(found, str) and re.fullmatch(r"[a-z][a-z0-9]*", found) else "example"
+    return found if isinstance(found, str) and re.fullmatch(r"[a-z][a-z0-9]*", found) else _MANUFACTURER
 
 
 def _schema(kind: str) -> Path:
@@ -110,45 +113,16 @@ def _schema_path(folder: Path, kind: str) -> str:
 
 def manufacturer_text(schema: str) -> str:
     """Return the text of a manufacturer file."""
-    return texts.MANUFACTURER.replace("@SCHEMA@", schema)
+    return _template("manufacturer").replace(_SCHEMA_IN_TEMPLATES.format("manufacturer"), schema)
 
 
 def device_text(name: str, manufacturer: str, schema: str, like: str = "") -> str:
     """Return the text of a spec of the family ``name``, with an example of one of ``LIKE``."""
-    made = _start(like).replace("@SCHEMA@", schema).replace("@MANUFACTURER@", manufacturer)
-    return made.replace("@CODE@", name.replace("_", "-").upper()).replace("@NAME@", name)
+    text = _template(like or "biss-singleturn").replace(_SCHEMA_IN_TEMPLATES.format("device"), schema)
+    text = text.replace(f"manufacturer: {_MANUFACTURER}\n", f"manufacturer: {manufacturer}\n")
+    return text.replace("MY-ENCODER", name.replace("_", "-").upper()).replace("my_encoder", name)
 
 
-def _start(like: str) -> str:
-    """Return the text of a spec: with the position as one number, or as revolutions and counts that are joined."""
-    movement = (
-        "linear                          # or rotary"
-        if like == "linear"
-        else "rotary                          # or linear"
-    )
-    head = texts.HEAD.replace("@MOVEMENT@", movement)
-    if like == "ssi":
-        ssi = texts.SSI.replace("@FIELDS@", texts.MULTITURN).replace("@JOIN@", texts.JOIN)
-        code = texts.TURNS.replace("@OUTPUT@", "BG: {meaning: SSI, interface: ssi}")
-        return head + code + ssi + texts.EXAMPLES_HEAD + texts.SSI_EXAMPLE + texts.ERRATA
-    if like == "rs485":
-        code = texts.TURNS.replace("@OUTPUT@", "JP: {meaning: RS-485, interface: rs485}")
-        crc_and_frames = texts.RS485_CRC + texts.RS485
-        return head + code + crc_and_frames + texts.EXAMPLES_HEAD + texts.RS485_EXAMPLE + texts.ERRATA
-    if like == "rs485-exchanges":
-        code = texts.TURNS.replace("@OUTPUT@", "RS: {meaning: RS-485, interface: rs485}")
-        return head + code + texts.EXCHANGES + texts.EXAMPLES_HEAD + texts.EXCHANGES_EXAMPLES + texts.ERRATA
-    if like == "spi":
-        return head + texts.SPI + texts.EXAMPLES_HEAD + texts.SPI_EXAMPLES + texts.ERRATA
-    biss = texts.BISS + texts.REGISTERS + texts.EXAMPLES_HEAD + texts.EXAMPLE + texts.ERRATA
-    if not like:
-        return head + texts.CODE + texts.CRCS + biss.replace("@BITS@", texts.FRAME)
-    output = "SC: {meaning: BiSS C-mode, interface: biss}"
-    if like == "linear":
-        biss = biss.replace("singleturn_bits", "position_bits").replace("@CODE@-17-SC", "@CODE@-1-SC")
-        biss = biss.replace("Position within one revolution", "Position").replace("@BITS@", texts.LINEAR_FRAME)
-        return head + texts.LENGTH.replace("@OUTPUT@", output) + texts.CRCS + biss
-    biss = biss.replace(texts.POSITION, texts.MULTITURN).replace(texts.LAST_FIELD, texts.LAST_FIELD + texts.JOIN)
-    biss = biss.replace("{position: 1000}", "{multiturn: 5, singleturn: 1000}").replace("@BITS@", texts.MULTITURN_FRAME)
-    biss = biss.replace("max: 2^singleturn_bits", "max: 2^position_bits").replace("@CODE@-17-SC", "@CODE@-17-4096-SC")
-    return head + texts.TURNS.replace("@OUTPUT@", output) + texts.CRCS + biss
+def _template(name: str) -> str:
+    """Return a template. Each is a whole valid spec of ``my_encoder``, so that editors check it with the schema."""
+    return (our_templates("new") / f"{name}.yaml").read_text(encoding="utf-8")

@@ -17,7 +17,14 @@ _UNITS = {
     "pm": ("m", -12), "nm": ("m", -9), "um": ("m", -6), "µm": ("m", -6),
     "mm": ("m", -3), "cm": ("m", -2), "m": ("m", 0),
     "mv": ("v", -3), "v": ("v", 0),
+    "baud": ("baud", 0), "kbaud": ("baud", 3), "mbaud": ("baud", 6), "bps": ("baud", 0), "kbps": ("baud", 3),
+    "mbps": ("baud", 6), "bit/s": ("baud", 0), "kbit/s": ("baud", 3), "mbit/s": ("baud", 6),
 }  # fmt: skip
+#: Units in which manuals often print a value with a prefix, and the number from which kHz is likelier than MHz.
+_LARGER = {"hz": "Hz", "baud": "baud"}
+_LIKELY_KILO = 50
+#: Forms of keys with a value other than true or false.
+_FORMS = {"gray": "{of: position}"}
 #: Alternatives if a value does not fit the smallest supported unit.
 _INSTEAD = {
     "step_nm": ": write the length of several counts, and their number in 'per_counts'",
@@ -28,7 +35,9 @@ _HEX = re.compile(r"(?P<negative>-?)(?:(?P<suffixed>[0-9A-Fa-f]+)[hH]|(?:0X|\$|#
 _BINARY = re.compile(r"(?:0[bB])([01]+)")
 _GROUPED = re.compile(r"-?[0-9]{1,3}(?:([_' ,])[0-9]{3})(?:\1[0-9]{3})*")
 _PLAIN = re.compile(r"-?(?:0x[0-9A-Fa-f]+|[0-9]+)")
-_WITH_UNIT = re.compile(r"(?P<number>[0-9]+(?:\.[0-9]+)?)\s*(?P<unit>[kKMG]?[hH]z|[pnuµm]?s|[nuµmc]?m|m?V)")
+_WITH_UNIT = re.compile(
+    r"(?P<number>[0-9]+(?:\.[0-9]+)?)\s*(?P<unit>[kKMG]?[hH]z|[kKM]?(?:[bB]aud|bps|bit/s)|[pnuµm]?s|[nuµmc]?m|m?V)"
+)
 POLYNOMIAL = re.compile(r"(?:x(?:\s*\^\s*[0-9]+)?|1)(?:\s*\+\s*(?:x(?:\s*\^\s*[0-9]+)?|1))+", re.IGNORECASE)
 _DIGITS = re.compile(r"[0-9][0-9A-Fa-f]*|[0-9A-F]{2,}")
 _BYTES = re.compile(r"[0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*")
@@ -66,6 +75,8 @@ TO_ADD = {
         " another grade"
     ),
 }
+#: Largest number of counts that a hint suggests for a length.
+_MOST_COUNTS = 65_536
 #: Longest text, in characters, that is tried as a number.
 _LONGEST = 100
 
@@ -112,7 +123,8 @@ def value_hint(key: str, value: Any, schema: Mapping[str, Any]) -> str:
         return f"; write {_YES_OR_NO[text]}" if text in _YES_OR_NO else ""
     needed = schema.get("required", ())
     if schema.get("type") == "object" and len(needed) == 1 and not isinstance(value, dict | list | type(None)):
-        return f"; write '{key}: {{{needed[0]}: {value}}}'"
+        form = _FORMS.get(key, f"{{{needed[0]}: NAME}}") if isinstance(value, bool) else f"{{{needed[0]}: {value}}}"
+        return f"; write '{key}: {form}'"
     return ""
 
 
@@ -156,12 +168,35 @@ def _bytes_hint(data: bytes) -> str:
 def _fraction_hint(key: str, value: float) -> str:
     """Return the hint for ``at_least_us: 0.03``. Bounds are rounded to the safe side of the manual's value."""
     unit = _unit(key)
+    if unit in _LARGER and value > 0:
+        return _larger_unit_hint(unit, value)
+    if key == "step_um":
+        return _step_hint(value)
     wrong = f"; there are no fractions of {_word(unit)}" if unit in _UNITS else "; there are no fractions"
     if "at_least" in key or key.startswith("min_"):
         return f"{wrong}: round up and write {math.ceil(value)}"
     if ("at_most" in key or key.startswith("max_")) and value > 1:
         return f"{wrong}: round down and write {math.floor(value)}"
     return wrong
+
+
+def _larger_unit_hint(unit: str, value: float) -> str:
+    """Return the hint for ``max_hz: 2.5``, which is more likely in MHz than in kHz."""
+    prefix, power = ("k", 3) if value >= _LIKELY_KILO else ("M", 6)
+    converted = Fraction(str(value)) * 10**power
+    if converted.denominator != 1:
+        return f"; there are no fractions of {_LARGER[unit]}"
+    return f"; if it is in {prefix}{_LARGER[unit]}, write {converted}"
+
+
+def _step_hint(value: float) -> str:
+    """Return the hint for ``step_um: 0.5``: the same length in nanometres, or that of several steps."""
+    nanometres = Fraction(str(value)) * 1000
+    if nanometres.denominator == 1:
+        return f"; write 'step_nm: {nanometres}'"
+    length = Fraction(str(value)).limit_denominator(_MOST_COUNTS)
+    several = f"such as 'step_um: {length.numerator}' with 'per_counts: {length.denominator}'"
+    return f"; write the length of several steps, and their number in 'per_counts', {several}"
 
 
 def _polynomial_hint(text: str) -> str:

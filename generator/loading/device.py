@@ -51,15 +51,18 @@ from .from_mapping import Raw, record, records, sources
 from .interfaces import build_interfaces, build_measurement
 from .layouts import build_layout
 from .measurement_rules import check_measurements
+from .named_widths import check_named_widths
 from .only import check_alarms, check_only, only_while, set_parameters
 from .parameter_sets import parameter_sets, too_much_work
+from .placeholders import with_placeholders
+from .position_width import check_position_widths
 from .procedures import build_procedures
 from .repeated_facts import check_agreement
 from .run_time_parameters import coded_values, held_in_registers
 from .samples import samples
 from .spi_registers import check_spi_registers
-from .verdicts import check_errata
 from .valid_parts import sound_so_far
+from .verdicts import check_errata
 
 
 def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -> Device | None:
@@ -84,7 +87,10 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     check_frame_kinds(device, report)
     device = replace(device, procedures=build_procedures(raw, device))
     check_measurements(device, report)
+    check_position_widths(device, report)
+    check_named_widths(raw, device, report)
     device = replace(device, editions=editions(raw))
+    device = with_placeholders(raw, device, report)
     check_agreement(raw, device, report)
     check_errata(device, report)
     check_examples(device, report)

@@ -60,6 +60,12 @@ def _check_words(raw: Raw, layouts: Sequence[Layout], site: Site) -> None:
         (item, _checked(item, site, "exchanges", index) if "word_bits" in item else shared)
         for index, item in enumerate(raw.get("exchanges", ()))
     ]
+    widths = {layout.bits for layout in layouts}
+    if len(layouts) > 1 and len(widths) == 1 and shared is not None and all(bits == shared for _, bits in found):
+        if shared not in widths:
+            wrong = f"'word_bits' is {shared.render()}, but every layout has {layouts[0].bits.render()} bits"
+            site.report("width-mismatch", f"{wrong}; correct 'word_bits' or the fields", "word_bits")
+        return
     for layout in layouts:
         uses = [(item, bits) for item, bits in found if layout.name in (item["request"], item["reply"])]
         for item, bits in uses or [({}, shared)]:

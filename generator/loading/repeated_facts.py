@@ -15,6 +15,7 @@ _COUNTED = re.compile(
 )
 #: A meaning that is only a number. It is a count, or a number of revolutions.
 _ALONE = re.compile(r"([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*)")
+_BITS = re.compile(r"\b([1-9][0-9]?)[ -]bits?\b")
 #: The addresses of the manufacturer ID over BiSS, each with the place of its byte in the number.
 _BISS_ID = {0x7E: 8, 0x7F: 0}
 #: Smallest number in a text that is assumed to be a count.
@@ -28,6 +29,7 @@ def check_agreement(raw: Raw, device: Device, report: DocumentReport) -> None:
         _check_preset(device, register, ("registers", register.name), report)
     _check_biss_id(device, report)
     _check_meanings(raw, device, report)
+    _check_bits_named(raw, device, report)
     _check_selectors(device, report)
 
 
@@ -152,6 +154,42 @@ def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
                     " number"
                 )
                 report.add("meaning-mismatch", ("order_code", "parts", index, "values", text, "meaning"), wrong)
+
+
+def _check_bits_named(raw: Raw, device: Device, report: DocumentReport) -> None:
+    """Check that a number of bits in the meaning of a value is one that the value sets, or a width that it leads to.
+
+    Manufacturers also call a format by the bits of its whole frame.
+    """
+    units = {parameter.name: parameter.unit for parameter in device.parameters}
+    for index, part in enumerate(raw["order_code"]["parts"]):
+        for text, value in part["values"].items():
+            named = [int(number) for number in _BITS.findall((value or {}).get("meaning", ""))]
+            sets = (value or {}).get("sets", {})
+            widths = {name: sets[name] for name in sets if units.get(name) in ("bit", "bits")}
+            if len(named) != 1 or not widths or named[0] in (*widths.values(), sum(widths.values())):
+                continue
+            variants = [variant for variant in device.variants if variant.parts.get(part["name"]) == text]
+            if any(named[0] in _widths(device, variant) for variant in variants):
+                continue
+            name = next(iter(widths))
+            wrong = f"the meaning of '{text}' says {named[0]} bits, but '{name}' is {widths[name]}"
+            report.add("meaning-mismatch", ("order_code", "parts", index, "values", text, "sets", name), wrong)
+
+
+def _widths(device: Device, variant: Variant) -> set[int]:
+    """Return the widths of the frames that an encoder with this order code sends, and of the positions in them."""
+    measurement = device.measurement_of(variant.interface)
+    interface = next((item for item in device.interfaces if item.name == variant.interface), None)
+    widths: set[int] = set()
+    if interface is None or measurement is None:
+        return widths
+    for layout in interface.layouts:
+        placed = layout.place(variant.parameters)
+        fields = [field for name in layout.names_in(measurement.of) if (field := placed.field(name)) is not None]
+        if layout.sender == "encoder" and fields:
+            widths |= {placed.bits, sum(field.width for field in fields)}
+    return widths
 
 
 def _quantities(device: Device, variant: Variant) -> set[int]:

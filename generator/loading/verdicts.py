@@ -51,7 +51,9 @@ def check_errata(device: Device, report: DocumentReport) -> None:
         wrong = [verdict for verdict in _stated(erratum.used) if verdict not in following]
         for verdict in wrong[:1]:
             given = listed((quoted(item.value) for item in Verdict if item in following), "or")
-            text = f"{quoted('used')} states the verdict {quoted(verdict.value)}, but for the affected bits, decoders give"
+            text = (
+                f"{quoted('used')} states the verdict {quoted(verdict.value)}, but for the affected bits, decoders give"
+            )
             report.add("erratum-verdict", ("errata", erratum.name, "used"), f"{text} {given}; correct one of the two")
 
 

@@ -52,7 +52,7 @@ class Evidence:
     """Evidence for the facts of a family.
 
     ``documents`` has the pages that were read, by document. The others name implementations that agree, examples from
-    real hardware, and facts that are left out.
+    real hardware, and facts that are left out. ``placeholders`` names values that are still the template's.
     """
 
     grade: str
@@ -60,6 +60,7 @@ class Evidence:
     implementations: tuple[str, ...]
     vectors: tuple[str, ...]
     left_out: tuple[str, ...]
+    placeholders: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,9 +20,19 @@ _MEANING = {
 
 
 def grade(device: Device) -> Said:
-    """Return the grade of the evidence, with its meaning."""
+    """Return the grade of the evidence, with its meaning, and the values that are still the template's."""
     found = device.evidence.grade
-    return said(f"{found} ({_MEANING[found]})", label="Evidence")
+    text = f"{found} ({_MEANING[found]})"
+    return said(f"{text}. {placeholders(device)}" if device.evidence.placeholders else text, label="Evidence")
+
+
+def placeholders(device: Device) -> str:
+    """Return the values that are still the template's in one sentence, or an empty text if there are none."""
+    names = device.evidence.placeholders
+    if not names:
+        return ""
+    are = "value is" if len(names) == 1 else "values are"
+    return f"{len(names)} {are} still the template's, not the manufacturer's: {', '.join(names)}"
 
 
 def document(device: Device) -> str:

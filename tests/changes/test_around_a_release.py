@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 import yaml
 from codewheel.changes.accepted import read_accepted
-from codewheel.commands import new_texts
 from codewheel.commands.cli import main
 from codewheel.commands.new import device_text, manufacturer_text
 from codewheel.commands.parsers import parser_for
@@ -58,7 +57,7 @@ def test_problems_as_comments_of_a_pull_request(tmp_path: Path, capsys: pytest.C
     code, out, _ = run(capsys, "check", folder, "--format", "github")
     assert code == 1
     # The workflow commands escape a percent sign everywhere, and a comma in properties.
-    assert out.startswith(f"::error file={tmp_path}/a%2Cb/my_encoder.yaml,line=132,col=12,title=typographic-quotes::")
+    assert out.startswith(f"::error file={tmp_path}/a%2Cb/my_encoder.yaml,line=134,col=12,title=typographic-quotes::")
     assert 'write "100%25" with straight quotes' in out
 
 
@@ -81,7 +80,7 @@ def test_sarif(both: tuple[Path, Path], capsys: pytest.CaptureFixture[str], comm
     assert isinstance(result["message"]["text"], str)
     (place,) = (item["physicalLocation"] for item in result["locations"])
     assert place["artifactLocation"]["uri"] == new.as_uri()
-    line, column = (LINE, COLUMN) if command == "diff" else (121, 14)
+    line, column = (LINE, COLUMN) if command == "diff" else (123, 14)
     assert place["region"] == {"startLine": line, "startColumn": column}
 
 
@@ -165,8 +164,9 @@ def test_the_entry_for_an_older_edition_keeps_what_was_taken_away(
     extra = "  - {name: spare, interface: biss, address: 0x60, length: 1, access: read_only, source: '6'}\n"
     examples = ("MY-ENCODER-17-SC", "MY-ENCODER-13-SC")
     # The frame of the other example has 17 bits.
-    frame = new_texts.EXAMPLE.partition("  - name: position ")
-    without = ((frame[1] + frame[2]).replace("@CODE@", "MY-ENCODER").replace("@BITS@", new_texts.FRAME), "\n")
+    template = device_text("my_encoder", "example", "d.json")
+    frame = template[template.index("  - name: position  ") : template.index("# Errors and contradictions")]
+    without = (frame, "\n")
     revision = [
         ('  revision: "1.0"', '  revision: "1.1"'),
         ("changes: First issue.}\n", 'changes: First issue.}\n    - {revision: "1.1", changes: 17 bits removed}\n'),

@@ -19,58 +19,58 @@ ANY_NAME = "a name begins with a lowercase letter and contains only lowercase le
 #: Text of the spec, the mistake, and the problem: its line, its rule and a part of its message.
 MISTAKES = {
     # Formerly accepted.
-    "address with a leading zero": ("address: 0x50", "address: 050", "121", "number-base", "write 0x50"),
-    "address without 0x": ("address: 0x50", "address: 50", "121", "number-base", "write 0x50"),
-    "nE active high": ("error, active: low", "error, active: high", "92", "biss-protocol", "write 'active: low'"),
-    "nW before nE": (ERROR + WARNING, WARNING + ERROR, "92", "biss-protocol", "swap the two"),
-    "register at 78h": ("address: 0x50", "address: 0x78", "121", "biss-protocol", "BiSS has 'device_id'"),
-    "register at 7Ch": ("address: 0x50", "address: 0x7C", "121", "biss-protocol", "BiSS has 'device_id'"),
-    "register at 42h": ("address: 0x50", "address: 0x42", "121", "biss-protocol", "BiSS has 'profile_id'"),
-    "CRC not inverted": ("xorout: 0x3F", "xorout: 0", "98", "biss-protocol", "write 'xorout: 0x3f'"),
-    "CRC start": ("init: 0\n", "init: 0x3F\n", "157", "example-contradicts", "with 'init: 0x0' in the CRC 'biss_6'"),
+    "address with a leading zero": ("address: 0x50", "address: 050", "123", "number-base", "write 0x50"),
+    "address without 0x": ("address: 0x50", "address: 50", "123", "number-base", "write 0x50"),
+    "nE active high": ("error, active: low", "error, active: high", "94", "biss-protocol", "write 'active: low'"),
+    "nW before nE": (ERROR + WARNING, WARNING + ERROR, "94", "biss-protocol", "swap the two"),
+    "register at 78h": ("address: 0x50", "address: 0x78", "123", "biss-protocol", "BiSS has 'device_id'"),
+    "register at 7Ch": ("address: 0x50", "address: 0x7C", "123", "biss-protocol", "BiSS has 'device_id'"),
+    "register at 42h": ("address: 0x50", "address: 0x42", "123", "biss-protocol", "BiSS has 'profile_id'"),
+    "CRC not inverted": ("xorout: 0x3F", "xorout: 0", "100", "biss-protocol", "write 'xorout: 0x3f'"),
+    "CRC start": ("init: 0\n", "init: 0x3F\n", "159", "example-contradicts", "with 'init: 0x0' in the CRC 'biss_6'"),
     "counts as maximum": (
-        "max: 2^singleturn_bits - 1", "max: 2^singleturn_bits", "127", "limit-does-not-fit", "end at 8191",
+        "max: 2^singleturn_bits - 1", "max: 2^singleturn_bits", "129", "limit-does-not-fit", "end at 8191",
     ),
     "maximum above": (
-        "max: 2^singleturn_bits - 1", "max: 2^singleturn_bits + 1000", "127", "limit-does-not-fit", "end at 8191",
+        "max: 2^singleturn_bits - 1", "max: 2^singleturn_bits + 1000", "129", "limit-does-not-fit", "end at 8191",
     ),
     "typographic quotes": (
-        "Set and save a preset", "“Set and save a preset”", "132", "typographic-quotes", "with straight quotes",
+        "Set and save a preset", "“Set and save a preset”", "134", "typographic-quotes", "with straight quotes",
     ),
     "bits of a meaning": (
-        SEVENTEEN, '"17": {meaning: 17 bits, sets: {singleturn_bits: 16}}', "47", "meaning-mismatch", "says 17 bits",
+        SEVENTEEN, '"17": {meaning: 17 bits, sets: {singleturn_bits: 16}}', "49", "meaning-mismatch", "says 17 bits",
     ),
     # Earlier, the message did not say what to write instead.
-    "value without a map": (SAVE, "save: 1", "114", "wrong-type", "write 'save: {value: 1}'"),
-    "value before its name": (SAVE, "1: save", "114", "bad-pattern", "the name comes first, as in 'save: {value: 1}'"),
-    "no for false": ("refin: false", "refin: no", "64", "wrong-type", "write false"),
-    "bytes of a default": ("default: 0", "default: [0, 0, 3, 232]", "125", "wrong-type", "write one number: 0x3e8 if"),
-    "text of a default": ("default: 0", 'default: "00 00 00 00"', "125", "wrong-type", "write one number: 0x0"),
-    "digits without 0x": ("address: 0x50", "address: 5A", "121", "wrong-type", "write 0x5A"),
-    "active_low": ("error, active: low", "error, active_low: true", "92", "unknown-key", "write 'active: low'"),
+    "value without a map": (SAVE, "save: 1", "116", "wrong-type", "write 'save: {value: 1}'"),
+    "value before its name": (SAVE, "1: save", "116", "bad-pattern", "the name comes first, as in 'save: {value: 1}'"),
+    "no for false": ("refin: false", "refin: no", "66", "wrong-type", "write false"),
+    "bytes of a default": ("default: 0", "default: [0, 0, 3, 232]", "127", "wrong-type", "write one number: 0x3e8 if"),
+    "text of a default": ("default: 0", 'default: "00 00 00 00"', "127", "wrong-type", "write one number: 0x0"),
+    "digits without 0x": ("address: 0x50", "address: 5A", "123", "wrong-type", "write 0x5A"),
+    "active_low": ("error, active: low", "error, active_low: true", "94", "unknown-key", "write 'active: low'"),
     "description": (
-        "    meaning: New value", "    description: New value", "119", "unknown-key", "it is called 'meaning' here",
+        "    meaning: New value", "    description: New value", "121", "unknown-key", "it is called 'meaning' here",
     ),
-    "offset": ("address: 0x50", "offset: 0x50", "121", "unknown-key", "it is called 'address' here"),
-    "size": ("    length: 4", "    size: 4", "122", "unknown-key", "it is called 'length' here"),
-    "type": ("    length: 4", "    type: uint32_t", "122", "unknown-key", "write 'length: 4'"),
-    "type of access": ("access: read_write", "type: read_write", "123", "unknown-key", "it is called 'access' here"),
+    "offset": ("address: 0x50", "offset: 0x50", "123", "unknown-key", "it is called 'address' here"),
+    "size": ("    length: 4", "    size: 4", "124", "unknown-key", "it is called 'length' here"),
+    "type": ("    length: 4", "    type: uint32_t", "124", "unknown-key", "write 'length: 4'"),
+    "type of access": ("access: read_write", "type: read_write", "125", "unknown-key", "it is called 'access' here"),
     "endianness": (
-        "byte_order: high_byte_first", "endianness: big", "124", "unknown-key", "write 'byte_order: high_byte_first'",
+        "byte_order: high_byte_first", "endianness: big", "126", "unknown-key", "write 'byte_order: high_byte_first'",
     ),
-    "access in short": ("access: read_write", "access: rw", "123", "not-allowed", "write 'read_write'"),
+    "access in short": ("access: read_write", "access: rw", "125", "not-allowed", "write 'read_write'"),
     # Earlier, the message was misleading, or there were several.
-    "no-break space": ("title: Set", "title:\u00a0Set", "132", "yaml-syntax", "the space U+00A0"),
-    "no-break indentation": ("    length: 4", "\u00a0   length: 4", "122", "yaml-syntax", "the space U+00A0"),
+    "no-break space": ("title: Set", "title:\u00a0Set", "134", "yaml-syntax", "the space U+00A0"),
+    "no-break indentation": ("    length: 4", "\u00a0   length: 4", "124", "yaml-syntax", "the space U+00A0"),
     "power of Python": (
-        "max: 2^singleturn_bits - 1", "max: 2**singleturn_bits - 1", "127", "bad-expression", "write 2^single",
+        "max: 2^singleturn_bits - 1", "max: 2**singleturn_bits - 1", "129", "bad-expression", "write 2^single",
     ),
     "power of C": (
-        "max: 2^singleturn_bits - 1", "max: (1 << singleturn_bits) - 1", "127", "bad-expression", "write 2^single",
+        "max: 2^singleturn_bits - 1", "max: (1 << singleturn_bits) - 1", "129", "bad-expression", "write 2^single",
     ),
-    "capital letter": ("name: preset\n", "name: Preset\n", "117", "bad-pattern", ANY_NAME),
+    "capital letter": ("name: preset\n", "name: Preset\n", "119", "bad-pattern", ANY_NAME),
     "another interface": (
-        "  biss:\n", "  endat:\n", "81", "unknown-key", "codewheel supports only ssi, biss, spi and rs485",
+        "  biss:\n", "  endat:\n", "83", "unknown-key", "codewheel supports only ssi, biss, spi and rs485",
     ),
 }  # fmt: skip
 
@@ -97,16 +97,16 @@ def test_a_frame_without_its_crc_is_reported(tmp_path: Path, crc: str) -> None:
     old = "          - {name: crc, crc: biss_6}\n"
     assert old in text
     found = problems(tmp_path, text.replace(old, crc))
-    assert [item[:2] for item in found] == [("60", "unused-crc"), ("85", "biss-protocol")]
+    assert [item[:2] for item in found] == [("62", "unused-crc"), ("87", "biss-protocol")]
 
 
 def test_an_unknown_interface_used_everywhere_is_one_problem(tmp_path: Path) -> None:
     text = device_text("my_encoder", "example", "d.json").replace("biss:\n", "endat:\n")
     text = text.replace("interface: biss", "interface: endat")
-    assert [item[:2] for item in problems(tmp_path, text)] == [("81", "unknown-key")]
+    assert [item[:2] for item in problems(tmp_path, text)] == [("83", "unknown-key")]
 
 
 def test_a_name_with_another_mistake_hides_no_wrong_reference(tmp_path: Path) -> None:
     text = device_text("my_encoder", "example", "d.json").replace("name: preset\n", "name: Preset\n")
     found = problems(tmp_path, text.replace("register: command", "register: comand"))
-    assert [item[:2] for item in found] == [("117", "bad-pattern"), ("137", "undefined-reference")]
+    assert [item[:2] for item in found] == [("119", "bad-pattern"), ("139", "undefined-reference")]

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from ...model import Biss
 from ..problems import DocumentReport, Path, quoted
+from .flags import position_names
 from .walk import Spec, bank_select, by_name, expanded, explained, interface_of, items, layouts, mapping
 
 #: Registers with a fixed place in BiSS, by their usual name: address, length, and the place in words.
@@ -23,6 +24,8 @@ _FLAGS = {"error", "warning"}
 #: Widths of the parts of a control frame, and the two access directions.
 _WIDTHS = {"register_address": 7, "address": 7, "rw": 2, "data": 8}
 _DIRECTIONS = {"write": 0b01, "read": 0b10}
+#: Widths of the usual CRCs of BiSS, by the number that inverts them.
+_INVERTED = {0x3F: 6, 0xFFFF: 16}
 #: The CRC of a control frame: x^4 + x + 1, start 0, sent inverted.
 _CONTROL_CRC = {"width": 4, "poly": 0x3, "init": 0, "refin": False, "refout": False, "xorout": 0xF}
 
@@ -105,7 +108,9 @@ def biss_frame(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         layout, sent = fields.owner, list(expanded(fields, groups))
         where = f"interfaces.{Biss.name}.{layout['name']}"
         if fields.interface == Biss.name and layout.get("from") == "encoder" and _FLAGS & _names(sent):
-            for path, affected, wrong in _frame_faults(sent, crcs, (*fields.path, "name"), where):
+            faults = [*_frame_faults(sent, crcs, (*fields.path, "name"), where)]
+            faults += _late_positions(sent, position_names(spec, Biss.name), where)
+            for path, affected, wrong in faults:
                 if not explained(report.document, affected):
                     end = f"If this is what the manual says, add an erratum that affects {affected}"
                     report.add("biss-protocol", path, f"{wrong}. {end}")
@@ -126,6 +131,10 @@ def _frame_faults(
             yield (*path, "crc_of"), f"{where}.{name}", wrong
         crc = crcs.get(field["crc"], {}) if "crc" in field else {}
         for key, right, reason in _crc_faults(crc):
+            if key == "xorout" and crc[key] in _INVERTED:
+                wrong = _inverts_another_width(field["crc"], crc, right)
+                yield (*path, "crc"), f"crcs.{field['crc']}.{key}", wrong
+                continue
             shown = f"{crc[key]:#x}" if crc[key] and key == "xorout" else str(crc[key]).lower()
             wrong = f"the CRC {quoted(field['crc'])} has {quoted(key)} {shown}, but BiSS sends the CRC {reason}"
             yield (*path, "crc"), f"crcs.{field['crc']}.{key}", f"{wrong}; write '{key}: {right}'"
@@ -135,6 +144,26 @@ def _frame_faults(
     if not any("crc" in field for _, field in sent):
         right = "add a last field such as {name: crc, crc: NAME}"
         yield start, f"{where}.fields", f"the frame has no CRC, but a BiSS frame ends with one; {right}"
+
+
+def _late_positions(sent: list[tuple[Path, Spec]], positions: set[str], where: str) -> Iterator[tuple[Path, str, str]]:
+    """Yield the first part of the position that is sent after nE or nW, like ``_frame_faults``."""
+    flag = ""
+    for path, field in sent:
+        name = str(field.get("name"))
+        if name in _FLAGS:
+            flag = flag or name
+        elif flag and name in positions:
+            wrong = f"{quoted(name)} is after {quoted(flag)}, but BiSS sends the position before nE and nW"
+            yield path, f"{where}.{name}", f"{wrong}; move it before {quoted(flag)}"
+            return
+
+
+def _inverts_another_width(name: str, crc: Spec, right: str) -> str:
+    """Return the message about a CRC whose width and inversion are those of two CRCs."""
+    inverted, width = _INVERTED[crc["xorout"]], crc["width"]
+    wrong = f"the CRC {quoted(name)} has 'width' {width}, but its 'xorout' {crc['xorout']:#x} inverts {inverted} bits"
+    return f"{wrong}; write 'width: {inverted}', or 'xorout: {right}' if the manual has a CRC of {width} bits"
 
 
 def _crc_faults(crc: Spec) -> Iterator[tuple[str, str, str]]:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any
 
+from ..placeholders import is_placeholder
 from ..problems import DocumentReport, Path, quoted, suggestion
 from .walk import Spec, leaves_of, mapping, sources
 
@@ -28,7 +29,8 @@ def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     first_pages = 0
     later_pages: list[tuple[Path, str, int, int]] = []
     for path, value in sources(leaves_of(spec, report)) if contents else ():
-        pieces = [found for piece in value.split(";") if (found := _CITED.fullmatch(piece.strip())) is not None]
+        places = [piece.strip() for piece in value.split(";") if not is_placeholder(piece)]
+        pieces = [found for place in places if (found := _CITED.fullmatch(place)) is not None]
         own, names = _names(spec, path)
         for cited in pieces:
             section = cited["section"]

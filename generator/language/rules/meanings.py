@@ -19,14 +19,14 @@ _WITH_PREFIX = re.compile(r"0[xX][0-9A-Fa-f]+|0b[01]+")
 _WITH_SUFFIX = re.compile(r"((?:0[0-9A-F]*|[0-9A-F]*[A-F][0-9A-F]*))h")
 
 
-#: A length, and a voltage: one with its tolerance, or two.
-_LENGTH = re.compile(r"(?<![\d.,])([0-9]{1,3}(?:,[0-9]{3})+|[0-9]+(?:\.[0-9]+)?) ?(mm|[µμ]m|nm)\b(?!/)")
+#: A length, perhaps as a quotient, and a voltage: one with its tolerance, or two.
+_DECIMAL = r"[0-9]{1,3}(?:,[0-9]{3})+|[0-9]+(?:\.[0-9]+)?"
+_LENGTH = re.compile(rf"(?<![\d.,/])(?:({_DECIMAL}) ?/ ?)?({_DECIMAL}) ?(mm|[µμ]m|nm)\b(?!/)")
 _NANOMETRES = {
     **dict.fromkeys(("nm", "nanometres", "nanometers"), 1),
     **dict.fromkeys(("µm", "μm", "um", "micrometres", "micrometers"), 1000),
     **dict.fromkeys(("mm", "millimetres", "millimeters"), 1_000_000),
 }
-_BITS = re.compile(r"\b([1-9][0-9]?)[ -]bits?\b")
 _VOLT = r"\+?([0-9]+(?:\.[0-9]+)?) ?V(?: ?DC|dc)?"
 _ONE_VOLTAGE = re.compile(rf"{_VOLT}(?: ?± ?([0-9]+(?:\.[0-9]+)?) ?%)?")
 _TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.|(?=\+)) ?{_VOLT}")
@@ -42,31 +42,33 @@ def value_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                     word = "Gray" if right else "binary"
                     wrong = f"the meaning of {quoted(text)} says {word}, so {quoted(name)} must be {right}"
                     report.add("meaning-mismatch", (*here, "sets", name), wrong)
-            lengths = {
-                Fraction(number.replace(",", "")) * _NANOMETRES[unit]: f"{number} {unit}"
-                for number, unit in _LENGTH.findall(meaning)
-            }
+            lengths = _lengths_named(meaning)
             for name, number in sets.items():
                 unit = str(mapping(raw, "parameters", name).get("unit"))
                 if lengths and unit in _NANOMETRES and number * _NANOMETRES[unit] not in lengths:
                     says = next(iter(lengths.values()))
                     wrong = f"the meaning of {quoted(text)} says {says}, but {quoted(name)} is {number} {unit}"
                     report.add("meaning-mismatch", (*here, "sets", name), wrong)
-            bits = [int(found) for found in _BITS.findall(meaning)]
-            sets = mapping(value, "sets")
-            widths = {
-                name: sets[name] for name in sets if mapping(raw, "parameters", name).get("unit") in ("bit", "bits")
-            }
-            if len(bits) == 1 and widths and bits[0] not in (*widths.values(), sum(widths.values())):
-                name = next(iter(widths))
-                wrong = f"the meaning of {quoted(text)} says {bits[0]} bits, but {quoted(name)} is {widths[name]}"
-                report.add("meaning-mismatch", (*here, "sets", name), wrong)
             named, has = supply_named(meaning), mapping(value, "supply")
             if named and has and named != (has["min_mv"], has["max_mv"]):
                 wrong = f"the meaning of {quoted(text)} says {named[0]} to {named[1]} mV"
                 report.add(
                     "meaning-mismatch", (*here, "supply"), f"{wrong}, but here it is {has['min_mv']} to {has['max_mv']}"
                 )
+
+
+def _lengths_named(meaning: str) -> dict[Fraction, str]:
+    """Return the lengths in a meaning in nanometres, each with its text. A quotient also stands for its dividend."""
+    lengths = {}
+    for dividend, number, unit in _LENGTH.findall(meaning):
+        length = Fraction(number.replace(",", "")) * _NANOMETRES[unit]
+        text = f"{number} {unit}"
+        if dividend:
+            whole = Fraction(dividend.replace(",", "")) * _NANOMETRES[unit]
+            length, text = whole / Fraction(number.replace(",", "")), f"{dividend}/{number} {unit}"
+            lengths[whole] = text
+        lengths[length] = text
+    return lengths
 
 
 def _codes_named(spec: Spec, value: Spec) -> dict[str, int]:

@@ -280,7 +280,7 @@ def bad_source(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def _check_piece(
     piece: str, path: Path, editions: list[str], documents: list[str], own: object, report: DocumentReport
 ) -> None:
-    match = _PIECE.fullmatch(piece.replace("\n", " "))
+    match = _PIECE.fullmatch(piece.replace("\n", " ").removeprefix("TODO "))
     key, place = (match["key"], match["place"].strip()) if match is not None else (None, piece)
     if key is not None and key == own:
         report.add("bad-source", path, f"{quoted(key)} is the language of the manual itself; leave '{key}:' out")

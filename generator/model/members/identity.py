@@ -37,6 +37,7 @@ IDENTITY = (
         Member("implementations", "[name]", "Keys of the implementations that agree.", "evidence"),
         Member("vectors", "[name]", "Examples from real hardware or from the manufacturer.", "evidence"),
         Member("left_out", "[text]", "Facts that are left out.", "evidence"),
+        Member("placeholders", "[text]", "Values that are still those of the template, by name.", "evidence"),
         is_sourced=False,
     ),
     Part(

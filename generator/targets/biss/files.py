@@ -215,7 +215,11 @@ def _identifier(
     """Return the file that describes these encoders from one manufacturer. ``about`` begins its first comment."""
     root = Node((manufacturer_bits(biss_id),), label=maker.title, notes=(_MANUFACTURER_NOTE,), devices=tuple(nodes))
     values: Identifier = {
-        "notes": [_warning(biss_id), "\n".join([*about, _ABOUT]), *(f"Trademarks: {text}" for text in maker.trademarks)],
+        "notes": [
+            _warning(biss_id),
+            "\n".join([*about, _ABOUT]),
+            *(f"Trademarks: {text}" for text in maker.trademarks),
+        ],
         "root": root,
         "left_out": left_out,
     }
