@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 from ..language.problems import Report
@@ -18,7 +17,7 @@ def as_data(report: Report) -> dict[str, Any]:
     return {"files": report.files, "passed_over": report.passed_over, "problems": problems}
 
 
-def as_text(families: Sequence[str], report: Report, paths: Sequence[Path], form: str = "text") -> str:
+def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     """Return the problems as text, with the files read and a summary, or in a form for review tools.
 
     ``families`` are the names of all families.
@@ -28,7 +27,7 @@ def as_text(families: Sequence[str], report: Report, paths: Sequence[Path], form
             [Finding(item.file, item.line, item.column, item.rule, item.message) for item in report.shown], form
         )
     lines = [problem.format() for problem in report.shown]
-    lines.append(read_line(paths, families, report))
+    lines.append(read_line(families, report))
     if report:
         lines.append(counted(len(report), "problem"))
     elif families:
