@@ -25,7 +25,8 @@ _MOST_SHOWN = 5
 _SHARED = frozenset(("codewheel", "codewheel_runtime", "runtime"))
 _WORD = re.compile(r"[a-z0-9_]+")
 #: Start of a family's data in the script of the decode page, which has no file of its own for each family.
-_IN_THE_PAGE = re.compile(r'\{"name":"([a-z][a-z0-9_]*)","title":')
+_TEXT = r'"(?:[^"\\]|\\.)*"'
+_IN_THE_PAGE = re.compile(rf'\{{"name":"([a-z][a-z0-9_]*)","title":{_TEXT},(?:"special_codes":{_TEXT},)?"evidence":')
 _PAGE = "decode.js"
 
 
