@@ -132,12 +132,13 @@ def _in_group(
     paths: Sequence[Path], text: str, cache: Cache, is_name: bool, skipped: list[Report]
 ) -> tuple[Device, Match | None] | None:
     """Return the family or order code in a group of specs, or None. Reports of specs with problems are added."""
-    from ..loading.library import load_sound
     from ..loading.selected import families_for
 
     selected = families_for(paths, text, cache)
     if selected is not None:
         return _match(selected, text, is_name)
+    from ..loading.library import load_sound
+
     devices, report = load_sound(paths)
     if report:
         skipped.append(report)

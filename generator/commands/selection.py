@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..cache import Cache
-from ..loading.configuration import Configuration, report_setting
+from ..loading.configuration import Configuration
 from ..loading.shipped import packaged_families
 from . import look_up
 from .generate import command_again
@@ -79,13 +79,14 @@ def _fill_in(chosen: argparse.Namespace, settings: Configuration | None) -> None
 
 def _refuse_unknown_targets(settings: Configuration) -> None:
     from ..language.problems import suggestion
+    from ..loading.configuration_file import error_at
     from ..targets.registry import target_names
 
     known = target_names()
     for index, name in enumerate(settings.targets):
         if name not in known:
             message = f"there is no target '{name}'{suggestion(name, known, 'there are')}"
-            raise look_up.problems(report_setting(settings, ("targets", index), "undefined-reference", message))
+            raise look_up.problems(error_at(settings.file, ("targets", index), "undefined-reference", message))
 
 
 def _packaged(chosen: argparse.Namespace, cache: Cache) -> tuple[tuple[Path, ...], tuple[str, ...]]:

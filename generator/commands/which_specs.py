@@ -15,8 +15,7 @@ from typing import Any
 from ..cache import Cache
 from ..known_files import KnownFiles
 from ..language.files import LINK, UNREADABLE, below, describes_encoders, is_folder, is_spec
-from ..language.problems import Report
-from ..loading.configuration import Configuration, configuration_above
+from ..loading.configuration import Configuration, Faulty, configuration_above
 from ..loading.shipped import packaged_families
 from ..say.numbers import first_of
 from .look_up import problems, refuse_missing
@@ -80,11 +79,12 @@ def find_settings(cache: Cache) -> Configuration | None:
     Raises:
         Stop: There are errors in them. The exit code is 1.
     """
-    report = Report()
-    settings = configuration_above(cache, report)
-    if report:
-        raise problems(report)
-    return settings
+    try:
+        return configuration_above(cache)
+    except Faulty as error:
+        from ..loading.configuration_file import errors_in
+
+        raise problems(errors_in(error.files)) from None
 
 
 def specs_to_judge(named: Sequence[Path], command: str, cache: Cache) -> Specs:
