@@ -214,12 +214,12 @@ def _list(chosen: argparse.Namespace) -> int:
 
 
 def _show(chosen: argparse.Namespace) -> int:
-    found = look_up.family_or_code(specs_to_read(chosen.specs, _cache(chosen)), chosen.what, _cache(chosen))
-    device, match = found.device, found.match
+    specs = specs_to_read(chosen.specs, _cache(chosen))
+    device, match, paths = look_up.family_or_code(specs, chosen.what, _cache(chosen))
     if chosen.edition is not None:
         from .editions import asked_for
 
-        device, match, _ = asked_for(found.specs, device, match, chosen.edition, chosen.what, {})
+        device, match, _ = asked_for(paths, device, match, chosen.edition, chosen.what, {})
     if chosen.json:
         from ..dump.plain import device_dump, variant_dump
 

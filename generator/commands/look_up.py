@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -54,13 +53,6 @@ def _is_there(path: Path) -> bool:
         return True  # It exists, and reading it will report the error.
 
 
-def spec_paths(folder: Path) -> list[Path]:
-    """Return the specs in a folder."""
-    from ..language.files import below
-
-    return list(below(folder).specs)
-
-
 def read_line(families: Iterable[str], report: Report, packaged: Sequence[str] = ()) -> str:
     """Return one line that names the specs that were read, so that users notice a forgotten path.
 
@@ -73,19 +65,8 @@ def read_line(families: Iterable[str], report: Report, packaged: Sequence[str] =
     return f"read {counted(len(report.files), 'spec')}: {first_of(report.files, _MOST_FILES)}{others}"
 
 
-@dataclass(frozen=True, slots=True)
-class Located:
-    """A family or an order code that was found.
-
-    Attributes:
-        device: The family.
-        match: The order code, or None for a family that was named.
-        specs: The specs in which it was found.
-    """
-
-    device: Device
-    match: Match | None
-    specs: Sequence[Path]
+#: A family, the order code in it (None if the family was named), and the specs in which it was found.
+Located = tuple["Device", "Match | None", Sequence[Path]]
 
 
 def order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Match, Sequence[Path]]:
@@ -97,10 +78,10 @@ def order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Match, Se
     Raises:
         Stop: There is no such code (exit code 2), or no valid spec has it and others have problems (exit code 1).
     """
-    located = _located(specs, text, cache, is_name=False)
-    if located.match is None:  # Only a name has no match.
-        raise _unknown([located.device], text)
-    return located.device, located.match, located.specs
+    device, match, paths = _located(specs, text, cache, is_name=False)
+    if match is None:  # Only a name has no match.
+        raise _unknown([device], text)
+    return device, match, paths
 
 
 def family_or_code(specs: Specs, text: str, cache: Cache) -> Located:
@@ -124,7 +105,7 @@ def _located(specs: Specs, text: str, cache: Cache, is_name: bool) -> Located:
             _report_skipped(report)
         if any(_in_group(group, text, cache, is_name, []) for group in specs.groups[index + 1 :]):
             print(f"codewheel: {text} is in your specs and in the packaged ones; yours are used", file=sys.stderr)
-        return Located(*found, paths)
+        return (*found, paths)
     raise _not_found(specs, text, cache, is_name)
 
 

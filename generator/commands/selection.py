@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..cache import Cache
+from ..language.files import below
 from ..loading.configuration import Configuration
 from ..loading.shipped import packaged_families
 from . import look_up
@@ -97,15 +98,13 @@ def _packaged(chosen: argparse.Namespace, cache: Cache) -> tuple[tuple[Path, ...
     parts: list[str] = []
     for name in chosen.packaged:
         if name.lower() in folders:
-            specs = look_up.spec_paths(folders[name.lower()])
+            specs = below(folders[name.lower()]).specs
             paths += specs
             parts += [path.stem for path in specs if path.name != "manufacturer.yaml"]
             continue
-        found = look_up.family_or_code(packaged, name, cache)
-        folder = folders[found.device.manufacturer.name]
-        paths.append(folder / f"{found.device.name}.yaml")
-        is_listed = found.match is not None and not found.match.unlisted
-        parts.append(found.match.variant.code if found.match is not None and is_listed else found.device.name)
+        device, match, _ = look_up.family_or_code(packaged, name, cache)
+        paths.append(folders[device.manufacturer.name] / f"{device.name}.yaml")
+        parts.append(match.variant.code if match is not None and not match.unlisted else device.name)
     return tuple(dict.fromkeys(paths)), _narrowed(chosen, parts)
 
 

@@ -166,6 +166,16 @@ def _without_output(settings: Configuration, cache: Cache) -> Iterator[Path]:
 
 def _below(folder: Path, outputs: Sequence[str], cache: Cache) -> Specs:
     """Return the specs in a folder and below it, if at least one of them is about an encoder."""
+    found = below(folder, lambda _: True, outputs, MOST_NAMES)
+    unreadable = {path for path, reason in found.not_entered if reason == UNREADABLE}
+    specs = _kept_specs(folder, [path for path in found.specs if path not in unreadable], cache)
+    return Specs(specs, is_complete=found.is_complete, not_entered=found.not_entered)
+
+
+def _kept_specs(folder: Path, files: Sequence[Path], cache: Cache) -> tuple[Path, ...]:
+    """Return the specs among YAML files, or none if no spec is about an encoder."""
+    if not files:
+        return ()
     known = KnownFiles(cache, "search", [str(folder)])
 
     def look(path: Path) -> Mapping[str, Any]:
@@ -177,13 +187,9 @@ def _below(folder: Path, outputs: Sequence[str], cache: Cache) -> Specs:
             return {"is_spec": True, "describes_encoders": True}
         return found
 
-    found = below(folder, lambda path: look(path)["is_spec"] is not False, outputs, MOST_NAMES)
-    unreadable = {path for path, reason in found.not_entered if reason == UNREADABLE}
-    specs = tuple(path for path in found.specs if path not in unreadable)
-    if not any(look(path)["describes_encoders"] is not False for path in specs):
-        specs = ()
+    specs = tuple(path for path in files if look(path)["is_spec"] is not False)
     known.keep()
-    return Specs(specs, is_complete=found.is_complete, not_entered=found.not_entered)
+    return specs if any(look(path)["describes_encoders"] is not False for path in specs) else ()
 
 
 def _packaged_beside(paths: Sequence[Path]) -> Iterator[Path]:

@@ -10,7 +10,7 @@ import os
 import re
 from collections import deque
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from .schema_files import keys_of
@@ -72,7 +72,7 @@ def below(
         outputs: Real paths of further folders that are outputs.
         most_names: Number of names after which the search ends.
     """
-    search = _Search(frozenset(outputs), most_names)
+    search = _Search(outputs, most_names)
     search.run(folder)
     specs = {path for path in search.files if is_spec(path)}
     others = (path for path in search.files if path not in specs and path.name != CONFIGURATION)
@@ -87,15 +87,14 @@ def is_folder(path: Path) -> bool:
         return False
 
 
-@dataclass(slots=True)
 class _Search:
     """Search for YAML files in a folder and below it, level by level."""
 
-    outputs: frozenset[str]
-    names_left: float
-    files: list[Path] = field(default_factory=list)
-    not_entered: list[tuple[Path, str]] = field(default_factory=list)
-    is_complete: bool = True
+    def __init__(self, outputs: Collection[str], most_names: float) -> None:
+        self.files: list[Path] = []
+        self.not_entered: list[tuple[Path, str]] = []
+        self.is_complete = True
+        self._outputs, self._names_left = outputs, most_names
 
     def run(self, root: Path) -> None:
         folders = deque([root])
@@ -111,8 +110,8 @@ class _Search:
                 continue
             if folder != root and self._is_left_out(folder, {entry.name for entry in entries}):
                 continue
-            self.names_left -= len(entries)
-            if self.names_left < 0:
+            self._names_left -= len(entries)
+            if self._names_left < 0:
                 self.is_complete = False
                 return
             for entry in entries:
@@ -120,7 +119,7 @@ class _Search:
                     self._look_at(entry, folder / entry.name, folders)
 
     def _is_left_out(self, folder: Path, names: Collection[str]) -> bool:
-        if not _MARKS.isdisjoint(names) or (self.outputs and os.path.realpath(folder) in self.outputs):
+        if not _MARKS.isdisjoint(names) or (self._outputs and os.path.realpath(folder) in self._outputs):
             return True
         if REPOSITORY in names:
             self.not_entered.append((folder, NESTED))

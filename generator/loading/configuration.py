@@ -106,13 +106,15 @@ def _known(file: Path, cache: Cache) -> Configuration | None:
     Raises:
         Faulty: There are errors in the settings.
     """
-    with suppress(OSError):
-        content = [file.name, file.read_bytes()]
-        known = cache.get(_KIND, content)
-        if fits(known, dict[str, list[str]]):
-            settings = settings_in(file, known)
-            if all(map(exists, settings.specs)):
-                return settings
+    try:
+        content: list[bytes | str] = [file.name, file.read_bytes()]
+    except OSError:
+        raise Faulty(file) from None
+    known = cache.get(_KIND, content)
+    if fits(known, dict[str, list[str]]):
+        settings = settings_in(file, known)
+        if all(map(exists, settings.specs)):
+            return settings
     from .configuration_file import read_configuration
 
     found = read_configuration(file)
