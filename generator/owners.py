@@ -106,8 +106,8 @@ class Guard:
         whose = f"outputs of {', '.join(foreign)}" if foreign else "outputs of other specs"
         example = f" ({counted(len(files), 'file')}: {shown})" if files else ""
         return (
-            f"{self.folder.as_posix()} has {whose}, which were not read{example}. Nothing has changed. Read their specs "
-            f"too ({self.everything}), write to another folder with -o, or drop these outputs with --prune"
+            f"{self.folder.as_posix()} has {whose}, which were not read{example}. Nothing has changed. Read these "
+            f"specs too ({self.everything}), write elsewhere with -o, or drop these outputs with --prune"
         )
 
     def _refuse_specs_inside(self, targets: Iterable[str]) -> None:

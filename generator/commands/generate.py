@@ -10,8 +10,8 @@ from pathlib import Path
 
 from ..cache import Cache
 from ..known_files import KnownFiles
-from ..say.numbers import counted
 from ..owners import Guard, owners
+from ..say.numbers import counted
 from ..write import Change, WriteError, changes, is_as_written, left_stages, write
 from .terminal import Stop
 

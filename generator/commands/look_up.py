@@ -116,8 +116,10 @@ def _in_group(
     from ..loading.selected import families_for
 
     selected = families_for(paths, text, cache)
-    if selected is not None:
-        return _match(selected, text, is_name)
+    matches = _matches(selected, text, is_name) if selected is not None else None
+    # Several may share an order code by mistake, which only the check of all specs finds.
+    if matches is not None and len(matches) < 2:
+        return matches[0] if matches else None
     from ..loading.library import load_sound
 
     devices, report = load_sound(paths)
@@ -128,17 +130,23 @@ def _in_group(
 
 def _match(devices: Sequence[Device], text: str, is_name: bool) -> tuple[Device, Match | None] | None:
     """Return the family with this name, or the order code with the shortest tail after it, or None."""
+    found = _matches(devices, text, is_name)
+    return min(found, key=lambda item: len(item[1].tail) if item[1] is not None else 0) if found else None
+
+
+def _matches(devices: Sequence[Device], text: str, is_name: bool) -> list[tuple[Device, Match | None]]:
+    """Return the family with this name, or all families with the order code."""
     from ..order_codes.labels import UnknownOrderCode
     from ..order_codes.labels import find as find_in
 
     family = _family(devices, text) if is_name else None
     if family is not None:
-        return family, None
-    found = []
+        return [(family, None)]
+    found: list[tuple[Device, Match | None]] = []
     for device in in_order(devices, text):
         with suppress(UnknownOrderCode):
             found.append((device, find_in(device, text)))
-    return min(found, key=lambda item: len(item[1].tail)) if found else None
+    return found
 
 
 def _refuse_hidden(device: Device, skipped: Iterable[Report]) -> None:

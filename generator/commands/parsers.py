@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
-from pathlib import Path
 
 from .arguments import FORMATS, FORMATS_HELP, Parser, ShowVersion, a_path, complete, metres
 
@@ -13,7 +12,7 @@ _DESCRIPTION = (
     "Describe an absolute encoder once and get a Python codec, C headers, a BiSS XML description and documentation."
 )
 _SPECS = (
-    "spec files, or folders. In a folder, all .yaml files with the keys of a spec are read, also below it (default: the "
+    "spec files, or folders. In a folder and below it, all .yaml files with the keys of a spec are read (default: the "
     "specs under [tool.codewheel], or else those in the current folder and below it{})"
 )
 _PACKAGED_TOO = ", and the packaged ones"

@@ -14,7 +14,6 @@ from ..loading.configuration import Configuration
 from ..loading.shipped import packaged_families
 from . import look_up
 from .generate import command_again
-from .terminal import Stop
 from .which_specs import Specs, find_settings, specs_to_judge
 
 if TYPE_CHECKING:
