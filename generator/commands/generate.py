@@ -104,9 +104,9 @@ def _tell_of_a_mixture(found: Iterable[Change]) -> None:
         print(f"up to date: {', '.join(current)}; out of date: {', '.join(outdated)}")
 
 
-def command_again(chosen: argparse.Namespace) -> str:
-    """Return the command line that writes the outputs with the arguments that the user gave."""
-    again = ["codewheel", "generate", *map(str, [*chosen.specs, *chosen.more_specs])]
+def command_again(chosen: argparse.Namespace, *more: str) -> str:
+    """Return the command line that writes the outputs with the arguments that the user gave, and with ``more``."""
+    again = ["codewheel", "generate", *map(str, [*chosen.specs, *chosen.more_specs]), *more]
     again += [word for name in chosen.packaged for word in ("--packaged", name)]
     again += [] if chosen.output is None else ["-o", str(chosen.output)]
     again += [word for name in chosen.target or () for word in ("--target", name)]

@@ -53,13 +53,13 @@ def selected(chosen: argparse.Namespace, cache: Cache) -> Selection:
     if chosen.packaged:
         look_up.refuse_missing(named)
         paths, implied = _packaged(chosen, cache)
-        settings, everything = find_settings(cache), f"{chosen.again} --packaged NAME"
+        settings, everything = find_settings(cache), command_again(chosen, "--packaged", "NAME")
         paths = (*named, *paths)
     else:
         specs = specs_to_judge(named, "generate", cache)
         paths, implied, settings = specs.paths, (), specs.settings
         is_listed = settings is not None and settings.specs and named
-        everything = "codewheel generate" if is_listed else f"{chosen.again} FOLDER"
+        everything = "codewheel generate" if is_listed else command_again(chosen, "FOLDER")
     _fill_in(chosen, settings)
     return Selection(paths, (*chosen.option, *implied), not named and not chosen.packaged, everything)
 
