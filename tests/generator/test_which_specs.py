@@ -354,15 +354,19 @@ def test_an_output_of_an_earlier_version_is_safe_too(
 def test_an_earlier_version_of_ones_own_output_is_updated(capsys: pytest.CaptureFixture[str], here: Path) -> None:
     add("enc_a", here / "specs/aa")
     assert run(capsys, "generate", *TARGETS)[0] == 0
-    for path in (here / "generated").glob(f"*/{LIST}"):
-        lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
-        path.write_text("".join(line for line in lines if not line.startswith("# Fam")), encoding="utf-8")
-    spec = here / "specs/aa/enc_a.yaml"
-    text = spec.read_text(encoding="utf-8")
-    spec.write_text(text.replace("preset", "zero_set"), encoding="utf-8")
-    code, out, err = run(capsys, "generate", *TARGETS, "--unchecked")
-    assert (code, err) == (0, ""), out
-    assert "\nremoved    generated/docs/enc_a/register-preset.svg\n" in out
+    old = ["c/include/aa/old.h", "docs/enc_a-old.md", "python/runtime/old.py"]
+    for name in old:
+        target, _, path = name.partition("/")
+        (here / "generated" / name).write_text("old")
+        listing = here / "generated" / target / LIST
+        lines = listing.read_text(encoding="utf-8").splitlines(keepends=True)
+        kept = "".join(line for line in lines if not line.startswith("# Families: "))
+        listing.write_text(f"{kept}{path}\n", encoding="utf-8")
+    code, out, err = run(capsys, "generate", *TARGETS)
+    assert (code, err) == (0, "")
+    assert sorted(line for line in out.splitlines() if "removed" in line) == [
+        f"removed    generated/{name}" for name in old
+    ]
 
 
 @pytest.mark.slow
