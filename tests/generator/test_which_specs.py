@@ -8,8 +8,10 @@ import shutil
 from pathlib import Path
 
 import pytest
+from codewheel.cache import Cache
 from codewheel.commands import which_specs
 from codewheel.commands.cli import main
+from codewheel.loading.configuration import Configuration
 from codewheel.write import LIST
 
 ROOT = Path(__file__).parents[2]
@@ -231,6 +233,20 @@ def test_other_files_of_these_names_are_no_settings(capsys: pytest.CaptureFixtur
     assert run(capsys, "check", "specs/bb")[0] == 0
     (two / "pyproject.toml").write_text("# see tool.codewheel\n[project]\n")
     assert run(capsys, "check", "specs/bb")[0] == 0
+
+
+@pytest.mark.parametrize(("language", "file"), [("toml", "pyproject.toml"), ("yaml", "codewheel.yaml")])
+def test_the_settings_of_the_page(two: Path, language: str, file: str) -> None:
+    page = (ROOT / "docs/which-specs.md").read_text(encoding="utf-8")
+    block = page.partition(f"```{language}\n")[2].partition("```")[0]
+    (two / file).write_text(block, encoding="utf-8")
+    settings = which_specs.find_settings(Cache(None))
+    assert settings == Configuration(Path(file), (Path("specs"),), Path("generated"), ("c", "docs"))
+
+
+def test_the_limit_is_that_of_the_page() -> None:
+    page = (ROOT / "docs/which-specs.md").read_text(encoding="utf-8")
+    assert f"ends after {which_specs.MOST_NAMES:,} files and folders" in page
 
 
 # ------------------------------------------------------------------------------------------------------ the search
