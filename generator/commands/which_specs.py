@@ -110,15 +110,15 @@ def specs_to_judge(named: Sequence[Path], command: str, cache: Cache) -> Specs:
             f"or list them under [tool.codewheel] in pyproject.toml{others}",
             2,
         )
-    _report_not_entered(specs)
+    _report_not_entered(specs, folder)
     return replace(specs, packaged=())
 
 
-def _report_not_entered(specs: Specs) -> None:
-    """Report the folders that may contain specs but are not searched, so that nobody takes them for checked."""
+def _report_not_entered(specs: Specs, folder: Path) -> None:
+    """Report the folders that may contain specs but are not searched, so that a user does not take them for checked."""
     folders = [path for path in specs.paths if is_folder(path)]
     in_folders = [item for path in folders for item in below(path, lambda _: False).not_entered]
-    searched = [os.path.join(os.path.realpath(path), "") for path in folders or [Path()]]
+    searched = [os.path.join(os.path.realpath(path), "") for path in folders or [folder]]
     shown = [
         f"{path.as_posix()} ({reason})"
         for path, reason in (*specs.not_entered, *(item for item in in_folders if item[1] != UNREADABLE))
