@@ -26,9 +26,12 @@ from .lock import PATIENCE_S, Busy, locked
 LIST = ".codewheel"
 _LIST_HEAD = "# Written by codewheel generate, which removes files of this list that it no longer writes.\n"
 _LIST_SIGN = b"# Written by codewheel generate"
+#: Begins the line of a list with the families that the target's folder was written from.
+_FAMILIES = "# Families: "
 #: The first file in a stage. It lets a later run tell the stage of a killed run from a user's folder.
 _MARK = ".codewheel-stage"
 _PREFIX = ".codewheel-"
+_STAGE = re.compile(rf"{re.escape(_PREFIX)}([A-Za-z0-9_.-]+)-[a-z0-9_]{{8}}")
 _MARK_TEXT = "Temporary folder of codewheel generate. Its next run removes it.\n"
 _NEW, _OLD = "new", "old"
 _MOST_THREADS = 8
@@ -80,6 +83,7 @@ def is_as_written(
     folder: Path,
     targets: Mapping[str, Mapping[str, str]],
     known: Callable[[str, Callable[[], str]], object] = lambda _, hash_of_file: hash_of_file(),
+    families: Sequence[str] = (),
 ) -> bool:
     """Return whether writing files with these hashes would change nothing.
 
@@ -87,6 +91,7 @@ def is_as_written(
         folder: The output folder.
         targets: The hashes, keyed as for ``write``.
         known: Returns the hash of the file at a path if it is known, and otherwise calls its second argument.
+        families: As for ``write``.
     """
 
     def hash_of(path: str) -> object:
@@ -96,6 +101,7 @@ def is_as_written(
     try:
         return not any(name.startswith(_PREFIX) for name in os.listdir(folder)) and all(
             _ours(folder, target) == sorted(files)
+            and (not families or families_in(folder / target) == list(families))
             and all(hash_of(path) == expected for path, expected in files.items())
             for target, files in targets.items()
         )
@@ -114,6 +120,8 @@ def write(
     force: bool = False,
     waiting: Callable[[], None] = lambda: None,
     gate: Callable[[], None] = lambda: None,
+    guard: Callable[[Mapping[str, Sequence[Change]]], None] = lambda _: None,
+    families: Sequence[str] = (),
 ) -> list[Change]:
     """Write the files of ``targets`` to their folders, remove obsolete ones, and keep foreign files.
 
@@ -123,6 +131,8 @@ def write(
         force: True to overwrite foreign files that are in the way.
         waiting: Called before the function waits for another run that is writing to the folder.
         gate: Called before a file changes. An error that it raises ends the function, and nothing has changed.
+        guard: Called with the changes of each target, before ``gate``. An error has the same effect.
+        families: The families that the files are written from, as ``manufacturer/family``, for the lists.
 
     Raises:
         WriteError: A foreign file is in the way, another run does not end, or a file cannot be written. In that case
@@ -134,7 +144,7 @@ def write(
     try:
         with locked(folder, waiting):
             try:
-                return _written(folder, targets, force, gate)
+                return _written(folder, targets, force, gate, guard, families)
             finally:
                 if is_new:
                     with suppress(OSError):  # a folder that is not empty stays
@@ -149,21 +159,29 @@ def write(
 
 
 def _written(
-    folder: Path, targets: Mapping[str, Mapping[str, str]], force: bool, gate: Callable[[], None]
+    folder: Path,
+    targets: Mapping[str, Mapping[str, str]],
+    force: bool,
+    gate: Callable[[], None],
+    guard: Callable[[Mapping[str, Sequence[Change]]], None],
+    families: Sequence[str],
 ) -> list[Change]:
     """Write the targets to the folder. This process must hold its lock."""
-    _clear(folder, targets)
+    _clear(folder)
     found = {target: changes(folder, target, files) for target, files in targets.items()}
+    guard(found)
     if any(item.what != "unchanged" for of_target in found.values() for item in of_target):
         gate()
-    to_write = [name for name, files in targets.items() if _needs_writing(folder, name, files, found[name])]
+    to_write = [name for name, files in targets.items() if _needs_writing(folder, name, files, found[name], families)]
     _refuse_what_is_in_the_way(folder, {name: targets[name] for name in to_write}, found, force)
     stages: list[_Stage] = []
     exchanged: list[_Stage] = []
     try:
         for target in to_write:
             stages.append(_Stage(Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{target}-", dir=folder)), folder / target))
-            stages[-1].fill(targets[target], {item.path for item in found[target] if item.what == "unchanged"})
+            stages[-1].fill(
+                targets[target], families, {item.path for item in found[target] if item.what == "unchanged"}
+            )
         for stage in stages:
             _exchange(stage.new, stage.place)
             exchanged.append(stage)
@@ -178,8 +196,12 @@ def _written(
     return [change for changed in found.values() for change in changed]
 
 
-def _needs_writing(folder: Path, target: str, files: Mapping[str, str], found: Iterable[Change]) -> bool:
-    return any(item.what != "unchanged" for item in found) or _ours(folder, target) != sorted(files)
+def _needs_writing(
+    folder: Path, target: str, files: Mapping[str, str], found: Iterable[Change], families: Sequence[str]
+) -> bool:
+    if any(item.what != "unchanged" for item in found) or _ours(folder, target) != sorted(files):
+        return True
+    return bool(families) and families_in(folder / target) != list(families)
 
 
 def _shown(error: OSError, stages: Iterable[_Stage], folder: Path) -> str:
@@ -211,16 +233,33 @@ def _taken_back(stage: _Stage) -> bool:
     return True
 
 
-def _clear(folder: Path, targets: Iterable[str]) -> None:
-    """Remove stages left by a killed run. Only folders with our name and mark are removed."""
-    name_of_a_stage = re.compile(rf"{re.escape(_PREFIX)}({'|'.join(map(re.escape, targets))})-[a-z0-9_]{{8}}")
-    with os.scandir(folder) as entries:
-        for entry in list(entries):
-            named = name_of_a_stage.fullmatch(entry.name)
-            if named and entry.is_dir(follow_symlinks=False):
-                with suppress(OSError, WriteError):
-                    if _is_a_stage(Path(entry.path)):
-                        _remove({Path(entry.path): folder / named[1]})
+def _clear(folder: Path) -> None:
+    """Remove stages left by a killed run."""
+    for stage, target in _stages_in(folder):
+        with suppress(OSError, WriteError):
+            _remove({stage: folder / target})
+
+
+def left_stages(folder: Path) -> list[Change]:
+    """Return the stages of a killed run, as files that the next run removes."""
+    return [Change(stage.name, "removed") for stage, _ in _stages_in(folder)]
+
+
+def _stages_in(folder: Path) -> list[tuple[Path, str]]:
+    """Return each stage in the output folder, and its target. These folders have our name and our mark."""
+    found = []
+    try:
+        with os.scandir(folder) as listing:
+            entries = sorted(listing, key=lambda entry: entry.name)
+    except OSError:
+        return []
+    for entry in entries:
+        named = _STAGE.fullmatch(entry.name)
+        if named and entry.is_dir(follow_symlinks=False):
+            with suppress(OSError, WriteError):
+                if _is_a_stage(Path(entry.path)):
+                    found.append((Path(entry.path), named[1]))
+    return found
 
 
 def _is_a_stage(folder: Path) -> bool:
@@ -393,6 +432,17 @@ def listed_in(place: Path) -> list[str]:
     return [line for line in lines if _SAFE.fullmatch(line) and ".." not in line.split("/")]
 
 
+def families_in(place: Path) -> list[str]:
+    """Return the families that a target's folder was written from. Lists of earlier versions do not record them.
+
+    Raises:
+        WriteError: The list cannot be read.
+    """
+    text = (_read(place / LIST) or b"").decode("utf-8", "replace")
+    line = next((line for line in text.splitlines() if line.startswith(_FAMILIES)), _FAMILIES)
+    return line.removeprefix(_FAMILIES).split()
+
+
 def _ours(folder: Path, target: str) -> list[str]:
     return sorted(f"{target}/{line}" for line in listed_in(folder / target))
 
@@ -416,14 +466,15 @@ class _Stage:
     def old(self) -> Path:
         return self.folder / _OLD
 
-    def fill(self, files: Mapping[str, str], unchanged: set[str]) -> None:
+    def fill(self, files: Mapping[str, str], families: Sequence[str], unchanged: set[str]) -> None:
         """Fill the stage with the whole content of the target's folder. Unchanged files become hard links."""
         (self.folder / _MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
         self._make(Path())
         inside = {name.partition("/")[2]: name for name in files}
         # The list comes first: without it, a later run would take the files of a killed run for the user's.
         listed = "".join(f"{path}\n" for path in sorted(inside))
-        (self.new / LIST).write_text(_LIST_HEAD + listed, encoding="utf-8", newline="\n")
+        head = _LIST_HEAD + (f"{_FAMILIES}{' '.join(families)}\n" if families else "")
+        (self.new / LIST).write_text(head + listed, encoding="utf-8", newline="\n")
         for parent in {os.path.dirname(path) for path in inside}:
             self._make(Path(parent))
         into, place = os.path.join(self.new, ""), os.path.join(self.place, "")

@@ -72,6 +72,10 @@ ELSEWHERE = {
         f"docs/questions-{name}.md": {": $ codewheel": "tests/docs/test_start_pages.py::test_its_commands"}
         for name in ("all-ones", "crc-always-wrong", "factor-of-two")
     },
+    "docs/which-specs.md": {
+        f"{language}: ": "tests/generator/test_which_specs.py::test_the_settings_of_the_page"
+        for language in ("toml", "yaml")
+    },
     "docs/check-in-ci.md": {
         "yaml: ": "tests/changes/test_around_a_release.py::test_the_commands_of_the_page_are_right",
     },

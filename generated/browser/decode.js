@@ -545,7 +545,7 @@
     const { parts, wrong } = family.labels;
     const found = parts.flatMap((part, place) => {
       const groups = regexOf(wrong[place]).exec(code)?.groups;
-      if (!groups) return [];
+      if (!groups || !hasMoreThan(groups, part, code)) return [];
       const unlisted = parts.filter((other) => other !== part && listedValue(other, groups[other.name]) === undefined);
       return [{ part, given: groups[part.name], rank: 2 * unlisted.length + (groups[part.name] ? 1 : 0) }];
     });
@@ -555,6 +555,13 @@
     const { part, given } = found.reduce((best, one) => (one.rank < best.rank ? one : best));
     const words = given ? said("has_part", part.name, given) : said("has_no_part", part.name);
     return new UnknownCode(said("wrong_part", code, words, part.values.join(", "), nearest([family], code)), true);
+  }
+
+  /** Whether a label has letters or digits of the family, apart from a wrong part and the tail. */
+  function hasMoreThan(groups, part, code) {
+    const given = groups[part.name];
+    const own = code.slice(0, code.length - (groups.tail_ ?? "").length - (groups.special_ ?? "").length);
+    return given === "" || /[A-Z0-9]/i.test(own.replace(given, ""));
   }
 
   function unknownLabel(text) {

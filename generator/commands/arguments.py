@@ -20,9 +20,10 @@ EXAMPLES = {
         "codewheel generate",
         "codewheel generate my_encoder.yaml -o out --target c",
         "codewheel generate --check",
+        "codewheel generate --packaged AMM5A21/65KSC1 --target c -o out2",
     ),
     "check": ("codewheel check my_encoder.yaml", "codewheel check .", "codewheel check --json"),
-    "list": ("codewheel list", "codewheel list --specs my_encoder.yaml"),
+    "list": ("codewheel list", "codewheel list my_encoder.yaml"),
     "show": ("codewheel show my_encoder", "codewheel show MY-ENCODER-13-SC"),
     "decode": (
         "codewheel decode MY-ENCODER-13-SC 0b0001111101000_1_1_011010",

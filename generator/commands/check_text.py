@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 from ..language.problems import Report
@@ -20,7 +19,7 @@ def as_data(report: Report) -> dict[str, Any]:
     return data | {"placeholders": placeholders.as_data(report.files)}
 
 
-def as_text(families: Sequence[str], report: Report, paths: Sequence[Path], form: str = "text") -> str:
+def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     """Return the problems as text, with the files read and a summary, or in a form for review tools.
 
     ``families`` are the names of all families.
@@ -31,7 +30,7 @@ def as_text(families: Sequence[str], report: Report, paths: Sequence[Path], form
         )
     lines = [problem.format() for problem in report.shown]
     lines += placeholders.notice(report.files)
-    lines.append(read_line(paths, families, report))
+    lines.append(read_line(families, report))
     if report:
         lines.append(counted(len(report), "problem"))
     elif families:

@@ -22,6 +22,7 @@ from . import look_up
 from .arguments import held_bytes, parse
 from .parsers import parser_for
 from .terminal import Progress, Stop, prepare, release
+from .which_specs import specs_to_judge, specs_to_read
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -62,8 +63,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(arguments: Sequence[str] | None) -> int:
     try:
         chosen = parse(parser_for(sys.argv[1:] if arguments is None else arguments), arguments)
-        if getattr(chosen, "looks_up", False) and getattr(chosen, "order_code", "") is not None:
-            chosen.specs = look_up.own_or_shipped(chosen.specs, say=True)
         prepare(as_json=getattr(chosen, "json", False))
         return _RUNS[chosen.command](chosen)
     except Stop as stop:
@@ -80,7 +79,7 @@ _OTHER_FORM = suppress(LookupError, TypeError, AttributeError, ValueError)
 def _cache(chosen: argparse.Namespace) -> Cache:
     from ..cache import Cache, default_folder
 
-    return Cache(None if chosen.no_cache else default_folder())
+    return Cache(None if getattr(chosen, "no_cache", False) else default_folder())
 
 
 def _print(as_json: bool, data: Callable[[], Mapping[str, Any]], text: Callable[[], str]) -> None:
@@ -90,15 +89,17 @@ def _print(as_json: bool, data: Callable[[], Mapping[str, Any]], text: Callable[
 def _generate(chosen: argparse.Namespace) -> int:
     from .earlier import Generated, Hashes, earlier
     from .generate import is_unchanged, run
+    from .selection import selected
 
-    paths = look_up.own_or_shipped([*chosen.specs, *chosen.more_specs])
-    options = [*(chosen.target or ()), "", *chosen.option, "", *chosen.edition]
+    asked = selected(chosen, _cache(chosen))
+    paths, settings_given = asked.paths, asked.options
+    options = [*(chosen.target or ()), "", *settings_given, "", *chosen.edition]
     before = earlier(_cache(chosen), "generate", paths, options)
     known = None if chosen.templates is not None or chosen.biss_dtd is not None else before.get(Generated)
     if known is not None:
         with _OTHER_FORM:
-            read = _read_line(paths, known["families"], before.report(known["files"]))
-            if is_unchanged(chosen, known["hashes"], read, before.cache):
+            read = _read_line(known["families"], before.report(known["files"]), chosen.packaged)
+            if is_unchanged(chosen, known["hashes"], known["owners"], read, before.cache):
                 return 0
     from ..loading.library import load_families
 
@@ -109,11 +110,12 @@ def _generate(chosen: argparse.Namespace) -> int:
     known = None if report or chosen.edition or chosen.templates or chosen.biss_dtd else alike.get(Hashes)
     if known is not None:
         with _OTHER_FORM:
-            read = _read_line(paths, names, report)
-            if is_unchanged(chosen, known["hashes"], read, before.cache):
+            read = _read_line(names, report, chosen.packaged)
+            if is_unchanged(chosen, known["hashes"], known["owners"], read, before.cache):
                 before.put({"families": names, "files": report.files} | known)
                 return 0
     from ..loading.stored import digest_of
+    from ..owners import owners
     from ..parts import Kept, Rendering
     from ..targets import Library
     from ..targets.registry import BUILT_IN
@@ -123,7 +125,7 @@ def _generate(chosen: argparse.Namespace) -> int:
     progress = Progress("codewheel: checking the specs")
     # Other processes begin to render at once, unless the run will end with problems. They do not know the user's
     # templates and options.
-    changed = {setting.partition(".")[0] for setting in chosen.option}
+    changed = {setting.partition(".")[0] for setting in settings_given}
     plain = [name for name in dict.fromkeys(chosen.target or BUILT_IN) if name in BUILT_IN and name not in changed]
     digests = {item.device.name: item.digest for item in families}
     if not chosen.no_cache:
@@ -132,7 +134,7 @@ def _generate(chosen: argparse.Namespace) -> int:
     loaded = [item.device for item in families]
     with Rendering(loaded, [] if report or chosen.templates else plain, kept) as begun:
         targets = targets_named(chosen.target)
-        settings = options_named(chosen.option, targets)
+        settings = options_named(settings_given, targets)
         if chosen.templates is not None and not chosen.templates.is_dir():
             raise Stop(f"there is no folder {chosen.templates}", 2)
         if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
@@ -142,25 +144,25 @@ def _generate(chosen: argparse.Namespace) -> int:
         if report:
             raise look_up.problems(report)
         names = [device.name for device in devices]
-        print(_read_line(paths, names, report))
+        print(_read_line(names, report, chosen.packaged))
         with progress:
             files = rendered(Library(devices, chosen.templates), targets, settings, begun)
     if chosen.templates is None and are_built_in(targets, chosen.target):
         made = {name: hashes(texts) for name, texts in files.items()}
-        before.put({"families": names, "files": report.files, "hashes": made})
-        alike.put({"hashes": made})
+        before.put({"families": names, "files": report.files, "hashes": made, "owners": owners(devices)})
+        alike.put({"hashes": made, "owners": owners(devices)})
 
     def gate() -> None:
         import_module(f"{__package__}.coverage").refuse_unproved(families, "written", _cache(chosen))
 
-    return run(chosen, files, gate)
+    return run(chosen, files, gate, asked.guard(chosen.output, devices, report.files))
 
 
-def _read_line(paths: Sequence[Path], families: Sequence[str], report: Report) -> str:
+def _read_line(families: Sequence[str], report: Report, packaged: Sequence[str]) -> str:
     """Return the line about the specs that were read, and one about values that are still the template's."""
     from .placeholders import short_notice
 
-    return "\n".join(filter(None, (look_up.read_line(paths, families, report), short_notice(report.files))))
+    return "\n".join(filter(None, (look_up.read_line(families, report, packaged), short_notice(report.files))))
 
 
 def _check(chosen: argparse.Namespace) -> int:
@@ -169,7 +171,7 @@ def _check(chosen: argparse.Namespace) -> int:
 
     if chosen.write and not chosen.coverage:
         raise Stop("--write needs --coverage", 2)
-    paths = look_up.own_or_shipped([*chosen.specs, *chosen.more_specs])
+    paths = specs_to_judge([*chosen.specs, *chosen.more_specs], "check", _cache(chosen)).paths
     if chosen.format in ("github", "sarif") and chosen.coverage:
         raise Stop(f"--format {chosen.format} lists problems only; leave --coverage out", 2)
     chosen.json = chosen.json or chosen.format == "json"
@@ -179,7 +181,7 @@ def _check(chosen: argparse.Namespace) -> int:
         with _OTHER_FORM:
             report = before.report(known["files"])
             data = {"version": JSON_VERSION} | as_data(report)
-            _print(chosen.json, lambda: data, lambda: as_text(known["families"], report, paths, chosen.format))
+            _print(chosen.json, lambda: data, lambda: as_text(known["families"], report, chosen.format))
             return 0
     from ..targets.registry import WITH_PROBLEMS
     from . import check, coverage
@@ -192,7 +194,7 @@ def _check(chosen: argparse.Namespace) -> int:
     covered = coverage.cover(found, chosen.write) if chosen.coverage else []
     counts = coverage.as_data(covered) if chosen.coverage else {}
     data = {"version": JSON_VERSION} | as_data(found.report) | counts
-    _print(chosen.json, lambda: data, lambda: as_text(names, found.report, paths, chosen.format))
+    _print(chosen.json, lambda: data, lambda: as_text(names, found.report, chosen.format))
     if chosen.coverage and not chosen.json:
         print(coverage.as_text(covered, found))
     if not found.report and are_built_in(targets, WITH_PROBLEMS):
@@ -201,27 +203,31 @@ def _check(chosen: argparse.Namespace) -> int:
 
 
 def _list(chosen: argparse.Namespace) -> int:
-    from .earlier import earlier
-    from .listing import Row, as_data, as_text, rows
+    from .listing import Row, as_data, as_text, rows, without_repeated
 
-    before = earlier(_cache(chosen), "list", chosen.specs)
-    families = before.get(list[Row])
-    if families:
-        with _OTHER_FORM:
-            _print(chosen.json, lambda: as_data(families), lambda: as_text(families))
-            return 0
-    families = rows(look_up.load(chosen.specs))
-    before.put(families)
+    def rows_of(paths: Sequence[Path]) -> list[Row]:
+        before = earlier(_cache(chosen), "list", paths)
+        known: list[Row] | None = before.get(list[Row])
+        if known is None:
+            known = rows(look_up.load(paths))
+            before.put(known)
+        return known
+
+    from .earlier import earlier
+
+    specs = specs_to_read([*chosen.specs, *chosen.more_specs], _cache(chosen))
+    families = without_repeated(*map(rows_of, specs.groups))
     _print(chosen.json, lambda: as_data(families), lambda: as_text(families))
     return 0
 
 
 def _show(chosen: argparse.Namespace) -> int:
-    device, match = look_up.family_or_code(chosen.specs, chosen.what, _cache(chosen))
+    specs = specs_to_read(chosen.specs, _cache(chosen))
+    device, match, paths = look_up.family_or_code(specs, chosen.what, _cache(chosen))
     if chosen.edition is not None:
         from .editions import asked_for
 
-        device, match, _ = asked_for(chosen.specs, device, match, chosen.edition, chosen.what, {})
+        device, match, _ = asked_for(paths, device, match, chosen.edition, chosen.what, {})
     if chosen.json:
         from ..dump.plain import device_dump, variant_dump
 
@@ -237,19 +243,21 @@ def _show(chosen: argparse.Namespace) -> int:
 def _reread(chosen: argparse.Namespace) -> int:
     from .reread import run
 
+    chosen.specs = specs_to_judge(chosen.specs, "reread OLD NEW", _cache(chosen)).paths
     return run(chosen)
 
 
 def _facts(chosen: argparse.Namespace) -> int:
     from .reread import run_facts
 
+    chosen.specs = specs_to_judge(chosen.specs, "facts FAMILY", _cache(chosen)).paths
     return run_facts(chosen)
 
 
 def _simulate(chosen: argparse.Namespace) -> int:
     from .simulate import run
 
-    return run(chosen)
+    return run(chosen, specs_to_read(chosen.specs, _cache(chosen)), _cache(chosen))
 
 
 def _diff(chosen: argparse.Namespace) -> int:
@@ -278,7 +286,7 @@ def _new(chosen: argparse.Namespace) -> int:
 def _migrate(chosen: argparse.Namespace) -> int:
     from .migrate import run
 
-    return run(chosen.specs, chosen.check)
+    return run(specs_to_judge(chosen.specs, "migrate", _cache(chosen)).paths, chosen.check)
 
 
 def _master(chosen: argparse.Namespace) -> int:
@@ -296,12 +304,13 @@ def _decode(chosen: argparse.Namespace) -> int:
     from .choose import answers_of
     from .decode_run import Decoding, Request, frames
 
-    device, found = look_up.order_code(chosen.specs, chosen.order_code, _cache(chosen))
+    specs = specs_to_read(chosen.specs, _cache(chosen))
+    device, found, paths = look_up.order_code(specs, chosen.order_code, _cache(chosen))
     match, held = found, held_bytes(chosen.register)
     if chosen.edition is not None:
         from .editions import asked_for
 
-        device, again, held = asked_for(chosen.specs, device, found, chosen.edition, chosen.order_code, held)
+        device, again, held = asked_for(paths, device, found, chosen.edition, chosen.order_code, held)
         match = again or found
     answers = answers_of(device, match.variant, chosen.choose)
     fixed = fixed_addresses(device, match.variant)

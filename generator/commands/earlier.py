@@ -19,7 +19,7 @@ from ..known_files import KnownFiles
 from ..language.files import Found, below, is_folder, is_spec, top_keys
 from ..language.problems import Report
 from ..loading.family_files import family_files
-from ..loading.shipped import packaged_families, packaged_masters
+from ..loading.shipped import packaged_masters
 from ..typed import fits
 
 #: Keys of overlays, which may refer to specs in other folders.
@@ -34,9 +34,10 @@ class SpecsRead(TypedDict):
 
 
 class Hashes(TypedDict):
-    """Hashes of generated files, by target and path."""
+    """Hashes of generated files, by target and path, and the families that they were written from."""
 
     hashes: dict[str, dict[str, str]]
+    owners: list[str]
 
 
 class Generated(SpecsRead, Hashes):
@@ -105,7 +106,7 @@ def earlier(cache: Cache, kind: str, paths: Sequence[Path], options: Sequence[st
     Args:
         cache: The cache.
         kind: The kind of result, which is the name of the command.
-        paths: The specs. Default: those that ship with the tool.
+        paths: The specs.
         options: All options on which the result depends.
     """
     return Earlier(cache, kind, paths, options, *_content(cache, paths, options))
@@ -126,7 +127,7 @@ def _content(cache: Cache, paths: Sequence[Path], options: Sequence[str]) -> tup
 
     names_in = functools.cache(os.listdir)
     try:
-        for given in paths or packaged_families():
+        for given in paths:
             found = below(given, is_known) if is_folder(given) else Found((given,), ())
             passed_over += map(str, found.passed_over)
             content += [str(given), *map(str, found.specs), "", *map(str, found.passed_over), ""]

@@ -5,33 +5,44 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from ..cache import Cache
 from ..known_files import KnownFiles
+from ..owners import Guard, owners
 from ..say.numbers import counted
-from ..write import Change, WriteError, changes, is_as_written, write
+from ..write import Change, WriteError, changes, is_as_written, left_stages, write
 from .terminal import Stop
 
 #: The files of each target, as texts by path.
 Rendered = Mapping[str, Mapping[str, str]]
 
 
-def run(chosen: argparse.Namespace, files: Rendered, gate: Callable[[], None]) -> int:
+def run(chosen: argparse.Namespace, files: Rendered, gate: Callable[[], None], guard: Guard) -> int:
     """Write or compare the files of each target, and return the exit code.
 
     ``gate`` raises ``Stop`` to refuse writing specs that must not be released. It is called if a file would change.
 
     Raises:
-        Stop: The disk fails, or a file differs.
+        Stop: The disk fails, a file differs, or ``guard`` refuses the changes.
     """
+    check: Callable[[Mapping[str, Sequence[Change]]], None] = (lambda _: None) if chosen.prune else guard.check
     try:
         if chosen.check:
-            found = [item for name, texts in files.items() for item in changes(chosen.output, name, texts)]
+            by_target = {name: changes(chosen.output, name, texts) for name, texts in files.items()}
+            check(by_target)
+            found = [item for of_target in by_target.values() for item in of_target] + left_stages(chosen.output)
         else:
-            asked = (lambda: None) if chosen.unchecked else gate
-            found = write(chosen.output, files, chosen.force, lambda: _tell_of_the_wait(chosen.output), asked)
+            found = write(
+                chosen.output,
+                files,
+                force=chosen.force,
+                waiting=lambda: _tell_of_the_wait(chosen.output),
+                gate=(lambda: None) if chosen.unchecked else gate,
+                guard=check,
+                families=owners(guard.devices),
+            )
     except WriteError as error:
         raise Stop(str(error), 1) from None
     _tell(found, chosen)
@@ -40,13 +51,15 @@ def run(chosen: argparse.Namespace, files: Rendered, gate: Callable[[], None]) -
     return 0
 
 
-def is_unchanged(chosen: argparse.Namespace, hashes: Rendered, read: str, cache: Cache) -> bool:
+def is_unchanged(
+    chosen: argparse.Namespace, hashes: Rendered, families: Sequence[str], read: str, cache: Cache
+) -> bool:
     """Return True if the files of each target have these hashes, and print ``read`` and the files.
 
-    Otherwise, print nothing.
+    Otherwise, print nothing. ``families`` are those that the files were written from, as ``owners`` returns them.
     """
     known = KnownFiles(cache, "written files", [str(chosen.output)])
-    if not is_as_written(chosen.output, hashes, known.result):
+    if not is_as_written(chosen.output, hashes, known.result, families):
         return False
     known.keep()
     print(read)
@@ -72,14 +85,34 @@ def _sum_up(found: Sequence[Change], chosen: argparse.Namespace) -> None:
         changed = f"{counted(stale, 'file')} changed, {len(found) - stale} unchanged"
         print(changed if stale else f"all {len(found)} files unchanged")
     elif stale:
-        again = ["codewheel", "generate", *map(str, [*chosen.specs, *chosen.more_specs])]
-        again += [] if chosen.output == Path("generated") else ["-o", str(chosen.output)]
-        again += [word for name in chosen.target or () for word in ("--target", name)]
-        again += [word for setting in chosen.option for word in ("--option", setting)]
-        again += [] if chosen.templates is None else ["--templates", str(chosen.templates)]
-        raise Stop(f"{counted(stale, 'file')} out of date; run: {shlex.join(again)}", 1)
+        _tell_of_a_mixture(found)
+        raise Stop(f"{counted(stale, 'file')} out of date; run: {chosen.again}", 1)
     else:
         print(f"{counted(len(found), 'file')} up to date")
+
+
+def _tell_of_a_mixture(found: Iterable[Change]) -> None:
+    """Print which targets match the specs and which do not, as after a run that was killed between two targets."""
+    states: dict[str, set[str]] = {}
+    for item in found:
+        target, is_in_a_target, _ = item.path.partition("/")
+        if is_in_a_target:
+            states.setdefault(target, set()).add(item.what)
+    current = [target for target, state in states.items() if state == {"unchanged"}]
+    outdated = [target for target, state in states.items() if state != {"unchanged"}]
+    if current and outdated:
+        print(f"up to date: {', '.join(current)}; out of date: {', '.join(outdated)}")
+
+
+def command_again(chosen: argparse.Namespace, *more: str) -> str:
+    """Return the command line that writes the outputs with the arguments that the user gave, and with ``more``."""
+    again = ["codewheel", "generate", *map(str, [*chosen.specs, *chosen.more_specs]), *more]
+    again += [word for name in chosen.packaged for word in ("--packaged", name)]
+    again += [] if chosen.output is None else ["-o", str(chosen.output)]
+    again += [word for name in chosen.target or () for word in ("--target", name)]
+    again += [word for setting in chosen.option for word in ("--option", setting)]
+    again += [] if chosen.templates is None else ["--templates", str(chosen.templates)]
+    return shlex.join(again)
 
 
 def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:

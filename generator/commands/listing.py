@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TypedDict
 
@@ -49,6 +50,20 @@ def rows(devices: Sequence[Device]) -> list[Row]:
         }
         for device in devices
     ]
+
+
+def without_repeated(own: Sequence[Row] = (), packaged: Sequence[Row] = ()) -> list[Row]:
+    """Return the user's families and then the packaged ones, without those that the user's have too.
+
+    Report these on standard error.
+    """
+    names = {row["family"] for row in own}
+    codes = {code for row in own for code in row["order_codes"]}
+    repeated = [row for row in packaged if row["family"] in names or not codes.isdisjoint(row["order_codes"])]
+    if repeated:
+        shown = ", ".join(row["family"] for row in repeated)
+        print(f"codewheel: in your specs and in the packaged ones: {shown}; yours are used", file=sys.stderr)
+    return [*own, *(row for row in packaged if row not in repeated)]
 
 
 def as_data(families: Sequence[Row]) -> dict[str, Any]:

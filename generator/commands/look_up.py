@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ..language.problems import Report
     from ..model import Device
     from ..order_codes.labels import Match
+    from .which_specs import Specs
 
 _MOST_FILES = 8
 
@@ -24,11 +25,10 @@ def load(paths: Sequence[Path]) -> tuple[Device, ...]:
     """Return the devices of the specs, and print problems to standard error.
 
     Raises:
-        Stop: There are problems (exit code 1), or a path does not exist (exit code 2).
+        Stop: There are problems. The exit code is 1.
     """
     from ..loading.library import load_library
 
-    refuse_missing(paths)
     devices, report = load_library(paths)
     if report:
         raise problems(report)
@@ -53,85 +53,134 @@ def _is_there(path: Path) -> bool:
         return True  # It exists, and reading it will report the error.
 
 
-def own_or_shipped(paths: Sequence[Path], say: bool = False) -> list[Path]:
-    """Return the given paths, else the specs in the current folder, else an empty list for the shipped ones.
+def read_line(families: Iterable[str], report: Report, packaged: Sequence[str] = ()) -> str:
+    """Return one line that names the specs that were read, so that users notice a forgotten path.
 
-    Args:
-        paths: The paths that the user gave.
-        say: Report on standard error that the specs in the current folder are used.
-
-    Raises:
-        Stop: A path does not exist. The exit code is 2.
+    ``packaged`` are the names given with ``--packaged``.
     """
-    refuse_missing(paths)
-    from ..language.files import own_specs
-
-    own = list(paths) or own_specs(Path())
-    if say and own and not paths:
-        named = first_of([str(path) for path in own], _MOST_FILES)
-        print(f"codewheel: using the specs in this folder, not those of codewheel: {named}", file=sys.stderr)
-    return own
-
-
-def read_line(paths: Sequence[Path], families: Iterable[str], report: Report) -> str:
-    """Return one line that names the specs that were read, so that users notice a forgotten path."""
-
-    if not paths:
-        return f"read the specs shipped with codewheel: {', '.join(families)}"
+    if packaged:
+        return f"read the packaged specs of {', '.join(packaged)}: {', '.join(families)}"
     passed_over = [file for file in report.passed_over if file not in report.files]
     others = f"; skipped: {first_of(passed_over, _MOST_FILES)}" if passed_over else ""
     return f"read {counted(len(report.files), 'spec')}: {first_of(report.files, _MOST_FILES)}{others}"
 
 
-def order_code(specs: Sequence[Path], text: str, cache: Cache) -> tuple[Device, Match]:
-    """Return the family and variant of an order code. Only the families that it may belong to are loaded.
+#: A family, the order code in it (None if the family was named), and the specs in which it was found.
+Located = tuple["Device", "Match | None", Sequence[Path]]
 
-    If none of these has the order code, all are loaded. Specs with problems are then omitted and listed.
+
+def order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Match, Sequence[Path]]:
+    """Return the family and variant of an order code, and the specs with it. Few families are loaded if possible.
+
+    The user's specs come first. If their text does not show which families are possible, all of them are loaded. Specs
+    with problems are then omitted and listed.
 
     Raises:
         Stop: There is no such code (exit code 2), or no valid spec has it and others have problems (exit code 1).
     """
-    refuse_missing(specs)
-    selected = _only_match(_selected(specs, text, cache), text)
-    if selected is not None:
-        return selected
-    with _sound(specs) as devices:
-        return find(devices, text)
+    device, match, paths = _located(specs, text, cache, is_name=False)
+    if match is None:  # Only a name has no match.
+        raise _unknown([device], text)
+    return device, match, paths
 
 
-def family_or_code(specs: Sequence[Path], text: str, cache: Cache) -> tuple[Device, Match | None]:
+def family_or_code(specs: Specs, text: str, cache: Cache) -> Located:
     """Return a family by its name, or the family and variant of an order code, like ``order_code``.
 
     Raises:
         Stop: As for ``order_code``.
     """
-    refuse_missing(specs)
-    devices = _selected(specs, text, cache)
-    family = _family(devices, text)
-    selected = (family, None) if family is not None else _only_match(devices, text)
-    if selected is not None:
-        return selected
-    with _sound(specs) as devices:
-        family = _family(devices, text)
-        return (family, None) if family is not None else find(devices, text)
+    return _located(specs, text, cache, is_name=True)
 
 
-def _selected(specs: Sequence[Path], text: str, cache: Cache) -> Sequence[Device]:
+def _located(specs: Specs, text: str, cache: Cache, is_name: bool) -> Located:
+    """Return the family or order code of the first group that has it, and report that a later group also has it."""
+    skipped: list[Report] = []
+    for index, paths in enumerate(specs.groups):
+        found = _in_group(paths, text, cache, is_name, skipped)
+        if found is None:
+            continue
+        _refuse_hidden(found[0], skipped)
+        for report in skipped:
+            _report_skipped(report)
+        if any(_in_group(group, text, cache, is_name, []) for group in specs.groups[index + 1 :]):
+            print(f"codewheel: {text} is in your specs and in the packaged ones; yours are used", file=sys.stderr)
+        return (*found, paths)
+    raise _not_found(specs, text, cache, is_name)
+
+
+def _in_group(
+    paths: Sequence[Path], text: str, cache: Cache, is_name: bool, skipped: list[Report]
+) -> tuple[Device, Match | None] | None:
+    """Return the family or order code in a group of specs, or None. Reports of specs with problems are added."""
     from ..loading.selected import families_for
 
-    return families_for(specs, text, cache)
+    selected = families_for(paths, text, cache)
+    matches = _matches(selected, text, is_name) if selected is not None else None
+    # Several may share an order code by mistake, which only the check of all specs finds.
+    if matches is not None and len(matches) < 2:
+        return matches[0] if matches else None
+    from ..loading.library import load_sound
+
+    devices, report = load_sound(paths)
+    if report:
+        skipped.append(report)
+    return _match(devices, text, is_name)
 
 
-def _only_match(devices: Sequence[Device], text: str) -> tuple[Device, Match] | None:
-    """Return the only one of these families that has the order code, or None if there is none or more than one."""
+def _match(devices: Sequence[Device], text: str, is_name: bool) -> tuple[Device, Match | None] | None:
+    """Return the family with this name, or the order code with the shortest tail after it, or None."""
+    found = _matches(devices, text, is_name)
+    return min(found, key=lambda item: len(item[1].tail) if item[1] is not None else 0) if found else None
+
+
+def _matches(devices: Sequence[Device], text: str, is_name: bool) -> list[tuple[Device, Match | None]]:
+    """Return the family with this name, or all families with the order code."""
     from ..order_codes.labels import UnknownOrderCode
     from ..order_codes.labels import find as find_in
 
-    found = []
-    for device in devices:
+    family = _family(devices, text) if is_name else None
+    if family is not None:
+        return [(family, None)]
+    found: list[tuple[Device, Match | None]] = []
+    for device in in_order(devices, text):
         with suppress(UnknownOrderCode):
             found.append((device, find_in(device, text)))
-    return found[0] if len(found) == 1 else None
+    return found
+
+
+def _refuse_hidden(device: Device, skipped: Iterable[Report]) -> None:
+    """Refuse a packaged family if the user has a spec of that name, but with problems.
+
+    Raises:
+        Stop: The exit code is 1.
+    """
+    for report in skipped:
+        if device.name in {Path(file).stem for file in report.faulty_files}:
+            raise problems(report)
+
+
+def _report_skipped(report: Report) -> None:
+    files = list(dict.fromkeys(problem.file for problem in report.problems))
+    left_out = f"skipped, with {counted(len(report), 'problem')}: {first_of(files, _MOST_FILES)}; run codewheel check"
+    print(f"codewheel: {left_out}", file=sys.stderr)
+
+
+def _not_found(specs: Specs, text: str, cache: Cache, is_name: bool) -> Stop:
+    """Return the reason why no group has the text: problems in a spec, or the nearest codes of all families."""
+    from ..loading.library import load_sound
+    from ..loading.shipped import packaged_families
+
+    devices: list[Device] = []
+    for paths in specs.groups:
+        sound, report = load_sound(paths)
+        if report:
+            return problems(report)
+        devices += sound
+    reason = _unknown(devices, text)
+    if not specs.packaged and _in_group(packaged_families(), text, cache, is_name, []):
+        return Stop(f"{reason}; the packaged specs have it, so leave out the names of specs", reason.code)
+    return reason
 
 
 def find(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
@@ -140,18 +189,10 @@ def find(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
     Raises:
         Stop: There is no such code. The exit code is 2.
     """
-    from ..order_codes.labels import UnknownOrderCode
-    from ..order_codes.labels import find as find_in
-
-    explanation, found = "", []
-    for device in in_order(devices, text):
-        try:
-            found.append((device, find_in(device, text)))
-        except UnknownOrderCode as reason:
-            explanation = explanation or (str(reason) if reason.close else "")
-    if found:
-        return min(found, key=lambda item: len(item[1].tail))
-    raise Stop(explanation or _unknown(devices, text), 2)
+    found = _match(devices, text, is_name=False)
+    if found is None or found[1] is None:
+        raise _unknown(devices, text)
+    return found[0], found[1]
 
 
 def in_order(devices: Sequence[Device], text: str) -> list[Device]:
@@ -166,45 +207,28 @@ def in_order(devices: Sequence[Device], text: str) -> list[Device]:
     return [*special, *(item for item in devices if not item.base)]
 
 
-def _unknown(devices: Sequence[Device], text: str) -> str:
-    """Return the message for text that is not an order code."""
+def _unknown(devices: Sequence[Device], text: str) -> Stop:
+    """Return the reason why text is not an order code of any of these families."""
     from ..language.files import SUFFIXES
     from ..order_codes import messages
-    from ..order_codes.labels import NEAR, nearest_codes
+    from ..order_codes.labels import NEAR, closest_reason, nearest_codes
 
+    reason = closest_reason(in_order(devices, text), text)
+    if reason is not None:
+        return Stop(reason, 2)
     device = _family(devices, text)
     if device is not None:
         code = device.variants[0].code
-        return f"{messages.family(text, code)} (codewheel show {device.name} explains them)"
+        return Stop(f"{messages.family(text, code)} (codewheel show {device.name} explains them)", 2)
     if Path(text).suffix in SUFFIXES:
-        return f"'{text}' is not an order code; give a spec as --specs {text}"
+        return Stop(f"'{text}' is not an order code; give a spec as --specs {text}", 2)
     near = ", ".join(nearest_codes(devices, text, NEAR))
     remedy = messages.nearest(near) if near else "; codewheel list shows the known patterns"
-    return messages.unknown(text) + remedy
+    return Stop(messages.unknown(text) + remedy, 2)
 
 
 def _family(devices: Sequence[Device], text: str) -> Device | None:
     return next((device for device in devices if device.name == text.strip().lower()), None)
-
-
-@contextmanager
-def _sound(specs: Sequence[Path]) -> Iterator[tuple[Device, ...]]:
-    """Yield the usable devices. If the search then fails, report the problems in the specs instead."""
-    from ..loading.library import load_sound
-
-    devices, report = load_sound(specs)
-    try:
-        yield devices
-    except Stop:
-        if report:
-            raise problems(report) from None
-        raise
-    if report:
-        files = list(dict.fromkeys(problem.file for problem in report.problems))
-        left_out = (
-            f"skipped, with {counted(len(report), 'problem')}: {first_of(files, _MOST_FILES)}; run codewheel check"
-        )
-        print(f"codewheel: {left_out}", file=sys.stderr)
 
 
 def problems(report: Report) -> Stop:

@@ -17,6 +17,7 @@ from .arguments import held_bytes
 from .choose import answers_of, undecided
 from .editions import asked_for
 from .terminal import Stop
+from .which_specs import specs_to_read
 
 
 def run(chosen: argparse.Namespace, cache: Cache) -> tuple[int, str | Mapping[str, Any]]:
@@ -39,10 +40,11 @@ def run(chosen: argparse.Namespace, cache: Cache) -> tuple[int, str | Mapping[st
     if chosen.master is not None and chosen.master not in names:
         hint = suggestion(chosen.master, names) or "; codewheel master lists them"
         raise Stop(f"there is no master '{chosen.master}'{hint}", 2)
-    device, found = look_up.order_code(chosen.specs, chosen.order_code, cache)
+    specs = specs_to_read(chosen.specs, cache)
+    device, found, paths = look_up.order_code(specs, chosen.order_code, cache)
     match, held = found, held_bytes(chosen.register)
     if chosen.edition is not None:
-        device, again, held = asked_for(chosen.specs, device, found, chosen.edition, chosen.order_code, held)
+        device, again, held = asked_for(paths, device, found, chosen.edition, chosen.order_code, held)
         match = again or found
     try:
         variant = with_registers(device, match.variant, held)

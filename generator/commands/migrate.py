@@ -13,7 +13,6 @@ from ..language.read import read_document
 from ..language.second_reading import beside
 from ..say.numbers import counted
 from . import check
-from .look_up import own_or_shipped
 from .outputs import targets_named
 from .terminal import Stop
 
@@ -22,16 +21,13 @@ def run(paths: Sequence[Path], only_check: bool) -> int:
     """Migrate specs with their second readings, print each change and each decision, and return the exit code.
 
     Raises:
-        Stop: There are no specs, or a file cannot be written.
+        Stop: A file cannot be written.
     """
-    own = own_or_shipped(paths)
-    if not own:
-        raise Stop("there are no specs in this folder; name a file or folder", 2)
-    changes = sum(_migrate(path, only_check) for path in _files(own))
+    changes = sum(_migrate(path, only_check) for path in _files(paths))
     if only_check:
         print(f"{counted(changes, 'change')} to apply")
         return 1 if changes else 0
-    problems = check.run(own, targets_named()).report.problems
+    problems = check.run(paths, targets_named()).report.problems
     for problem in problems:
         print(problem.format())
     decisions = f"{counted(len(problems), 'place')} to decide by hand" if problems else "nothing to decide"

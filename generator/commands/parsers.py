@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
-from pathlib import Path
 
 from .arguments import FORMATS, FORMATS_HELP, Parser, ShowVersion, a_path, complete, metres
 
@@ -13,9 +12,10 @@ _DESCRIPTION = (
     "Describe an absolute encoder once and get a Python codec, C headers, a BiSS XML description and documentation."
 )
 _SPECS = (
-    "spec files, or folders. In a folder, all .yaml files with the keys of a spec are read (default: the specs in the "
-    "current folder, or if there are none, those shipped with codewheel)"
+    "spec files, or folders. In a folder and below it, all .yaml files with the keys of a spec are read (default: the "
+    "specs under [tool.codewheel], or else those in the current folder and below it{})"
 )
+_PACKAGED_TOO = ", and the packaged ones"
 
 
 def parser_for(arguments: Sequence[str]) -> argparse.ArgumentParser:
@@ -44,9 +44,15 @@ def _add_generate(parser: Parser) -> None:
         "-o",
         dest="output",
         type=a_path,
-        default=Path("generated"),
         metavar="DIR",
-        help="output folder (default: generated)",
+        help="output folder (default: that under [tool.codewheel], or else generated)",
+    )
+    parser.add_argument(
+        "--packaged",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="generate a packaged encoder: an order code, a family or a manufacturer (may be repeated)",
     )
     parser.add_argument(
         "--target", action="append", metavar="NAME", help="write only this output (see below, may be repeated)"
@@ -62,6 +68,9 @@ def _add_generate(parser: Parser) -> None:
         "--check", action="store_true", help="write nothing, and exit 1 if an output does not match the specs"
     )
     parser.add_argument("--force", action="store_true", help="overwrite existing files that codewheel did not write")
+    parser.add_argument(
+        "--prune", action="store_true", help="also remove the outputs of families whose specs are not read"
+    )
     parser.add_argument(
         "--edition",
         action="append",
@@ -120,7 +129,9 @@ def _add_check(parser: Parser) -> None:
 
 def _add_list(parser: Parser) -> None:
     parser.description = "List families, interfaces, order codes and manuals."
-    _add_spec_option(parser)
+    _add_specs(parser, _PACKAGED_TOO)
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    _add_cache_option(parser)
 
 
 def _add_show(parser: Parser) -> None:
@@ -234,7 +245,6 @@ def _add_simulate(parser: Parser) -> None:
         "--specs", action="append", type=a_path, default=[], metavar="PATH", help="specs to use, as for decode"
     )
     parser.more_help = lambda: import_module(f"{__package__}.simulate").more_help()
-    parser.set_defaults(looks_up=True)
 
 
 def _add_diff(parser: Parser) -> None:
@@ -259,7 +269,7 @@ def _add_reread(parser: Parser) -> None:
     parser.add_argument(
         "--family", metavar="FAMILY", help="family that the manual describes (default: the one named on its first page)"
     )
-    _add_spec_option(parser)
+    _add_spec_option(parser, "")
 
 
 def _add_facts(parser: Parser) -> None:
@@ -267,7 +277,7 @@ def _add_facts(parser: Parser) -> None:
     parser.add_argument("family", metavar="FAMILY", help="a family name as shown by list")
     parser.add_argument("--page", type=int, metavar="NUMBER", help="facts that cite this page")
     parser.add_argument("--section", metavar="NUMBER", help="facts that cite this section, such as 6.4")
-    _add_spec_option(parser)
+    _add_spec_option(parser, "")
 
 
 def _add_new(parser: Parser) -> None:
@@ -289,7 +299,7 @@ def _add_migrate(parser: Parser) -> None:
     parser.description = (
         "Apply renamed keys to specs, keep comments and layout, and list what only a person can decide."
     )
-    parser.add_argument("specs", nargs="*", type=a_path, metavar="SPEC", help="files or folders (default: this folder)")
+    parser.add_argument("specs", nargs="*", type=a_path, metavar="SPECS", help=_SPECS.format(""))
     parser.add_argument("--check", action="store_true", help="list what would change, and write nothing")
 
 
@@ -311,8 +321,8 @@ _COMMANDS: Mapping[str, tuple[str, Callable[[Parser], None]]] = {
 }
 
 
-def _add_specs(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("specs", nargs="*", type=a_path, metavar="SPECS", help=_SPECS)
+def _add_specs(parser: argparse.ArgumentParser, others: str = "") -> None:
+    parser.add_argument("specs", nargs="*", type=a_path, metavar="SPECS", help=_SPECS.format(others))
     parser.add_argument(
         "--specs", dest="more_specs", action="append", type=a_path, default=[], metavar="PATH", help="the same as SPECS"
     )
@@ -347,18 +357,17 @@ def _add_edition_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_spec_option(parser: argparse.ArgumentParser) -> None:
+def _add_spec_option(parser: argparse.ArgumentParser, others: str = _PACKAGED_TOO) -> None:
     parser.add_argument(
         "--specs",
         action="append",
         type=a_path,
         default=[],
         metavar="PATH",
-        help="specs to use (default: those in the current folder, or those shipped with codewheel)",
+        help=_SPECS.format(others),
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
     _add_cache_option(parser)
-    parser.set_defaults(looks_up=True)
 
 
 def _add_cache_option(parser: argparse.ArgumentParser) -> None:

@@ -5,11 +5,14 @@ from __future__ import annotations
 import argparse
 from textwrap import fill
 
+from ..cache import Cache
 from ..model import INTERFACES
 from ..virtual import FAULTS, VirtualEncoder, faults_of, motion
 from ..virtual.serve import has_terminals, line_of, listen_tcp, serve, terminal
+from . import look_up
 from .arguments import held_bytes
 from .terminal import Stop
+from .which_specs import Specs
 
 _HOW = (
     "For RS-485, open the printed device like a serial port, at any baud rate. With --tcp, and on systems without "
@@ -29,12 +32,13 @@ def more_help() -> str:
     return "\n".join(lines)
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(chosen: argparse.Namespace, specs: Specs, cache: Cache) -> int:
     """Serve a virtual encoder until the user ends it.
 
     Raises:
         Stop: An argument is wrong, with exit code 2, or the port cannot be opened, with exit code 1.
     """
+    _, _, paths = look_up.order_code(specs, chosen.order_code, cache)
     try:
         answers = dict(pair.partition("=")[::2] for pair in chosen.choose)
         encoder = VirtualEncoder(
@@ -43,7 +47,7 @@ def run(chosen: argparse.Namespace) -> int:
             faults=chosen.fault,
             seed=chosen.seed,
             edition=chosen.edition or "",
-            specs=chosen.specs,
+            specs=paths,
         )
         encoder.position = motion(chosen.position, encoder.counts, encoder.lowest)
         encoder.set_flag(*chosen.flag)

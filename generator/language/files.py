@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator
+from collections import deque
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,8 +19,16 @@ from .second_reading import is_second
 SUFFIXES = (".yaml", ".yml")
 #: Any of these keys at the top level makes a YAML file a spec.
 NAMING_KEYS = frozenset({"codewheel", "device", "manufacturer", "master", "overlay"})
-#: File that marks a virtual environment. It may contain codewheel's own specs, but none of the user's.
-_ENVIRONMENT = "pyvenv.cfg"
+#: Folders in which tools build or install. They may contain copies of specs, but none that anyone edits.
+_BUILD_FOLDERS = frozenset({"build", "dist", "node_modules", "site-packages", "_build", "__pycache__"})
+#: A file with one of these names marks a virtual environment, a cache, or a folder that generate writes.
+_MARKS = frozenset({"pyvenv.cfg", "CACHEDIR.TAG", ".codewheel"})
+#: Folder, or file, at the root of a git repository.
+REPOSITORY = ".git"
+#: File with the settings of a project, which is not a spec.
+CONFIGURATION = "codewheel.yaml"
+#: Reasons why a folder was not searched, for those that may contain specs of the user.
+LINK, NESTED, UNREADABLE = "a link", "a repository of its own", "unreadable"
 #: Number of bytes inspected at the start of a file.
 _LOOKED_AT = 2**20
 _CONTENT = re.compile(rb"^([ \t]*)[^\s#%-]", re.MULTILINE)
@@ -28,10 +37,16 @@ _KEY = rb"""["']?(?<![a-z_])([a-z_]+)["']?[ \t]*:(?=\s|$)"""
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """Files below a folder in sorted order: the specs, and the other YAML files, which are skipped."""
+    """Files below a folder in sorted order: the specs, and the other YAML files, which are skipped.
+
+    ``not_entered`` has the folders that may contain specs but were not searched, each with the reason.
+    ``is_complete`` is False if the search ended at its limit.
+    """
 
     specs: tuple[Path, ...]
     passed_over: tuple[Path, ...]
+    not_entered: tuple[tuple[Path, str], ...] = ()
+    is_complete: bool = True
 
 
 def is_spec(path: Path) -> bool:
@@ -40,27 +55,29 @@ def is_spec(path: Path) -> bool:
     return keys is None or _names_a_spec(keys)
 
 
-def below(folder: Path, is_spec: Callable[[Path], bool] = is_spec) -> Found:
+def below(
+    folder: Path,
+    is_spec: Callable[[Path], bool] = is_spec,
+    outputs: Collection[str] = (),
+    most_names: float = float("inf"),
+) -> Found:
     """Find every ``*.yaml`` and ``*.yml`` in the folder and below it.
 
-    Names that begin with a dot, virtual environments, generated files and second readings are omitted.
+    Names that begin with a dot, second readings, virtual environments, folders of builds and caches, outputs, links to
+    folders, and other repositories are omitted. The folder itself is always searched.
+
+    Args:
+        folder: The folder.
+        is_spec: Tests whether a YAML file is a spec.
+        outputs: Real paths of further folders that are outputs.
+        most_names: Number of names after which the search ends.
     """
-    files = sorted(_files_below(folder, set()))
-    specs = {path for path in files if is_spec(path)}
-    return Found(tuple(path for path in files if path in specs), tuple(path for path in files if path not in specs))
-
-
-def own_specs(folder: Path) -> list[Path]:
-    """Return the specs directly in the folder if at least one describes a device, otherwise an empty list."""
-    try:
-        named = (path for path in folder.iterdir() if path.suffix in SUFFIXES and not path.name.startswith("."))
-        files = sorted(path for path in named if not is_second(path))
-    except OSError:
-        return []
-    found = {path: top_keys(path) for path in files if path.is_file()}
-    if not any(_is_device(keys) for keys in found.values()):
-        return []
-    return [path for path, keys in found.items() if _names_a_spec(keys)]
+    search = _Search(outputs, most_names)
+    search.run(folder)
+    specs = {path for path in search.files if is_spec(path)}
+    others = (path for path in search.files if path not in specs and path.name != CONFIGURATION)
+    not_entered = tuple(sorted(search.not_entered))
+    return Found(tuple(sorted(specs)), tuple(sorted(others)), not_entered, search.is_complete)
 
 
 def is_folder(path: Path) -> bool:
@@ -70,37 +87,63 @@ def is_folder(path: Path) -> bool:
         return False
 
 
-def _files_below(folder: Path, visited: set[tuple[int, int]]) -> Iterator[Path]:
-    """Yield the YAML files below a folder. A folder reached again through links is entered only once."""
+class _Search:
+    """Search for YAML files in a folder and below it, level by level."""
+
+    def __init__(self, outputs: Collection[str], most_names: float) -> None:
+        self.files: list[Path] = []
+        self.not_entered: list[tuple[Path, str]] = []
+        self.is_complete = True
+        self._outputs, self._names_left = outputs, most_names
+
+    def run(self, root: Path) -> None:
+        folders = deque([root])
+        while folders:
+            folder = folders.popleft()
+            try:
+                with os.scandir(folder) as listing:
+                    entries = list(listing)
+            except OSError:
+                # Also treated as a file, so that reading it reports why it cannot be read.
+                self.files.append(folder)
+                self.not_entered.append((folder, UNREADABLE))
+                continue
+            if folder != root and self._is_left_out(folder, {entry.name for entry in entries}):
+                continue
+            self._names_left -= len(entries)
+            if self._names_left < 0:
+                self.is_complete = False
+                return
+            for entry in entries:
+                if not entry.name.startswith("."):
+                    self._look_at(entry, folder / entry.name, folders)
+
+    def _is_left_out(self, folder: Path, names: Collection[str]) -> bool:
+        if not _MARKS.isdisjoint(names) or (self._outputs and os.path.realpath(folder) in self._outputs):
+            return True
+        if REPOSITORY in names:
+            self.not_entered.append((folder, NESTED))
+            return True
+        return False
+
+    def _look_at(self, entry: os.DirEntry[str], path: Path, folders: deque[Path]) -> None:
+        """Note a YAML file, or a folder that is to be searched."""
+        if _is_folder_entry(entry):
+            if entry.name in _BUILD_FOLDERS or entry.name.endswith(".egg-info"):
+                return
+            if entry.is_symlink():
+                self.not_entered.append((path, LINK))
+            else:
+                folders.append(path)
+        elif entry.name.endswith(SUFFIXES) and not is_second(entry.name):
+            self.files.append(path)
+
+
+def _is_folder_entry(entry: os.DirEntry[str]) -> bool:
     try:
-        status = os.stat(folder)
-        names = os.listdir(folder)
-    except OSError:
-        # Treated as a file, so that reading it reports why it cannot be read.
-        yield folder
-        return
-    if (status.st_dev, status.st_ino) in visited or (visited and _ENVIRONMENT in names):
-        return
-    visited.add((status.st_dev, status.st_ino))
-    generated = _generated(folder) if ".codewheel" in names else set()
-    for name in names:
-        path = folder / name
-        if name.startswith("."):
-            continue
-        if os.path.isdir(path):
-            yield from (file for file in _files_below(path, visited) if file not in generated)
-        elif name.endswith(SUFFIXES) and path not in generated and not is_second(name):
-            yield path
-
-
-def _generated(folder: Path) -> set[Path]:
-    """Return the generated files in a target's folder."""
-    from ..write import WriteError, listed_in
-
-    try:
-        return {folder / path for path in listed_in(folder)}
-    except WriteError:
-        return set()
+        return entry.is_dir()
+    except OSError:  # A link to itself. Reading it reports the error.
+        return False
 
 
 def _names_a_spec(keys: frozenset[str] | None) -> bool:
@@ -108,12 +151,14 @@ def _names_a_spec(keys: frozenset[str] | None) -> bool:
     return keys is not None and (bool(keys & NAMING_KEYS) or _has_parts_of_a_device(keys))
 
 
-def _is_device(keys: frozenset[str] | None) -> bool:
-    return (
-        keys is not None
-        and keys.isdisjoint({"master", "overlay"})
-        and ("device" in keys or _has_parts_of_a_device(keys))
-    )
+def describes_encoders(path: Path) -> bool:
+    """Return True if a spec describes or changes an encoder, or cannot be read. Others only add to such specs."""
+    keys = top_keys(path)
+    return keys is None or "overlay" in keys or ("master" not in keys and _is_device(keys))
+
+
+def _is_device(keys: frozenset[str]) -> bool:
+    return "device" in keys or _has_parts_of_a_device(keys)
 
 
 def _has_parts_of_a_device(keys: frozenset[str]) -> bool:

@@ -7,14 +7,13 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 
 from ..language.files import below, is_folder, is_spec
-from .shipped import packaged_families
 
 MANUFACTURER = "manufacturer.yaml"
 
 
 def spec_files(paths: Sequence[Path], is_spec: Callable[[Path], bool] = is_spec) -> Iterator[Path]:
     """Yield the files that a run with these paths reads as specs."""
-    for given in paths or packaged_families():
+    for given in paths:
         yield from below(given, is_spec).specs if is_folder(given) else (given,)
 
 

@@ -35,7 +35,7 @@ _OURS = ("codewheel", "codewheel_runtime", "runtime")
 _SOUND = "sound master"
 
 
-def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
+def load_library(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...], Report]:
     """Load every device described by the specs at ``paths``, sorted by name, and report all problems.
 
     Args:
@@ -48,7 +48,7 @@ def load_library(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report
     return tuple(family.device for family in families), report
 
 
-def load_sound(paths: Sequence[Path] = ()) -> tuple[tuple[Device, ...], Report]:
+def load_sound(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...], Report]:
     """Load only the devices that are valid, even if other specs have problems."""
     families, report = load_families(paths)
     sound = sound_families(families, report)
@@ -72,18 +72,19 @@ def _share(one: Device, other: Device) -> bool:
 
 
 def load_families(
-    paths: Sequence[Path] = (), cache: Cache | None = None, prepare: Callable[[Document], object] | None = None
+    paths: Sequence[Path] | None = None, cache: Cache | None = None, prepare: Callable[[Document], object] | None = None
 ) -> tuple[list[Family], Report]:
     """Load all families, like ``load_library``, with the spec and the files of each device.
 
     With a cache, families that had no problems before, with the same content, are not built again. ``prepare`` is
     called with each document before it is checked.
     """
+    paths = packaged_families() if paths is None else paths
     report = Report()
     before = contents(paths) if cache else {}
     found = {file: kept(cache, content) for file, content in before.items()} if cache else {}
     read = partial(read_specs, report=report, cache=cache or Cache(None))
-    documents = read(paths or packaged_families())
+    documents = read(paths)
     if documents and all(map(is_overlay, documents)):  # They apply to the specs that ship with the tool.
         documents += read(packaged_families())
     documents += _missing_manufacturers(documents, report)

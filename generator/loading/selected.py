@@ -24,7 +24,9 @@ from .family_files import MANUFACTURER, family_files, spec_files
 if TYPE_CHECKING:
     from ..model import Device
 
-_OTHER_KINDS = frozenset((b"overlay", b"changes", b"master", b"takes"))
+#: Keys of files that can change a family, and those of descriptions of masters, which cannot.
+_OTHER_KINDS = frozenset((b"overlay", b"changes"))
+_MASTER_KEYS = frozenset((b"master", b"takes"))
 _KEY = re.compile(rb"\n([a-z_]+)[ \t]*:(?=[ \t\r\n]|$)")
 _NAME = re.compile(rb"\ndevice[ \t]*:[ \t]*([a-z][a-z0-9_]*)[ \t]*(?:#[^\n]*)?(?=\r?\n)")
 _PATTERN_KEY = re.compile(rb"pattern['\"]?[ \t]*:")
@@ -33,7 +35,7 @@ _ORDER_CODE = re.compile(r"\norder_code[ \t]*:[ \t]*(?=[\r\n]).*?(?=\n[^ #\r\n]|
 
 
 #: Kinds of files that can be selected.
-_DEVICE, _MAKER = "device", "manufacturer"
+_DEVICE, _MAKER, _MASTER = "device", "manufacturer", "master"
 
 
 class _NotSelectable(Exception):
@@ -52,23 +54,23 @@ class _Found:
         return self.beginnings is None or label.startswith(self.beginnings)
 
 
-def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device, ...]:
+def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device, ...] | None:
     """Return the valid families that ``text`` can name or be an order code of.
 
     Args:
-        paths: Files and folders. Default: the specs that ship with the tool.
+        paths: Files and folders.
         text: The name of a family, or the text of a label.
         cache: The place for families that were loaded before.
 
     Returns:
-        The families. Empty if all specs must be read, for example because one of them is an overlay.
+        The families, or None if all specs must be read, for example because one of them is an overlay.
     """
     try:
         found = list(_device_files(paths, cache))
         name, label = text.strip().lower(), "".join(text.split()).upper()
         named = [item for item in found if item.name == name]
         if len(named) > 1:
-            return ()
+            return None
         if named:
             return (_load(named[0].path, cache)[0],)
         # If the text shows the beginnings, they have been compared already.
@@ -80,7 +82,7 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
         possible = (_load(path, cache, asked) for path, asked in unsure.items())
         return tuple(device for devices in possible for device in devices)
     except (OSError, ValueError, TypeError, LookupError, AttributeError, _NotSelectable):
-        return ()
+        return None
 
 
 def _device_files(paths: Sequence[Path], cache: Cache) -> Iterator[_Found]:
@@ -103,7 +105,7 @@ def _device_files(paths: Sequence[Path], cache: Cache) -> Iterator[_Found]:
             raise _NotSelectable
         if kind == _DEVICE and not is_second(path) and has_maker(path.parent):
             yield _Found(path, str(name), None if beginnings is None else tuple(map(str, beginnings)))
-        elif kind != _MAKER or path.name != MANUFACTURER:
+        elif kind != _MASTER and (kind != _MAKER or path.name != MANUFACTURER):
             raise _NotSelectable
     known.keep()
 
@@ -120,9 +122,11 @@ def _glance(path: Path) -> dict[str, Any]:
     keys = set(_KEY.findall(text))
     names = _NAME.findall(text)
     shows: tuple[str, str, Sequence[str] | None] = ("", "", None)
-    if len(names) == 1 and keys.isdisjoint(_OTHER_KINDS):
+    if not keys.isdisjoint(_MASTER_KEYS) and keys.isdisjoint((*_OTHER_KINDS, b"device")):
+        shows = (_MASTER, "", None)
+    elif len(names) == 1 and keys.isdisjoint(_OTHER_KINDS | _MASTER_KEYS):
         shows = (_DEVICE, names[0].decode(), _beginnings(text))
-    elif b"device" not in keys and keys.isdisjoint(_OTHER_KINDS):
+    elif b"device" not in keys and keys.isdisjoint(_OTHER_KINDS | _MASTER_KEYS):
         shows = (_MAKER, "", None)
     return {"is_spec": is_spec(path), "shows": shows}
 

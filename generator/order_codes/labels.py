@@ -190,7 +190,7 @@ def _explain(device: Device, code: str) -> UnknownOrderCode:
         match = re.fullmatch(
             regex(device.order_code, as_listed(device.order_code), part.name) + AFTER, code, re.IGNORECASE
         )
-        if match is not None:
+        if match is not None and _has_more_than(match, part, code):
             others = [other for other in device.order_code.parts if other is not part]
             found.append(
                 (
@@ -208,6 +208,27 @@ def _explain(device: Device, code: str) -> UnknownOrderCode:
     valid = ", ".join(value.text for value in part.values)
     wrong = messages.has_part(part.name, given) if given else messages.has_no_part(part.name)
     return UnknownOrderCode(messages.wrong_part(code, wrong, valid, _nearest(device, code)), close=True)
+
+
+def _has_more_than(match: re.Match[str], part: CodePart, code: str) -> bool:
+    """Return True if a label has letters or digits of the family, apart from a wrong part and the tail.
+
+    A family whose codes consist of one part, such as ``{model}``, would otherwise be close to every label.
+    """
+    tail = len(match["tail_"] or "") + len(match["special_"] or "")
+    others = code[: match.start(part.name)] + code[match.end(part.name) : len(code) - tail]
+    return match[part.name] == "" or any(map(str.isalnum, others))
+
+
+def closest_reason(devices: Iterable[Device], text: str) -> str | None:
+    """Return why text that is an order code of none of these families is not one of the first that is close."""
+    for device in devices:
+        try:
+            find(device, text)
+        except UnknownOrderCode as reason:
+            if reason.close:
+                return str(reason)
+    return None
 
 
 def _nearest(device: Device, code: str) -> str:

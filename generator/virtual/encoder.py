@@ -363,7 +363,7 @@ def _value_at_rest(field: Field) -> int:
 
 @cache
 def _families(specs: tuple[Path, ...]) -> tuple[Family, ...]:
-    families, report = load_families(specs)
+    families, report = load_families(specs or None)
     sound = tuple(sound_families(families, report))
     if not sound:
         raise ValueError("\n".join(problem.format() for problem in report.shown) or "there are no specs")

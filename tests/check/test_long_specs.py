@@ -98,13 +98,13 @@ def test_problems_that_were_not_looked_for_are_not_counted() -> None:
 
 def test_every_form_of_the_output_ends(tmp_path: Path) -> None:
     report = report_of(MAX_PROBLEMS + 7)
-    text = as_text((), report, [tmp_path])
+    text = as_text((), report)
     assert text.count(": rule: ") == MAX_PROBLEMS
     assert f"0.yaml:201:3: {TOO_MANY}: there are 7 more problems" in text
     assert text.endswith("\n207 problems")
     assert len(as_data(report)["problems"]) == MAX_PROBLEMS + 1
-    assert as_text((), report, [tmp_path], "github").count("\n") == MAX_PROBLEMS
-    assert len(json.loads(as_text((), report, [tmp_path], "sarif"))["runs"][0]["results"]) == MAX_PROBLEMS + 1
+    assert as_text((), report, "github").count("\n") == MAX_PROBLEMS
+    assert len(json.loads(as_text((), report, "sarif"))["runs"][0]["results"]) == MAX_PROBLEMS + 1
 
 
 def test_repeated_keys_are_cut_in_the_reader(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -77,7 +77,10 @@ def test_without_specs_there_is_nothing_to_migrate(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["migrate"]) == 2
-    assert capsys.readouterr().err == "codewheel: there are no specs in this folder; name a file or folder\n"
+    assert capsys.readouterr().err == (
+        "codewheel: there are no specs in this folder or below it; name them: codewheel migrate FOLDER, or list them "
+        "under [tool.codewheel] in pyproject.toml\n"
+    )
 
 
 def test_a_later_language_needs_a_later_version(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -240,7 +240,10 @@ def test_generate_twice_check_and_targets(capsys: pytest.CaptureFixture[str], tm
     victim.write_text("changed")
     code, out, err = run(capsys, *command, "--check")
     assert code == 1
-    assert out.splitlines()[1:] == [f"differs    {victim}"]
+    assert out.splitlines()[1:] == [
+        f"differs    {victim}",
+        "up to date: python, biss, opcua, docs, browser, masters; out of date: c",
+    ]
     assert f"run: codewheel {shlex.join(command)}" in err
     assert victim.read_text() == "changed"
     code, out, _ = run(capsys, *command, "--target", "python")

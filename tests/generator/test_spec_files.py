@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.language.files import own_specs, top_keys
+from codewheel.language.files import LINK, NESTED, below, top_keys
 from codewheel.language.problems import Report
 from codewheel.language.read import read_specs
 
@@ -84,13 +84,30 @@ def test_a_folder_of_other_yaml_files_holds_no_spec(tmp_path: Path) -> None:
     )
 
 
-def test_hidden_folders_environments_and_generated_files_are_left_out(tmp_path: Path) -> None:
-    for name in (".git/a.yaml", "venv/lib/b.yaml", "out/top.yaml", "out/x/c.yaml", "out/x/mine.yaml", "specs/d.yaml"):
+def test_folders_without_specs_of_the_user_are_left_out(tmp_path: Path) -> None:
+    hidden = (".git/a.yaml", "venv/lib/b.yaml", "out/c/top.yaml", "out/c/x/c.yaml", "build/lib/specs/d.yaml")
+    others = ("node_modules/x/e.yaml", "x.egg-info/f.yaml", "target/debug/g.yaml", "vendor/specs/h.yaml")
+    for name in (*hidden, *others, "specs/i.yaml"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("device: x\n")
     (tmp_path / "venv/pyvenv.cfg").write_text("")
-    (tmp_path / "out/.codewheel").write_text("# Written by codewheel generate\ntop.yaml\nx/c.yaml\n")
-    assert read(tmp_path) == ({"out/x/mine.yaml", "specs/d.yaml"}, set())
+    (tmp_path / "target/CACHEDIR.TAG").write_text("")
+    (tmp_path / "vendor/.git").write_text("gitdir: elsewhere\n")
+    (tmp_path / "out/c/.codewheel").write_text("# Written by codewheel generate\ntop.yaml\n")
+    (tmp_path / "link").symlink_to("specs")
+    assert read(tmp_path) == ({"specs/i.yaml"}, set())
+    found = below(tmp_path)
+    assert found.not_entered == ((tmp_path / "link", LINK), (tmp_path / "vendor", NESTED))
+    assert read(tmp_path / "vendor") == ({"specs/h.yaml"}, set()), "a folder that is named is always searched"
+
+
+def test_the_search_can_have_a_limit(tmp_path: Path) -> None:
+    for name in ("a.yaml", "b/c.yaml", "b/d.yaml"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text("device: x\n")
+    assert below(tmp_path, most_names=4).is_complete
+    found = below(tmp_path, most_names=3)
+    assert ([path.name for path in found.specs], found.is_complete) == (["a.yaml"], False)
 
 
 @pytest.mark.slow
@@ -111,13 +128,3 @@ def test_a_folder_can_be_checked_and_generated_again_and_again(
     ):
         assert main(command) == 0, capsys.readouterr().err
     assert "read 2 specs: demo.yaml, manufacturer.yaml; skipped: ci.yml" in capsys.readouterr().out
-
-
-def test_own_specs_are_those_of_the_folder_itself(tmp_path: Path) -> None:
-    (tmp_path / "manufacturer.yaml").write_text("manufacturer: x\n")
-    (tmp_path / "below").mkdir()
-    (tmp_path / "below/b.yaml").write_text("device: b\n")
-    assert own_specs(tmp_path) == [], "nothing but a manufacturer"
-    (tmp_path / "a.yaml").write_text("device: a\n")
-    (tmp_path / "ci.yml").write_text("jobs: {}\n")
-    assert [path.name for path in own_specs(tmp_path)] == ["a.yaml", "manufacturer.yaml"]

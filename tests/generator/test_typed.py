@@ -93,7 +93,7 @@ def test_a_forged_model_is_built_again(
             return ["digest", forged] if kind == "family" else None
 
         monkeypatch.setattr(Cache, "get", get)
-        return (main(["show", "TV62-M17-B1"]), *capsys.readouterr())
+        return (main(["show", "TV62-M17-B1", "--specs", "."]), *capsys.readouterr())
 
     without = shown(None)
     assert without == shown(rows)

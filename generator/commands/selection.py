@@ -1,0 +1,117 @@
+"""The specs, targets and output folder of ``codewheel generate``: from its arguments, or else from the settings."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..cache import Cache
+from ..language.files import below
+from ..loading.configuration import Configuration
+from ..loading.shipped import packaged_families
+from . import look_up
+from .generate import command_again
+from .which_specs import Specs, find_settings, specs_to_judge
+
+if TYPE_CHECKING:
+    from ..model import Device
+    from ..owners import Guard
+
+OUTPUT = Path("generated")
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """Specs to read, and the options of targets that follow from the arguments.
+
+    ``has_all`` is True if these are all specs of the user, and ``everything`` the command that reads all of them.
+    """
+
+    paths: tuple[Path, ...]
+    options: tuple[str, ...]
+    has_all: bool
+    everything: str
+
+    def guard(self, output: Path, devices: Sequence[Device], files: Sequence[str]) -> Guard:
+        """Return the check that the run touches no output of other specs."""
+        from ..owners import Guard
+
+        return Guard(output, devices, files, self.has_all, self.everything)
+
+
+def selected(chosen: argparse.Namespace, cache: Cache) -> Selection:
+    """Return the specs and options of a run, and fill in its output folder and targets.
+
+    Raises:
+        Stop: There are no specs, a name is unknown (exit code 2), or there are errors in the settings (exit code 1).
+    """
+    named = [*chosen.specs, *chosen.more_specs]
+    chosen.again = command_again(chosen)
+    if chosen.packaged:
+        look_up.refuse_missing(named)
+        paths, implied = _packaged(chosen, cache)
+        settings, everything = find_settings(cache), command_again(chosen, "--packaged", "NAME")
+        paths = (*named, *paths)
+    else:
+        specs = specs_to_judge(named, "generate", cache)
+        paths, implied, settings = specs.paths, (), specs.settings
+        is_listed = settings is not None and settings.specs and named
+        everything = "codewheel generate" if is_listed else command_again(chosen, "FOLDER")
+    _fill_in(chosen, settings)
+    return Selection(paths, (*chosen.option, *implied), not named and not chosen.packaged, everything)
+
+
+def _fill_in(chosen: argparse.Namespace, settings: Configuration | None) -> None:
+    """Set the output folder and the targets that the user did not name.
+
+    Raises:
+        Stop: The settings name an unknown target. The exit code is 1.
+    """
+    if chosen.output is None:
+        chosen.output = (settings.output if settings is not None else None) or OUTPUT
+    if not chosen.target and settings is not None and settings.targets:
+        _refuse_unknown_targets(settings)
+        chosen.target = list(settings.targets)
+
+
+def _refuse_unknown_targets(settings: Configuration) -> None:
+    from ..language.problems import suggestion
+    from ..loading.configuration_file import error_at
+    from ..targets.registry import target_names
+
+    known = target_names()
+    for index, name in enumerate(settings.targets):
+        if name not in known:
+            message = f"there is no target '{name}'{suggestion(name, known, 'there are')}"
+            raise look_up.problems(error_at(settings.file, ("targets", index), "undefined-reference", message))
+
+
+def _packaged(chosen: argparse.Namespace, cache: Cache) -> tuple[tuple[Path, ...], tuple[str, ...]]:
+    """Return the packaged specs with the names of ``--packaged``, and the option that limits the C headers to them."""
+    folders = {folder.name: folder for folder in packaged_families()}
+    packaged = Specs(tuple(folders.values()))
+    paths: list[Path] = []
+    parts: list[str] = []
+    for name in chosen.packaged:
+        if name.lower() in folders:
+            specs = below(folders[name.lower()]).specs
+            paths += specs
+            parts += [path.stem for path in specs if path.name != "manufacturer.yaml"]
+            continue
+        device, match, _ = look_up.family_or_code(packaged, name, cache)
+        paths.append(folders[device.manufacturer.name] / f"{device.name}.yaml")
+        parts.append(match.variant.code if match is not None and not match.unlisted else device.name)
+    return tuple(dict.fromkeys(paths)), _narrowed(chosen, parts)
+
+
+def _narrowed(chosen: argparse.Namespace, parts: Sequence[str]) -> tuple[str, ...]:
+    """Return the option that limits the C headers to order codes, unless the user gave it or specs of their own."""
+    is_given = any(setting.startswith("c.only=") for setting in chosen.option)
+    has_target = not chosen.target or "c" in chosen.target
+    has_codes = any(part.upper() == part for part in parts)
+    if is_given or not has_target or not has_codes or chosen.specs or chosen.more_specs:
+        return ()
+    return (f"c.only={','.join(dict.fromkeys(parts))}",)

@@ -1,0 +1,205 @@
+"""The rule by which every command finds the specs that it reads: ``find_specs``.
+
+docs/which-specs.md explains it to users.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ..cache import Cache
+from ..known_files import KnownFiles
+from ..language.files import LINK, UNREADABLE, below, describes_encoders, is_folder, is_spec
+from ..loading.configuration import Configuration, Faulty, configuration_above
+from ..loading.shipped import packaged_families
+from ..say.numbers import first_of
+from .look_up import problems, refuse_missing
+from .terminal import Stop
+
+#: Number of files and folders after which the search below the current folder ends. It takes less than 50 ms.
+MOST_NAMES = 10_000
+_MOST_SHOWN = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Specs:
+    """The specs of the user, and the packaged ones that a command that only reads also knows.
+
+    Attributes:
+        paths: Files and folders of the user. Empty if there are none.
+        packaged: Files and folders of the packaged specs, without those among ``paths``.
+        settings: The user's settings, or None.
+        is_complete: False if the search for specs ended at its limit.
+        not_entered: Folders that were not searched but may contain specs, each with the reason.
+    """
+
+    paths: tuple[Path, ...]
+    packaged: tuple[Path, ...] = ()
+    settings: Configuration | None = None
+    is_complete: bool = True
+    not_entered: tuple[tuple[Path, str], ...] = ()
+
+    @property
+    def groups(self) -> list[tuple[Path, ...]]:
+        """The specs of the user, and then the packaged ones. Groups without specs are omitted."""
+        return [group for group in (self.paths, self.packaged) if group]
+
+
+def find_specs(named: Sequence[Path], cache: Cache) -> Specs:
+    """Return the specs that a command reads.
+
+    These are the ones named on the command line. Without any, they are those in the settings of the project. Without
+    settings, they are those in the current folder and below it. A command that only reads also uses the packaged ones,
+    unless specs were named.
+
+    Raises:
+        Stop: A named path does not exist (exit code 2), or there are errors in the settings (exit code 1).
+    """
+    refuse_missing(named)
+    settings = find_settings(cache)
+    if named:
+        return Specs(tuple(named), (), settings)
+    if settings is None:
+        found = _below(Path(), (), cache)
+    elif settings.specs:
+        found = Specs(tuple(_without_output(settings, cache)))
+    else:
+        found = _below(settings.folder, _outputs(settings), cache)
+    return replace(found, packaged=tuple(_packaged_beside(found.paths)), settings=settings)
+
+
+def find_settings(cache: Cache) -> Configuration | None:
+    """Return the settings that hold for the current folder, or None.
+
+    Raises:
+        Stop: There are errors in them. The exit code is 1.
+    """
+    try:
+        return configuration_above(cache)
+    except Faulty as error:
+        from ..loading.configuration_file import errors_in
+
+        raise problems(errors_in(error.files)) from None
+
+
+def specs_to_judge(named: Sequence[Path], command: str, cache: Cache) -> Specs:
+    """Return the specs for a command that writes or judges. It never uses the packaged ones instead.
+
+    Raises:
+        Stop: There are no specs, or more than the search can find (exit code 2), or as for ``find_specs``.
+    """
+    specs = find_specs(named, cache)
+    folder = specs.settings.folder if specs.settings is not None else Path()
+    option = " --specs" if command in ("reread OLD NEW", "facts FAMILY") else ""
+    if not specs.is_complete:
+        raise Stop(
+            f"{_place(folder)} has more than {MOST_NAMES:,} files and folders, so not all of its specs were found; "
+            f"name the folder of the specs: codewheel {command}{option} FOLDER, or list it under [tool.codewheel]",
+            2,
+        )
+    if not specs.paths:
+        packaged = "codewheel generate --packaged AMM5A21/65KSC1 -o out"
+        others = f"; outputs for a packaged encoder: {packaged}" if command == "generate" else ""
+        raise Stop(
+            f"there are no specs in {_place(folder)} or below it; name them: codewheel {command}{option} FOLDER, "
+            f"or list them under [tool.codewheel] in pyproject.toml{others}",
+            2,
+        )
+    _report_not_entered(specs, folder)
+    return replace(specs, packaged=())
+
+
+def _report_not_entered(specs: Specs, folder: Path) -> None:
+    """Report the folders that may contain specs but are not searched, so that a user does not take them for checked."""
+    folders = [path for path in specs.paths if is_folder(path)]
+    in_folders = [item for path in folders for item in below(path, lambda _: False).not_entered]
+    searched = [os.path.join(os.path.realpath(path), "") for path in folders or [folder]]
+    shown = [
+        f"{path.as_posix()} ({reason})"
+        for path, reason in (*specs.not_entered, *(item for item in in_folders if item[1] != UNREADABLE))
+        if reason != LINK or not os.path.join(os.path.realpath(path), "").startswith(tuple(searched))
+    ]
+    if shown:
+        print(f"codewheel: not searched for specs: {first_of(shown, _MOST_SHOWN)}", file=sys.stderr)
+
+
+def specs_to_read(named: Sequence[Path], cache: Cache) -> Specs:
+    """Return the specs for a command that only reads, and report on standard error if some were not found.
+
+    Raises:
+        Stop: As for ``find_specs``.
+    """
+    specs = find_specs(named, cache)
+    if not specs.is_complete:
+        print(
+            f"codewheel: searched only {MOST_NAMES:,} files and folders for specs; name yours with --specs, or list "
+            "them under [tool.codewheel]",
+            file=sys.stderr,
+        )
+    return specs
+
+
+def _place(folder: Path) -> str:
+    return "this folder" if folder == Path() else folder.as_posix()
+
+
+def _outputs(settings: Configuration) -> list[str]:
+    """Return the real path of the output folder in the settings."""
+    return [os.path.realpath(settings.output)] if settings.output is not None else []
+
+
+def _without_output(settings: Configuration, cache: Cache) -> Iterator[Path]:
+    """Yield the specs in the settings. A folder that contains the output folder is replaced by its specs."""
+    outputs = _outputs(settings)
+    for path in settings.specs:
+        inside = os.path.join(os.path.realpath(path), "")
+        if any(output.startswith(inside) for output in outputs):
+            yield from below(path, outputs=outputs).specs
+        else:
+            yield path
+
+
+def _below(folder: Path, outputs: Sequence[str], cache: Cache) -> Specs:
+    """Return the specs in a folder and below it, if at least one of them is about an encoder."""
+    found = below(folder, lambda _: True, outputs, MOST_NAMES)
+    unreadable = {path for path, reason in found.not_entered if reason == UNREADABLE}
+    specs = _kept_specs(folder, [path for path in found.specs if path not in unreadable], cache)
+    return Specs(specs, is_complete=found.is_complete, not_entered=found.not_entered)
+
+
+def _kept_specs(folder: Path, files: Sequence[Path], cache: Cache) -> tuple[Path, ...]:
+    """Return the specs among YAML files, or none if no spec is about an encoder."""
+    if not files:
+        return ()
+    known = KnownFiles(cache, "search", [str(folder)])
+
+    def look(path: Path) -> Mapping[str, Any]:
+        try:
+            found: Mapping[str, Any] = known.result(
+                str(path), lambda: {"is_spec": is_spec(path), "describes_encoders": describes_encoders(path)}
+            )
+        except (OSError, ValueError):  # A link that leads nowhere. Reading it reports the error.
+            return {"is_spec": True, "describes_encoders": True}
+        return found
+
+    specs = tuple(path for path in files if look(path)["is_spec"] is not False)
+    known.keep()
+    return specs if any(look(path)["describes_encoders"] is not False for path in specs) else ()
+
+
+def _packaged_beside(paths: Sequence[Path]) -> Iterator[Path]:
+    """Yield the packaged specs without those among ``paths``, which may be the same files."""
+    own = [os.path.realpath(path) for path in paths]
+    for folder in packaged_families():
+        real = os.path.realpath(folder)
+        if any(os.path.join(real, "").startswith(os.path.join(path, "")) for path in own):
+            continue
+        if any(path.startswith(os.path.join(real, "")) for path in own):
+            yield from (path for path in below(folder).specs if os.path.realpath(path) not in own)
+        else:
+            yield folder

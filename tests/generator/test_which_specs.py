@@ -1,0 +1,454 @@
+"""Specs that a command reads, and files of others that ``generate`` leaves alone."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from codewheel.cache import Cache
+from codewheel.commands import which_specs
+from codewheel.commands.cli import main
+from codewheel.loading.configuration import Configuration
+from codewheel.write import LIST
+
+ROOT = Path(__file__).parents[2]
+JUDGING = (
+    ("check", "check FOLDER"),
+    ("generate", "generate FOLDER"),
+    ("migrate", "migrate FOLDER"),
+    ("reread a.txt b.txt", "reread OLD NEW --specs FOLDER"),
+    ("facts my_encoder --page 1", "facts FAMILY --specs FOLDER"),
+)
+#: A frame of the spec that ``new`` writes, from its own worked example.
+FRAME = "0b0001111101000_1_1_011010"
+
+
+def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    capsys.readouterr()
+    code = main(arguments)
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty current folder."""
+    folder = tmp_path / "project"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def add(name: str, folder: Path) -> None:
+    """Write the spec ``name``, with a manufacturer of the name of its folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    assert main(["new", name, "-o", str(folder / f"{name}.yaml")]) == 0
+    for path in (folder / f"{name}.yaml", folder / "manufacturer.yaml"):
+        text = path.read_text(encoding="utf-8").replace("manufacturer: example", f"manufacturer: {folder.name}")
+        path.write_text(text.replace("biss_id: 0x", "biss_id: 0x1") if "bb" in folder.name else text, encoding="utf-8")
+
+
+@pytest.fixture
+def two(here: Path) -> Path:
+    """The layout of a repository with two manufacturers."""
+    add("enc_a", here / "specs/aa")
+    add("enc_b", here / "specs/bb")
+    return here
+
+
+def tree(folder: Path) -> dict[str, str]:
+    """Return a hash of each file below a folder."""
+    return {
+        path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+# ------------------------------------------------------------------------------------------------------ which specs
+
+
+@pytest.mark.parametrize(("command", "remedy"), JUDGING, ids=lambda value: value.split()[0])
+def test_a_command_that_judges_never_uses_the_packaged_specs(
+    capsys: pytest.CaptureFixture[str], here: Path, command: str, remedy: str
+) -> None:
+    for name in ("a.txt", "b.txt"):
+        (here / name).write_text("1 - Resolution\n")
+    code, out, err = run(capsys, *command.split())
+    assert (code, out) == (2, "")
+    assert err.startswith(
+        f"codewheel: there are no specs in this folder or below it; name them: codewheel {remedy}, or"
+    )
+    assert ("codewheel generate --packaged AMM5A21/65KSC1 -o out" in err) == (command == "generate")
+    assert sorted(path.name for path in here.iterdir()) == ["a.txt", "b.txt"]
+
+
+@pytest.mark.slow
+def test_specs_below_the_current_folder_are_read(capsys: pytest.CaptureFixture[str], two: Path) -> None:
+    """At the root of such a repository, every command without names used the packaged specs before."""
+    code, out, _ = run(capsys, "check")
+    assert code == 0
+    assert out.endswith("no problems in 2 families: enc_a, enc_b\n")
+    assert run(capsys, "generate", "specs", "--target", "c", "--target", "docs")[0] == 0
+    before = tree(two / "generated")
+    code, out, _ = run(capsys, "generate", "--target", "c", "--target", "docs")
+    assert (code, out.splitlines()[-1]) == (0, f"all {len(before) - 2} files unchanged")
+    assert tree(two / "generated") == before
+    assert not any("lika" in path for path in before)
+
+
+def test_commands_that_read_know_both(capsys: pytest.CaptureFixture[str], two: Path) -> None:
+    assert run(capsys, "decode", "ENC-A-13-SC", FRAME)[::2] == (0, "")
+    assert run(capsys, "decode", "AMM5A21/65KSC1", "0xF4243D3")[::2] == (0, "")
+    assert run(capsys, "show", "amm5")[::2] == (0, "")
+    code, out, err = run(capsys, "list", "--json")
+    assert (code, err) == (0, "")
+    assert [row["family"] for row in json.loads(out)["families"]][:3] == ["enc_a", "enc_b", "am36"]
+    # Whoever names specs gets these alone.
+    code, out, _ = run(capsys, "list", "specs/aa", "--json")
+    assert [row["family"] for row in json.loads(out)["families"]] == ["enc_a"]
+    code, _, err = run(capsys, "decode", "AMM5A21/65KSC1", "0xF4243D3", "--specs", "specs")
+    assert code == 2
+    assert err.endswith("; the packaged specs have it, so leave out the names of specs\n")
+
+
+def test_a_spec_of_the_user_comes_before_a_packaged_one(capsys: pytest.CaptureFixture[str], here: Path) -> None:
+    shutil.copytree(ROOT / "specs/lika", here / "lika")
+    for path in (here / "lika").glob("amm5.*"):
+        path.unlink()
+    text = (here / "lika/sma21.yaml").read_text(encoding="utf-8")
+    (here / "lika/sma21.yaml").write_text(text.replace("title: ", "title: Mine, ", 1), encoding="utf-8")
+    code, out, err = run(capsys, "show", "sma21")
+    assert (code, err) == (0, "codewheel: sma21 is in your specs and in the packaged ones; yours are used\n")
+    assert "Mine, " in out
+    code, out, err = run(capsys, "list")
+    assert (code, err) == (
+        0,
+        "codewheel: in your specs and in the packaged ones: am36, asc85, sma21; yours are used\n",
+    )
+    assert out.count("sma21  ") == out.count("amm5  ") == 1
+    (here / "lika/sma21.yaml").write_text(text.replace("title: ", "titel: ", 1), encoding="utf-8")
+    assert run(capsys, "show", "sma21")[0] == 1, "the packaged spec does not stand in for one with a problem"
+
+
+def test_in_this_repository_the_edited_files_are_read(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ROOT / "docs")
+    code, out, _ = run(capsys, "facts", "sma21", "--section", "6.4")
+    assert code == 0
+    assert all(line.startswith("../specs/lika/") for line in out.splitlines()[:-1])
+    assert run(capsys, "list")[2] == "", "the packaged specs are the same files"
+
+
+# ------------------------------------------------------------------------------------------------------ settings
+
+
+def test_the_nearest_settings_hold(
+    capsys: pytest.CaptureFixture[str], two: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (two / "pyproject.toml").write_text('[tool.codewheel]\nspecs = ["specs/aa"]\noutput = "out"\ntargets = ["biss"]\n')
+    assert run(capsys, "check")[1].endswith("no problems in 1 family: enc_a\n")
+    monkeypatch.chdir(two / "specs/bb")
+    assert run(capsys, "check")[1].endswith("no problems in 1 family: enc_a\n")
+    assert run(capsys, "generate")[0] == 0
+    assert [path.name for path in (two / "out").iterdir()] == ["biss"]
+    assert run(capsys, "check", ".")[1].endswith("no problems in 1 family: enc_b\n")
+    (two / "specs/codewheel.yaml").write_text("specs: [bb]\n")
+    assert run(capsys, "check")[1].endswith("no problems in 1 family: enc_b\n")
+    (two / "specs/bb/.git").mkdir()
+    assert run(capsys, "check")[1].endswith("no problems in 1 family: enc_b\n"), "the repository itself, without them"
+    (two / "specs/codewheel.yaml").write_text("specs: [nowhere]\n")
+    assert run(capsys, "check")[0] == 0, "settings outside the repository do not hold in it"
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "problems"),
+    [
+        (
+            "pyproject.toml",
+            '[tool.codewheel]\nspecs = [\n  "specs",  # "x"\n  "spcs",\n]\ntarget = ["c"]\n',
+            [
+                "pyproject.toml:4:3: undefined-reference: there is no file or folder spcs",
+                "pyproject.toml:6:1: unknown-key: unknown key 'target'; did you mean 'targets'?",
+            ],
+        ),
+        (
+            "pyproject.toml",
+            '[tool.codewheel]\nspecs = "specs"\noutput = 1\ntargets = []\n',
+            [
+                "pyproject.toml:2:9: wrong-type: 'specs' must be a list of texts, such as specs = [\"specs\"]",
+                "pyproject.toml:3:10: wrong-type: 'output' must be a text, such as output = \"generated\"",
+                'pyproject.toml:4:11: wrong-type: \'targets\' must be a list of texts, such as targets = ["c", "docs"]',
+            ],
+        ),
+        (
+            "pyproject.toml",
+            '[tool.codewheel]\nspecs = ["specs"]\ntargets = ["c", "dosc"]\n',
+            ["pyproject.toml:3:17: undefined-reference: there is no target 'dosc'; did you mean 'docs'?"],
+        ),
+        (
+            "codewheel.yaml",
+            "specs: specs\noutptu: x\n",
+            [
+                "codewheel.yaml:1:8: wrong-type: 'specs' must be a list of texts, such as specs: [specs]",
+                "codewheel.yaml:2:1: unknown-key: unknown key 'outptu'; did you mean 'output'?",
+            ],
+        ),
+        ("codewheel.yaml", "specs: [\n", ["codewheel.yaml:2:1: yaml-syntax: "]),
+        ("pyproject.toml", '[tool.codewheel]\nspecs = "x\n', ["pyproject.toml:2:11: toml-syntax: not valid TOML: "]),
+        ("pyproject.toml", "[tool.codewheel]\nspecs = [", ["pyproject.toml:2:9: toml-syntax: not valid TOML: "]),
+        ("pyproject.toml", "[tool.codewheel]\n# \udcff\n", ["pyproject.toml:2:1: not-text: byte 0xFF is not UTF-8"]),
+    ],
+)
+def test_errors_in_settings_have_a_place(
+    capsys: pytest.CaptureFixture[str], here: Path, file: str, text: str, problems: list[str]
+) -> None:
+    add("enc_a", here / "specs/aa")
+    (here / file).write_text(text, encoding="utf-8", errors="surrogateescape")
+    code, _, err = run(capsys, "generate")
+    assert code == 1
+    found = [line for line in err.splitlines() if line.startswith(file)]
+    assert len(found) == len(problems)
+    for line, problem in zip(found, problems, strict=True):
+        assert line.startswith(problem)
+    assert not (here / "generated").exists()
+
+
+def test_two_files_with_settings_are_an_error(capsys: pytest.CaptureFixture[str], two: Path) -> None:
+    (two / "pyproject.toml").write_text('[tool.codewheel]\nspecs = ["specs"]\n')
+    (two / "codewheel.yaml").write_text("specs: [specs]\n")
+    code, _, err = run(capsys, "check")
+    assert code == 1
+    assert err.startswith("codewheel.yaml:1:1: duplicate-name: pyproject.toml next to it also has [tool.codewheel]; ")
+
+
+def test_other_files_of_these_names_are_no_settings(capsys: pytest.CaptureFixture[str], two: Path) -> None:
+    (two / "pyproject.toml").write_text('[project]\nname = "x"\n')
+    assert run(capsys, "check")[1].endswith("no problems in 2 families: enc_a, enc_b\n")
+    assert main(["new", "codewheel", "-o", str(two / "specs/aa/codewheel.yaml")]) in (0, 1)
+    assert run(capsys, "check", "specs/bb")[0] == 0
+    (two / "pyproject.toml").write_text("# see tool.codewheel\n[project]\n")
+    assert run(capsys, "check", "specs/bb")[0] == 0
+
+
+@pytest.mark.parametrize(("language", "file"), [("toml", "pyproject.toml"), ("yaml", "codewheel.yaml")])
+def test_the_settings_of_the_page(two: Path, language: str, file: str) -> None:
+    page = (ROOT / "docs/which-specs.md").read_text(encoding="utf-8")
+    block = page.partition(f"```{language}\n")[2].partition("```")[0]
+    (two / file).write_text(block, encoding="utf-8")
+    settings = which_specs.find_settings(Cache(None))
+    assert settings == Configuration(Path(file), (Path("specs"),), Path("generated"), ("c", "docs"))
+
+
+def test_the_limit_is_that_of_the_page() -> None:
+    page = (ROOT / "docs/which-specs.md").read_text(encoding="utf-8")
+    assert f"ends after {which_specs.MOST_NAMES:,} files and folders" in page
+
+
+# ------------------------------------------------------------------------------------------------------ the search
+
+
+def test_repositories_and_links_below_are_not_searched_but_named(
+    capsys: pytest.CaptureFixture[str], two: Path, tmp_path: Path
+) -> None:
+    add("enc_c", tmp_path / "cc")
+    add("enc_d", two / "vendor/dd")
+    (two / "vendor/.git").mkdir()
+    (two / "linked").symlink_to(tmp_path / "cc")
+    (two / "again").symlink_to("specs")
+    code, out, err = run(capsys, "check")
+    assert (code, out.splitlines()[-1]) == (0, "no problems in 2 families: enc_a, enc_b")
+    assert err == "codewheel: not searched for specs: linked (a link), vendor (a repository of its own)\n"
+    assert run(capsys, "check", "vendor", "linked")[1].endswith("no problems in 2 families: enc_c, enc_d\n")
+
+
+def test_a_link_to_a_spec_is_read_once(capsys: pytest.CaptureFixture[str], two: Path, tmp_path: Path) -> None:
+    add("enc_c", tmp_path / "cc")
+    (two / "specs/cc").mkdir()
+    for name in ("enc_c.yaml", "manufacturer.yaml"):
+        (two / "specs/cc" / name).symlink_to(tmp_path / "cc" / name)
+    (two / "specs/aa/same.yaml").symlink_to("enc_a.yaml")
+    code, out, _ = run(capsys, "check")
+    assert (code, out.splitlines()[-1]) == (0, "no problems in 3 families: enc_a, enc_b, enc_c")
+
+
+def test_the_search_has_a_limit_and_says_so(
+    capsys: pytest.CaptureFixture[str], two: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(which_specs, "MOST_NAMES", 3)
+    code, out, err = run(capsys, "check")
+    assert (code, out) == (2, "")
+    assert err.startswith(
+        "codewheel: this folder has more than 3 files and folders, so not all of its specs were found;"
+    )
+    code, _, err = run(capsys, "decode", "AMM5A21/65KSC1", "0xF4243D3")
+    assert (code, err.splitlines()[0][:60]) == (0, "codewheel: searched only 3 files and folders for specs; name")
+    assert run(capsys, "check", "specs")[0] == 0, "a folder that is named is searched to its end"
+
+
+# ------------------------------------------------------------------------------------------------------ packaged
+
+
+@pytest.mark.slow
+def test_a_packaged_encoder_is_generated_by_its_name(capsys: pytest.CaptureFixture[str], two: Path) -> None:
+    code, out, err = run(capsys, "generate", "--packaged", "AMM5A21/65KSC1", "--target", "c", "-o", "out")
+    assert (code, err) == (0, "")
+    assert out.startswith("read the packaged specs of AMM5A21/65KSC1: amm5\n")
+    headers = {path.name for path in (two / "out/c/include/lika").iterdir()}
+    assert "amm5_biss.h" in headers
+    assert not any("ssi" in name or "rs485" in name for name in headers), "only the order code's interface"
+    names = ["--packaged", "ichaus", "--packaged", "sma21", "--target", "biss", "-o", "out"]
+    assert run(capsys, "generate", *names)[0] == 0
+    assert {path.name for path in (two / "out/biss").glob("*-*.xml")} >= {"ichaus-icmu.xml", "lika-sma21.xml"}
+    code, _, err = run(capsys, "generate", "--packaged", "AMM5A21/65KSX1", "-o", "out")
+    assert code == 2
+    assert "AMM5A21/65KSX1" in err
+
+
+# ------------------------------------------------------------------------------------------------------ files of others
+
+#: Targets with and without a file for each family.
+TARGETS = [word for name in ("c", "python", "biss", "docs", "masters", "browser") for word in ("--target", name)]
+
+
+@pytest.fixture
+def generated(capsys: pytest.CaptureFixture[str], two: Path) -> Path:
+    """The output of two manufacturers."""
+    assert run(capsys, "generate", *TARGETS)[0] == 0
+    return two / "generated"
+
+
+def without_record(folder: Path) -> None:
+    """Rewrite the lists of an output as earlier versions wrote them."""
+    for path in folder.glob(f"*/{LIST}"):
+        lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+        assert lines.pop(1) == "# Families: aa/enc_a bb/enc_b\n"
+        path.write_text("".join(lines), encoding="utf-8")
+
+
+@pytest.mark.slow
+def test_outputs_of_others_are_neither_removed_nor_replaced(
+    capsys: pytest.CaptureFixture[str], two: Path, generated: Path
+) -> None:
+    before = tree(generated)
+    for more in ([], ["--check"], ["--force"], ["--unchecked"]):
+        code, _, err = run(capsys, "generate", "specs/aa", *TARGETS, *more)
+        assert (code, tree(generated)) == (1, before)
+        assert err.startswith("codewheel: generated has outputs of bb/enc_b, which were not read (")
+        assert " files: generated/biss/bb-enc_b.xml, generated/c/" in err
+        assert "(codewheel generate specs/aa FOLDER --target c" in err
+        assert err.endswith(" browser), write elsewhere with -o, or drop these outputs with --prune\n")
+    code, out, _ = run(capsys, "generate", "specs/aa", *TARGETS, "--prune")
+    assert code == 0
+    assert "removed    generated/c/include/bb/enc_b_biss.h\n" in out
+    assert not any("enc_b" in path for path in tree(generated))
+    assert run(capsys, "generate", *TARGETS)[0] == 0
+    assert tree(generated) == before
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("target", ["c", "python", "biss", "docs", "masters", "browser"])
+def test_an_output_of_an_earlier_version_is_safe_too(
+    capsys: pytest.CaptureFixture[str], generated: Path, target: str
+) -> None:
+    without_record(generated)
+    before = tree(generated)
+    code, _, err = run(capsys, "generate", "specs/aa", "--target", target)
+    assert (code, tree(generated)) == (1, before)
+    assert "Nothing has changed." in err
+    # The same specs as before write the record. Nothing else changes.
+    code, out, _ = run(capsys, "generate", *TARGETS)
+    assert (code, out.splitlines()[-1][-15:]) == (0, "files unchanged")
+    assert all("# Families: aa/enc_a bb/enc_b\n" in path.read_text() for path in generated.glob(f"*/{LIST}"))
+
+
+@pytest.mark.slow
+def test_an_earlier_version_of_ones_own_output_is_updated(capsys: pytest.CaptureFixture[str], here: Path) -> None:
+    add("enc_a", here / "specs/aa")
+    assert run(capsys, "generate", *TARGETS)[0] == 0
+    old = ["c/include/aa/old.h", "docs/enc_a-old.md", "python/runtime/old.py"]
+    for name in old:
+        target, _, path = name.partition("/")
+        (here / "generated" / name).write_text("old")
+        listing = here / "generated" / target / LIST
+        lines = listing.read_text(encoding="utf-8").splitlines(keepends=True)
+        kept = "".join(line for line in lines if not line.startswith("# Families: "))
+        listing.write_text(f"{kept}{path}\n", encoding="utf-8")
+    code, out, err = run(capsys, "generate", *TARGETS)
+    assert (code, err) == (0, "")
+    assert sorted(line for line in out.splitlines() if "removed" in line) == [
+        f"removed    generated/{name}" for name in old
+    ]
+
+
+@pytest.mark.slow
+def test_a_spec_that_was_deleted(capsys: pytest.CaptureFixture[str], two: Path, generated: Path) -> None:
+    add("enc_c", two / "specs/aa")
+    assert run(capsys, "generate", *TARGETS)[0] == 0
+    (two / "specs/aa/enc_c.yaml").unlink()
+    # Of named specs it is unknown if they are all. Without names, all are read.
+    code, _, err = run(capsys, "generate", "specs", *TARGETS)
+    assert code == 1
+    assert err.startswith("codewheel: generated has outputs of aa/enc_c, which were not read (")
+    code, out, _ = run(capsys, "generate", *TARGETS)
+    assert code == 0
+    assert "removed    generated/docs/enc_c.md\n" in out
+    assert not any("enc_c" in path for path in tree(generated))
+    # The last spec of a manufacturer is never dropped without a word.
+    (two / "specs/bb/enc_b.yaml").unlink()
+    before = tree(generated)
+    code, _, err = run(capsys, "generate", *TARGETS)
+    assert (code, tree(generated)) == (1, before)
+    assert "outputs of bb/enc_b, which were not read" in err
+
+
+@pytest.mark.slow
+def test_the_output_can_be_inside_the_specs(capsys: pytest.CaptureFixture[str], two: Path) -> None:
+    for _ in range(2):
+        assert run(capsys, "generate", "specs", "-o", "specs/out", *TARGETS)[0] == 0
+        assert run(capsys, "check")[1].endswith("no problems in 2 families: enc_a, enc_b\n")
+    assert run(capsys, "generate", "-o", "specs/out", "--check", *TARGETS)[0] == 0
+    # A folder that generate writes is not searched, so no spec may be in it.
+    add("enc_c", two / "docs/cc")
+    code, _, err = run(capsys, "generate", "-o", ".", "--target", "docs")
+    assert code == 1
+    assert err.startswith(
+        "codewheel: the spec docs/cc/enc_c.yaml is in docs, which generate writes; nothing has changed;"
+    )
+
+
+@pytest.mark.slow
+def test_leftovers_of_a_killed_run_are_named(capsys: pytest.CaptureFixture[str], two: Path, generated: Path) -> None:
+    assert run(capsys, "generate", "--check", *TARGETS)[0] == 0
+    stage = generated / ".codewheel-biss-abcd1234"
+    stage.mkdir()
+    mark = "Temporary folder of codewheel generate. Its next run removes it.\n"
+    (stage / ".codewheel-stage").write_text(mark, encoding="utf-8")
+    (generated / ".codewheel-mine-abcd1234").mkdir()
+    (generated / ".codewheel-mine-abcd1234/notes.txt").write_text("mine")
+    code, out, err = run(capsys, "generate", "--check", *TARGETS)
+    assert code == 1
+    assert out.splitlines()[1:] == ["left over  generated/.codewheel-biss-abcd1234"]
+    assert err.startswith("codewheel: 1 file out of date; run: codewheel generate --target c")
+    assert run(capsys, "generate", *TARGETS)[0] == 0
+    assert not stage.exists()
+    assert (generated / ".codewheel-mine-abcd1234/notes.txt").exists()
+
+
+@pytest.mark.slow
+def test_targets_of_two_runs_are_named(capsys: pytest.CaptureFixture[str], two: Path, generated: Path) -> None:
+    spec = two / "specs/aa/enc_a.yaml"
+    text = spec.read_text(encoding="utf-8")
+    spec.write_text(text.replace("max_hz: 10000000", "max_hz: 5000000"), encoding="utf-8")
+    assert run(capsys, "generate", "--target", "c", "--target", "docs")[0] == 0
+    code, out, _ = run(capsys, "generate", "--check", *TARGETS)
+    assert code == 1
+    lines = [line for line in out.splitlines() if line.startswith("up to date: ")]
+    assert len(lines) == 1
+    assert lines[0].startswith("up to date: c, ")
+    assert "; out of date: " in lines[0]
+    assert "biss" in lines[0].partition("; ")[2]
