@@ -88,7 +88,8 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
 def has_family(paths: Sequence[Path], name: str, cache: Cache) -> bool:
     """Return True if one of the specs has a family of this name, without loading it."""
     try:
-        return any(item.name == name for item in _device_files(paths, cache))
+        # All files are looked at, because the results are stored after the last one.
+        return name in {item.name for item in _device_files(paths, cache)}
     except (OSError, ValueError, TypeError, LookupError, AttributeError, _NotSelectable):
         return False
 
