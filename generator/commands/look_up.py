@@ -103,10 +103,17 @@ def _located(specs: Specs, text: str, cache: Cache, is_name: bool) -> Located:
         _refuse_hidden(found[0], skipped)
         for report in skipped:
             _report_skipped(report)
-        if any(_in_group(group, text, cache, is_name, []) for group in specs.groups[index + 1 :]):
+        if any(_has(group, found[0].name, text, cache, is_name) for group in specs.groups[index + 1 :]):
             print(f"codewheel: {text} is in your specs and in the packaged ones; yours are used", file=sys.stderr)
         return (*found, paths)
     raise _not_found(specs, text, cache, is_name)
+
+
+def _has(paths: Sequence[Path], family: str, text: str, cache: Cache, is_name: bool) -> bool:
+    """Return True if a group also has the family, or the order code or name."""
+    from ..loading.selected import has_family
+
+    return has_family(paths, family, cache) or _in_group(paths, text, cache, is_name, []) is not None
 
 
 def _in_group(

@@ -85,6 +85,15 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
         return None
 
 
+def has_family(paths: Sequence[Path], name: str, cache: Cache) -> bool:
+    """Return True if one of the specs has a family of this name, without loading it."""
+    try:
+        # All files are looked at, because the results are stored after the last one.
+        return name in {item.name for item in _device_files(paths, cache)}
+    except (OSError, ValueError, TypeError, LookupError, AttributeError, _NotSelectable):
+        return False
+
+
 def _device_files(paths: Sequence[Path], cache: Cache) -> Iterator[_Found]:
     """Yield each device file.
 
