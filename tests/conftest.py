@@ -113,7 +113,9 @@ def _tools_are_tried_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.
 def _once(read: Callable[..., Any]) -> Callable[..., Any]:
     known: dict[Any, Any] = {}
 
-    def once(paths: Sequence[Path] = (), *more: Any, **others: Any) -> Any:
+    def once(paths: Sequence[Path] | None = None, *more: Any, **others: Any) -> Any:
+        if paths is None:  # The packaged specs, which are those of this repository.
+            paths = [ROOT / "specs"]
         key = (tuple(paths), None if all(path.is_absolute() for path in paths) else Path.cwd())
         if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths):
             return read(paths, *more, **others)

@@ -37,6 +37,7 @@ READERS = {
         "loading/editions.py",
         "loading/library.py",
         "loading/overlays.py",
+        "loading/verdicts.py",
         "targets/docs/files.py",
     },
     "reads the errata of a cable table, which the record has chosen": {
@@ -46,6 +47,10 @@ READERS = {
     "plays an encoder whose user sets the flags": {
         "virtual/encoder.py",
         "virtual/memory.py",
+    },
+    "denies something only if no fact of any order code mentions it": {
+        "say/mentions.py",
+        "targets/docs/unstated.py",
     },
     "shows the order codes beside each fact": {
         "changes/families.py",

@@ -26,8 +26,9 @@ def plausible_rate(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if "note" in interface:
             continue
         clock, path = mapping(interface, "clock"), ("interfaces", kind, "clock")
-        if clock and clock["max_hz"] < _LOWEST_MAXIMUM_HZ:
-            _report_rate(clock["max_hz"], "max_hz", "Hz", (*path, "max_hz"), report)
+        highest_hz = clock.get("max_hz", _LOWEST_MAXIMUM_HZ)
+        if highest_hz < _LOWEST_MAXIMUM_HZ:
+            _report_rate(highest_hz, "max_hz", "Hz", (*path, "max_hz"), report)
         elif 0 < clock.get("min_hz", 0) < _LOWEST_MINIMUM_HZ:
             _report_rate(clock["min_hz"], "min_hz", "Hz", (*path, "min_hz"), report)
         baud = mapping(interface, "port").get("baud", _LOWEST_BAUD)
