@@ -114,10 +114,9 @@ def _once(read: Callable[..., Any]) -> Callable[..., Any]:
     known: dict[Any, Any] = {}
 
     def once(paths: Sequence[Path] | None = None, *more: Any, **others: Any) -> Any:
-        if paths is None:  # The packaged specs, which are those of this repository.
-            paths = [ROOT / "specs"]
-        key = (tuple(paths), None if all(path.is_absolute() for path in paths) else Path.cwd())
-        if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths):
+        given = paths or ()
+        key = (tuple(given), None if all(path.is_absolute() for path in given) else Path.cwd())
+        if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in given):
             return read(paths, *more, **others)
         if key not in known:
             known[key] = read(paths)
