@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import re
 import shutil
+from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -264,17 +265,18 @@ def test_a_file_for_one_encoder_says_what_can_change_its_length(files: dict[str,
 
 
 @pytest.mark.slow
-def test_a_device_without_a_device_id_is_named_as_left_out(amm5: Device) -> None:
+def test_a_device_without_a_device_id_is_named_as_left_out(amm5: Device, devices: Mapping[str, Device]) -> None:
     bare = dataclasses.replace(amm5, registers=tuple(item for item in amm5.registers if item.name != "device_id"))
-    text = generate(Library((bare,)))[NAME]
+    text = generate(Library((bare, devices["am36"])))[NAME]
     check_format(text)
     assert device_bits(bare) == ()
-    assert "Not listed" in text
+    assert f"Not listed, because the spec has no device ID: {bare.title}" in text
 
 
 def test_a_manufacturer_without_an_id_has_no_file(amm5: Device) -> None:
     nameless = dataclasses.replace(amm5, manufacturer=dataclasses.replace(amm5.manufacturer, biss_id=None))
-    assert set(generate(Library((nameless,)))) == {"biss/LICENSE", "biss/lika-amm5.xml", "biss/device-description.xsd"}
+    made = {"LICENSE", "README.md", "lika-amm5.xml", "device-description.xsd"}
+    assert set(generate(Library((nameless,)))) == {f"biss/{name}" for name in made}
 
 
 @pytest.mark.slow

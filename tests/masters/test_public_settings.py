@@ -59,7 +59,7 @@ FILES: list[tuple[str, str, Values, dict[int, str]]] = [
             0x02: "theirs: SSI mode needs 1. It writes 18 last, and the terminal then sets 02 itself",
             0x03: "theirs: SSI has no CRC, so 03 has no effect",
             0x11: "ours: SSI mode needs 0. The terminal sets it when 18 is written",
-            0x12: "choice: according to their file, the encoder needs 10 V to 24 V, so 12 has no effect on it. 50 is the default",
+            0x12: "choice: their file has 10 V to 24 V, so 12 has no effect. It stays at its default",
         },
     ),
 ]

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from itertools import pairwise
 
-from ...model import INTERFACES, Biss, Spi
+from ...model import INTERFACES, Biss
 from ...say.words import counted
 from ..problems import DocumentReport, Path, missing, quoted, suggestion
 from .walk import (
@@ -135,7 +135,7 @@ def clock_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if not clock:
             continue
         if "used_hz" not in clock and clock.keys() == mapping(raw, *map(str, path)).keys():
-            _report_missing_limits(interface, clock, path, report)
+            _report_missing_limit(clock, path, report)
         used = clock.get("used_hz", [])
         used = used if isinstance(used, list) else [used]
         if used != sorted(set(used)):
@@ -148,13 +148,11 @@ def clock_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 report.add("clock-range", (*path, low_key), wrong)
 
 
-def _report_missing_limits(interface: str, clock: Spec, path: Path, report: DocumentReport) -> None:
-    """Report the limits that a clock needs and does not have."""
-    needed = ("max_hz",) if interface == Spi.name else ("min_hz", "max_hz")
-    absent = [key for key in needed if key not in clock]
-    if absent:
+def _report_missing_limit(clock: Spec, path: Path, report: DocumentReport) -> None:
+    """Report that a clock has neither its highest frequency nor one in use."""
+    if "max_hz" not in clock:
         remedy = "if no document of the manufacturer gives the limits, write 'used_hz'"
-        report.add("missing-key", path, f"{missing(absent, 'a clock')}; {remedy}", at_key=True)
+        report.add("missing-key", path, f"{missing(['max_hz'], 'a clock')}; {remedy}", at_key=True)
 
 
 def cable_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:
