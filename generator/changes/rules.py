@@ -114,6 +114,12 @@ _CHANGES = (
     ("timing-typical", "+++D", "a typical time or its symbol has changed", "Code cannot rely on typical times."),
     ("clock-narrower", "WWWD", "the clock has narrower limits", _LESS),
     ("clock-wider", "+++D", "the clock has wider limits", _MORE),
+    (
+        "clock-used",
+        "WWWD",
+        "other clocks are known to be in use",
+        "Code may use one of them, because no limit is known.",
+    ),
     ("port", "WWWD", "the settings of the serial port have changed", _WIRE),
     ("alignment", "DWWD", "a word has a different alignment or code", _WIRE),
     ("bank-select", "WWWD", "the bank is selected by a different register", _WIRE),

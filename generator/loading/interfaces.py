@@ -95,10 +95,16 @@ def build_measurement(raw: Raw, context: Context) -> Measurement | None:
     return Measurement(of=found["of"], source=sources(found), **parts)
 
 
+def _clock(raw: Raw) -> Clock:
+    clock = raw.get("clock", {})
+    used = clock.get("used_hz", ())
+    return record(Clock, clock, used_hz=tuple(sorted(used)) if isinstance(used, Sequence) else (used,))
+
+
 def _ssi(raw: Raw, context: Context) -> Mapping[str, Any]:
     code = raw.get("output_code")
     return {
-        "clock": record(Clock, raw.get("clock", {})),
+        "clock": _clock(raw),
         "alignment": Alignment(raw.get("alignment", ""), sources(raw, "alignment_source") or sources(raw)),
         "output_code": OutputCode(code, sources(raw, "output_code_source") or sources(raw)) if code else None,
         "cable_lengths": tuple(
@@ -110,7 +116,7 @@ def _ssi(raw: Raw, context: Context) -> Mapping[str, Any]:
 def _biss(raw: Raw, context: Context) -> Mapping[str, Any]:
     control = raw.get("control_data", {})
     return {
-        "clock": record(Clock, raw.get("clock", {})),
+        "clock": _clock(raw),
         "control_data": tuple(_control_field(item, control, context) for item in control.get("fields", ())),
         "control_data_note": control.get("note", ""),
     }
@@ -121,8 +127,8 @@ def _rs485(raw: Raw, context: Context) -> Mapping[str, Any]:
 
 
 def _spi(raw: Raw, context: Context) -> Mapping[str, Any]:
-    clock, bits = {"min_hz": 0, **raw.get("clock", {})}, context.expression(raw.get("word_bits", _WORD[0]))
-    return {"clock": record(Clock, clock), "word_bits": bits, "exchanges": _exchanges(raw, context)}
+    bits = context.expression(raw.get("word_bits", _WORD[0]))
+    return {"clock": _clock(raw), "word_bits": bits, "exchanges": _exchanges(raw, context)}
 
 
 def _exchanges(raw: Raw, context: Context) -> tuple[Exchange, ...]:

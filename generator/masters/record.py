@@ -72,7 +72,8 @@ class Record:
     ``answers`` are the user's answers to questions that the manual leaves open, by the names of the alternatives.
     ``cable_m`` is the cable length for which the highest clock is chosen, and ``cable_row`` the row of the table for
     it. Both may be None. ``step`` is the exact length of a count in µm. ``numbers`` has it in each unit in which it is
-    whole. ``document`` is the word for what does not state a fact.
+    whole. ``document`` is the word for what does not state a fact. ``used_hz`` has the clocks in use, if the highest
+    clock is not known.
     """
 
     code: str
@@ -88,6 +89,7 @@ class Record:
     cable_row: CableRow | None = None
     step: Fraction | None = None
     document: str = "manual"
+    used_hz: tuple[int, ...] = ()
 
     @property
     def known(self) -> Mapping[str, int]:
@@ -155,6 +157,8 @@ def record(
     found = Record(
         variant.code, device.name, words, ordered, parts, timeout, cables, notes, taken, step=step, document=source
     )
+    if numbers["clock_max_hz"] is None:
+        found = replace(found, used_hz=interface.clock.used_hz)
     return found if cable_m is None else _with_cable(found, cable_m)
 
 
@@ -168,7 +172,10 @@ def _with_cable(found: Record, metres: int) -> Record:
             wrong = f"the table in {found.cables.origin} ends at {longest} m"
         raise NoRecord(f"{found.code}, cable of {metres} m: {wrong}")
     slowest, fastest = found.numbers["clock_min_hz"], found.numbers["clock_max_hz"]
-    highest = min(row.highest_hz, fastest if fastest is not None else row.highest_hz)
+    if fastest is None:
+        used_hz = tuple(hz for hz in found.used_hz if hz <= row.highest_hz)
+        return replace(found, cable_m=metres, used_hz=used_hz)
+    highest = min(row.highest_hz, fastest)
     if slowest is not None and highest < slowest:
         wrong = f"the table in {found.cables.origin} has {row.text}, but the encoder needs at least {hertz(slowest)}"
         raise NoRecord(f"{found.code}, cable of {metres} m: {wrong}")
@@ -309,7 +316,8 @@ def _times(interface: Biss | Ssi) -> dict[str, int | None]:
     if timeout is not None and timeout.at_most_ns is not None:
         longest = -(-timeout.at_most_ns // 1000)
     elif timeout is not None and timeout.half_clock_periods is not None:
-        longest = -(-timeout.half_clock_periods * 500_000 // interface.clock.min_hz)
+        slowest = interface.clock.min_hz
+        longest = -(-timeout.half_clock_periods * 500_000 // slowest) if slowest is not None else None
     pause = next((item.at_least_us for item in interface.timings if item.name == "pause"), None)
     return {
         "clock_min_hz": interface.clock.min_hz,

@@ -5,6 +5,7 @@ Everything about a master is in its description, a file in ``specs/masters``. Se
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, fields
@@ -23,6 +24,7 @@ from ..loading.shipped import packaged_masters
 from ..model import INTERFACES, Document
 from ..model.expressions import Expression, ExpressionError
 from ..model.record import dataclass
+from ..say.interface import clocks_in_use
 from ..say.numbers import decimal
 from ..say.words import hertz
 from ..typed import members_fit
@@ -33,6 +35,8 @@ from .writing import Writing, writing_of
 Raw = Mapping[str, Any]
 
 _RULES = ("limits", "settings", "writing", "notes", "files")
+#: Bound of a clock that is in use, while the limits of the encoder are not known.
+_START = "start_with"
 _UNITS = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
 
 
@@ -57,7 +61,7 @@ class Master:
 class Setting:
     """One setting. If its value is unknown, ``value`` is None and ``text`` gives the reason.
 
-    ``bound`` is ``at_least``, ``at_most``, ``below`` or empty.
+    ``bound`` is ``at_least``, ``at_most``, ``below``, ``start_with`` or empty.
     """
 
     name: str
@@ -304,10 +308,18 @@ def _setting(item: Raw, master: Master, record: Record) -> Setting:
     except _Unknown as reason:
         value, text, bound = None, f"unknown: {reason}", ""
     name, at = _filled(item["name"], record), _filled(item.get("at", ""), record)
-    note = " ".join(filter(None, [item.get("note", ""), _cable_note(item, value, record)]))
+    notes = (item.get("note", ""), _start_note(bound, record), _cable_note(item, value, record))
+    note = " ".join(filter(None, notes))
     standing = item.get("standing", master.standing)
     places = places_of(item, value, master.devices, master.standing, lambda symbol: _filled(symbol, record))
     return Setting(name, at, value, text, bound, standing, item["source"], note, places)
+
+
+def _start_note(bound: str, record: Record) -> str:
+    """Return why a clock is only a value to start with."""
+    if bound != _START:
+        return ""
+    return f"The highest clock of the encoder is not known. {clocks_in_use(record.used_hz)}."
 
 
 def _cable_note(item: Raw, value: int | bool | str | None, record: Record) -> str:
@@ -364,6 +376,10 @@ def _chosen(item: Raw, record: Record) -> int | str:
     raise _Refused(f"{item['name']} has no value for {_actual(name, record)}")
 
 
+def _has_limits(record: Record) -> bool:
+    return record.numbers["clock_max_hz"] is not None
+
+
 def _bounds(record: Record) -> tuple[int, int]:
     slowest, fastest = record.numbers["clock_min_hz"], record.numbers["clock_max_hz"]
     if fastest is None:
@@ -374,19 +390,25 @@ def _bounds(record: Record) -> tuple[int, int]:
 def _listed_clock(item: Raw, record: Record) -> tuple[int | str, str, str]:
     best = _best_listed(item, record)
     shown, value = hertz(best["hz"]), best["set"]
-    return value, shown if str(value) == shown else f"{value} ({shown})", ""
+    return value, shown if str(value) == shown else f"{value} ({shown})", "" if _has_limits(record) else _START
 
 
 def _best_listed(item: Raw, record: Record) -> Raw:
-    """Return the fastest of the master's clocks that the encoder supports."""
+    """Return the fastest of the master's clocks that the encoder supports, or that is in use if this is not known."""
+    in_use = [clock for clock in item["clocks"] if clock["hz"] in record.used_hz]
+    if in_use:
+        return _fastest_of(in_use)
     slowest, fastest = _bounds(record)
     fitting = [clock for clock in item["clocks"] if slowest <= clock["hz"] <= fastest]
     if not fitting:
         with_cable = f" with a cable of {record.cable_m} m" if record.cable_m is not None else ""
         taken = f"between {hertz(slowest)} and {_fastest(record)}, the limits of the encoder{with_cable}"
         raise _Refused(f"{item['name']}: no clock is {taken}")
-    found: Raw = max(fitting, key=lambda clock: clock["hz"])
-    return found
+    return _fastest_of(fitting)
+
+
+def _fastest_of(clocks: Sequence[Raw]) -> Raw:
+    return max(clocks, key=lambda clock: int(clock["hz"]))
 
 
 def _fastest(record: Record) -> str:
@@ -396,7 +418,8 @@ def _fastest(record: Record) -> str:
 
 
 def _any_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
-    best, bound, unit = _best_of_any(clock, record), "at_most", clock["unit"]
+    best, unit = _best_of_any(clock, record), clock["unit"]
+    bound = "at_most" if _has_limits(record) else _START
     row = record.cable_row
     if row is not None and row.is_below and best == row.highest_hz:
         best, bound = row.hz, "below"
@@ -409,6 +432,10 @@ def _any_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
 
 def _best_of_any(clock: Raw, record: Record) -> int:
     """Return the fastest clock that the encoder and the master support, for a master with freely selectable clocks."""
+    least, most = clock.get("at_least_hz", 0), clock.get("at_most_hz", math.inf)
+    in_use = [hz for hz in record.used_hz if least <= hz <= most]
+    if in_use:
+        return max(in_use)
     slowest, fastest = _bounds(record)
     best = min(fastest, int(clock.get("at_most_hz", fastest)))
     if best < max(slowest, clock.get("at_least_hz", 0)):

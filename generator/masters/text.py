@@ -11,6 +11,7 @@ from typing import Any
 from ..language.problems import listed
 from ..model import INTERFACES, Biss, Device
 from ..order_codes.labels import Match
+from ..say.interface import clocks_in_use
 from ..say.lines import WIDTH, pairs, wrapped
 from ..say.origin import origin
 from ..say.text import BY_NAME
@@ -50,7 +51,8 @@ def facts(record: Record) -> Iterator[tuple[str, str]]:
     if row is not None and row.is_below:
         highest = f"below {hertz(row.hz)}"
     limits = (f"at least {hertz(slowest)}" if slowest is not None else "", highest)
-    yield "Clock", ", ".join(filter(None, limits)) or unknown
+    used = f"{unknown}, {clocks_in_use(record.used_hz)}" if record.used_hz else unknown
+    yield "Clock", ", ".join(filter(None, limits)) or used
     if record.cables.rows:
         yield "Clock by cable", _cables(record)
     if INTERFACES[record.words["interface"]] is Biss:
@@ -120,7 +122,7 @@ def legend(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool
 
 
 def bound(setting: Setting) -> str:
-    """Return ``at least ``, ``at most ``, ``below `` or an empty string."""
+    """Return ``at least ``, ``at most ``, ``below ``, ``start with `` or an empty string."""
     return f"{setting.bound.replace('_', ' ')} " if setting.bound else ""
 
 
@@ -264,6 +266,7 @@ def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[st
         "record": {
             **record.words,
             **record.numbers,
+            "clock_used_hz": list(record.used_hz),
             "frame": [asdict(part) for part in record.parts],
             "timeout": record.timeout,
             "cable_m": record.cable_m,

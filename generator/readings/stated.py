@@ -88,7 +88,8 @@ def _text(reading: Reading, member: Member, value: Any, interface: str) -> Value
     if isinstance(value, Enum):
         return str(value.value)
     if isinstance(value, tuple):
-        return " ".join(str(one.digits) if isinstance(one, Digits) else str(one) for one in value)
+        parts = (str(one.digits) if isinstance(one, Digits) else str(one) for one in value)
+        return f"{' '.join(parts)}{_UNITS.get(member.notation, '')}"
     if isinstance(value, Scale):
         # Two readers may write the same formula with different numbers.
         factor, offset = value.quantity(1) - value.quantity(0), value.quantity(0)

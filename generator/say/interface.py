@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from ..model import (
     Alignment,
@@ -34,7 +34,7 @@ from ..model.expressions import Expression
 from .field import value
 from .name import printed, words
 from .name import register as named
-from .text import Code, Part, Said, parted, said, told
+from .text import Code, Part, Said, listed, parted, said, told
 from .timing import timing
 from .words import counted, hertz, nanoseconds, number, sentence, timeout_words
 
@@ -92,8 +92,8 @@ def _fact(device: Device, fact: Fact) -> Said:
 
 def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
     match fact:
-        case Clock(lowest, highest):
-            return "Clock", f"{hertz(lowest)} to {hertz(highest)}" if lowest else f"up to {hertz(highest)}"
+        case Clock():
+            return "Clock", clock_words(fact)
         case CableLength(metres, clock):
             return "Clock", f"below {hertz(clock)} with a cable shorter than {metres} m"
         case Signals(text):
@@ -105,7 +105,7 @@ def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
         case Profile(text):
             return "Profile", text
         case DescriptionFile(text):
-            return "Description file", text
+            return "Description file", f"{text}, which the manufacturer supplies"
         case BankSelect(register):
             return "Bank select", named(device, register)
         case Network():
@@ -118,6 +118,31 @@ def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
             return "Words", _words(fact)
         case _:
             return assert_never(fact)
+
+
+def clock_words(clock: Clock) -> str:
+    """Return the limits, then the clocks in use with the limits that are not known."""
+    lowest, highest = clock.min_hz, clock.max_hz
+    limits = f"up to {hertz(highest)}" if highest is not None else ""
+    if lowest is not None:
+        limits = f"{hertz(lowest)} to {hertz(highest)}" if highest is not None else f"at least {hertz(lowest)}"
+    if not clock.used_hz:
+        return limits
+    used = f"{clocks_in_use(clock.used_hz)}, {unknown_limits(clock)}"
+    return f"{limits}, {used}" if limits else used
+
+
+def clocks_in_use(clocks: Sequence[int]) -> str:
+    """Return a clause about clocks that programs or masters use, such as "1 MHz and 5 MHz are in use"."""
+    shown = "".join(map(str, listed([hertz(hz) for hz in clocks])))
+    return f"{shown} {'is' if len(clocks) == 1 else 'are'} in use"
+
+
+def unknown_limits(clock: Clock) -> str:
+    """Return a clause about the limits that are not known."""
+    if not clock.has_limits:
+        return "the limits are not known"
+    return f"the {'lowest' if clock.min_hz is None else 'highest'} clock is not known"
 
 
 def _words(fact: WordFormat) -> str:

@@ -20,7 +20,7 @@ RULES_WITH_BROKEN_SPECS = """
     access-mismatch alias also-written alternative-use argument-not-written bad-expression bad-key bad-pattern
     bad-source bank-not-selected biss-protocol byte-order-missing cited-place clock-range column-units
     crc-impossible device-name duplicate-address duplicate-key duplicate-name error-usable evidence-grade
-    example-shape interface-mismatch layout-keys limit-does-not-fit makes-position-missing meaning-mismatch
+    example-shape interface-mismatch layout-keys limit-does-not-fit limit-source makes-position-missing meaning-mismatch
     measurement-shape merge-key missing-key misspelt-name not-a-map not-allowed not-text number-base
     number-too-long order-code-ambiguous order-code-pattern out-of-range output-code parameter-cycle
     parameter-interface parameter-origin printed-number procedure-name quantity-repeated quantity-text

@@ -73,7 +73,6 @@ UNUSED = {
     "field.parity.even": "the opposite of odd",
     "field.others": "values that a manual reserves. No encoder's spec uses it yet",
     "field.others.reserved": "as others",
-    "spi.clock.min_hz": "the same key as in other interfaces",
 }
 #: Units and quantities are names of physics, not words of the language.
 PHYSICS = re.compile(r"(quantity\.(unit|quantity)|scale\.unit)\.")

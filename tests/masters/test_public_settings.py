@@ -37,7 +37,7 @@ FILES: list[tuple[str, str, Values, dict[int, str]]] = [
         "LA11DCB2D0KB",
         "ecmcEL5042-Encoder-RLS-LA11DCB2D0KB.cmd",
         {0x02: 0, 0x03: 1, 0x11: 67, 0x13: 9, 0x14: 0, 0x15: 0, 0x16: 24, 0x17: 2, 0x18: 0},
-        {0x13: "choice: 1 MHz here and 2.5 MHz in their other file. Ours takes the faster clock that the files use"},
+        {0x13: "choice: 1 MHz here and 2.5 MHz in their other file. Ours takes the faster clock in use"},
     ),
     (
         "LA11DCB2D0KB",
@@ -59,7 +59,7 @@ FILES: list[tuple[str, str, Values, dict[int, str]]] = [
             0x02: "theirs: SSI mode needs 1. It writes 18 last, and the terminal then sets 02 itself",
             0x03: "theirs: SSI has no CRC, so 03 has no effect",
             0x11: "ours: SSI mode needs 0. The terminal sets it when 18 is written",
-            0x12: "choice: the encoder needs 10 V to 24 V, so 12 has no effect on it. 50 is the factory default",
+            0x12: "choice: their file has 10 V to 24 V, so 12 has no effect. It stays at its default",
         },
     ),
 ]

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 from ...model import INTERFACES, Biss
 from ...say.words import counted
-from ..problems import DocumentReport, Path, quoted, suggestion
+from ..problems import DocumentReport, Path, missing, quoted, suggestion
 from .walk import (
     MAX_FIELDS,
     Spec,
@@ -128,15 +128,31 @@ def timing_bounds(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def clock_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that the lowest clock is not above the highest."""
+    """Check that a clock has limits or clocks in use, in ascending order and within the limits."""
     for interface in mapping(spec, "interfaces"):
-        clock = mapping(spec, "interfaces", interface, "clock")
-        if clock and clock.get("min_hz", 0) > clock["max_hz"]:
-            report.add(
-                "clock-range",
-                ("interfaces", interface, "clock", "min_hz"),
-                f"'min_hz' ({clock['min_hz']}) is above 'max_hz' ({clock['max_hz']})",
-            )
+        path: Path = ("interfaces", interface, "clock")
+        clock = mapping(spec, *map(str, path))
+        if not clock:
+            continue
+        if "used_hz" not in clock and clock.keys() == mapping(raw, *map(str, path)).keys():
+            _report_missing_limit(clock, path, report)
+        used = clock.get("used_hz", [])
+        used = used if isinstance(used, list) else [used]
+        if used != sorted(set(used)):
+            report.add("clock-range", (*path, "used_hz"), "list the clocks of 'used_hz' once each, in ascending order")
+        rising = [("min_hz", clock.get("min_hz")), *(("used_hz", hz) for hz in used), ("max_hz", clock.get("max_hz"))]
+        known = [(key, hz) for key, hz in rising if hz is not None]
+        for (low_key, low), (high_key, high) in pairwise(known):
+            if low > high and low_key != high_key:
+                wrong = f"{quoted(low_key)} ({low}) is above {quoted(high_key)} ({high})"
+                report.add("clock-range", (*path, low_key), wrong)
+
+
+def _report_missing_limit(clock: Spec, path: Path, report: DocumentReport) -> None:
+    """Report that a clock has neither its highest frequency nor one in use."""
+    if "max_hz" not in clock:
+        remedy = "if no document of the manufacturer gives the limits, write 'used_hz'"
+        report.add("missing-key", path, f"{missing(['max_hz'], 'a clock')}; {remedy}", at_key=True)
 
 
 def cable_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:

@@ -43,11 +43,24 @@ class Common:
 
 @dataclass(frozen=True, slots=True)
 class Clock:
-    """Range of the master's clock, including both ends. ``min_hz`` is 0 if no lower limit is known."""
+    """The master's clock: its limits, inclusive, each None if not known, and clocks with which encoders are read.
 
-    min_hz: int
-    max_hz: int
+    ``used_hz`` has the clocks of programs and masters in ascending order. They are not limits.
+    """
+
+    min_hz: int | None
+    max_hz: int | None
+    used_hz: tuple[int, ...]
     source: Sources
+
+    @property
+    def fastest_hz(self) -> int:
+        """Highest clock if it is known, otherwise the fastest that is in use."""
+        return self.max_hz if self.max_hz is not None else max(self.used_hz)
+
+    @property
+    def has_limits(self) -> bool:
+        return self.min_hz is not None or self.max_hz is not None
 
 
 @dataclass(frozen=True, slots=True)

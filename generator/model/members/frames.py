@@ -80,7 +80,7 @@ FRAMES = (
         Member("when_inactive", "text", "Meaning of the flag when it is inactive.", "words"),
         Member(
             "makes_position",
-            "|not_usable|usable_with_warning|usable",
+            "|not_usable|unknown|usable_with_warning|usable",
             "Verdict on the position of the same frame while a flag is active, or while unused bits differ from"
             " the manual. Empty if not specified.",
             "field-verdict",

@@ -7,9 +7,17 @@ from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part
 INTERFACES = (
     Part(
         "clock",
-        "Clock frequency range.",
+        "Clock frequencies. A limit is null if it is not known.",
         Member("min_hz", "integer?", "Lowest frequency in hertz.", "clock-narrower", "lowest clock", read="clock"),
         Member("max_hz", "integer?", "Highest frequency in hertz.", "clock-narrower", "highest clock", read="clock"),
+        Member(
+            "used_hz",
+            "[integer]",
+            "Frequencies in hertz that programs or masters use, in ascending order. They are not limits.",
+            "clock-used",
+            "clock in use",
+            read="clock",
+        ),
     ),
     Part(
         "supply",
@@ -110,7 +118,7 @@ INTERFACES = (
         Member("title", "string", "Name of the interface.", "words"),
         Member("layouts", "[name]", "Names of the layouts."),
         NOTE,
-        Member("clock", "clock?", "Clock frequency range."),
+        Member("clock", "clock?", "Clock frequencies."),
         Member("signals", "string", "Electrical standard.", "interface-rule"),
         Member(
             "alignment",

@@ -195,9 +195,7 @@ class InterfaceCode:
         for fact, about in zip(interface.facts(), settings(self.device, interface), strict=True):
             match fact:
                 case Clock():
-                    if fact.min_hz:
-                        yield self._macro("CLOCK_MIN_HZ", fact.min_hz, about)
-                    yield self._macro("CLOCK_MAX_HZ", fact.max_hz, "highest clock in Hz" if fact.min_hz else about)
+                    yield from self._clock(fact, about)
                 case CableLength():
                     self._said.append(about)  # A function states it.
                 case Timeout():
@@ -217,6 +215,17 @@ class InterfaceCode:
         for item in interface.timings:
             self._said.append(timing(item))
             yield from timing_macros(item, self.upper)
+
+    def _clock(self, clock: Clock, about: Said) -> Iterator[Macro]:
+        """Yield the limits, and the fastest clock in use. The first macro has the comment on all of them."""
+        numbers = (
+            ("MIN", clock.min_hz, "lowest clock in Hz"),
+            ("MAX", clock.max_hz, "highest clock in Hz"),
+            ("USED", max(clock.used_hz, default=None), "a clock in use in Hz, not a limit"),
+        )
+        known = [(name, hz, note) for name, hz, note in numbers if hz is not None]
+        for index, (name, hz, note) in enumerate(known):
+            yield self._macro(f"CLOCK_{name}_HZ", hz, note if index else about)
 
     def _port(self, port: Port, about: Said) -> Iterator[Macro]:
         yield self._macro("BAUD", port.baud, about)

@@ -93,9 +93,9 @@ def _register_access(device: Device, interface: Interface, found: Sequence[Recei
     bits, clock = min(item.bits for item in found), interface.clock
     after = f"{bits} clock periods after its CDS"
     after = f"{after} with {initial(device)}" if any(item.held for item in found) else f"at least {after}"
-    times = " and ".join(
-        f"{nanoseconds(bits * 1_000_000_000 // hz)} at {hertz(hz)}" for hz in (clock.max_hz, clock.min_hz)
-    )
+    limits = [hz for hz in (clock.max_hz, clock.min_hz) if hz is not None]
+    shown = limits or [clock.fastest_hz]
+    times = " and ".join(f"{nanoseconds(bits * 1_000_000_000 // hz)} at {hertz(hz)}" for hz in shown)
     yield "For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before the last "
     yield f"clock of the same frame. It comes {after}: {times}. The bit of "
     yield "cw_biss_master_next_late, for SPI and DMA, is needed before the next frame begins, since the SPI mode "

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from ...masters.cable import cable_table
 from ...model import (
     Biss,
+    Clock,
     Device,
     Interface,
     Layout,
@@ -18,7 +19,7 @@ from ...model import (
 )
 from ...model.record import dataclass
 from ...say.evidence import document
-from ...say.interface import settings
+from ...say.interface import clock_words, settings
 from ...say.markdown import STYLE, cited, text
 from ...say.timing import bounds
 from ...say.words import counted, hertz, nanoseconds, timeout_words
@@ -56,20 +57,26 @@ def _clock(device: Device, interface: Ssi | Biss, layout: Layout | None) -> Spee
     lengths = _lengths(device, layout) if layout is not None else []
     before = _BEFORE_BISS if isinstance(interface, Biss) else 0
     plus = ", with the start bit and the CDS bit" if before else ""
-    shown = min(max(1_000_000, clock.min_hz), clock.max_hz)
-    facts = [f"Clock: {hertz(clock.min_hz)} to {hertz(clock.max_hz)} ({cited(clock.source)})."]
+    lowest, highest = clock.min_hz or 0, clock.fastest_hz
+    shown = min(max(1_000_000, lowest), highest)
+    facts = [f"Clock: {clock_words(clock)} ({cited(clock.source)})."]
     if lengths:
         durations = _either(_duration(bits + before, shown) for bits in lengths)
         facts.append(f"{_either(map(str, lengths))} bits at {hertz(shown)}: {durations}{plus}.")
     facts += _pauses(device, interface)
     table = cable_table(device, interface)
-    fitting = [(row.metres, min(row.hz, clock.max_hz)) for row in table.rows if row.hz >= clock.min_hz]
+    fitting = [(row.metres, min(row.hz, highest)) for row in table.rows if row.hz >= lowest]
     rows = tuple((f"{m} m", hertz(hz), _either(_duration(bits + before, hz) for bits in lengths)) for m, hz in fitting)
     if rows:
-        facts.append(f"Clock for each cable length: from {text(table.origin)}.")
+        facts.append(f"Clock for each cable length: from {text(table.origin)}{_up_to_used(clock)}.")
     is_below = any(row.is_below for row in table.rows)
     head = ("Cable below", "Clock below", "Frame above") if is_below else ("Cable up to", "Clock up to", "Frame")
     return Speed("Clock and cable", tuple(facts), head, rows)
+
+
+def _up_to_used(clock: Clock) -> str:
+    """Return why the table ends at a clock, if that is not the highest clock of the encoder."""
+    return "" if clock.max_hz is not None else f", up to {hertz(clock.fastest_hz)}, the fastest clock in use"
 
 
 def _pauses(device: Device, interface: Ssi | Biss) -> Iterator[str]:

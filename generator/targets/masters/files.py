@@ -108,6 +108,9 @@ def _about(made: Content, is_short: bool) -> Iterator[str]:
     derived = list(dict.fromkeys(item.name for item in made.entries if "derived" in item.mark))
     if derived:
         yield f"Derived, not stated in a document: {listed(derived)}."
+    starts = list(dict.fromkeys(item.name for item in made.entries if "start with" in item.mark))
+    if starts:
+        yield f"Only a value to start with, because the highest clock of the encoder is not known: {listed(starts)}."
     for item in made.left_out:
         yield f"Not in this file: {item}"
     if not is_short:
