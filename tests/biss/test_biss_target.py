@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import re
 import shutil
+from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -202,6 +203,19 @@ def test_the_comment_tells_what_the_format_cannot(files: dict[str, str]) -> None
     assert "Inferred" in text
 
 
+def test_each_file_begins_with_what_must_not_be_done(files: dict[str, str]) -> None:
+    """AM36 6.1: the manufacturer supplies a file of the same name, which the master needs."""
+    identifiers = {name: text for name, text in files.items() if name.rpartition("/")[2].startswith("idbiss")}
+    assert len(identifiers) > 1
+    for name, text in identifiers.items():
+        first = " ".join(text.partition("<!--")[2].partition("-->")[0].split())
+        assert first.startswith("No BiSS master is known to accept this file."), name
+        assert "its own idbiss4C69.xml. If you have it, install it in the master, and never replace it" in first, name
+    readme = " ".join(files["biss/README.md"].split())
+    assert readme.startswith("# BiSS files **No BiSS master is known to accept `idbiss4C69.xml`.")
+    assert "never replace it with the file from this folder" in readme
+
+
 @pytest.mark.slow
 def test_one_length_is_stated_below_the_identity(amm5: Device) -> None:
     only = tuple(item for item in amm5.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
@@ -251,17 +265,18 @@ def test_a_file_for_one_encoder_says_what_can_change_its_length(files: dict[str,
 
 
 @pytest.mark.slow
-def test_a_device_without_a_device_id_is_named_as_left_out(amm5: Device) -> None:
+def test_a_device_without_a_device_id_is_named_as_left_out(amm5: Device, devices: Mapping[str, Device]) -> None:
     bare = dataclasses.replace(amm5, registers=tuple(item for item in amm5.registers if item.name != "device_id"))
-    text = generate(Library((bare,)))[NAME]
+    text = generate(Library((bare, devices["am36"])))[NAME]
     check_format(text)
     assert device_bits(bare) == ()
-    assert "Not listed" in text
+    assert f"Not listed, because the spec has no device ID: {bare.title}" in text
 
 
 def test_a_manufacturer_without_an_id_has_no_file(amm5: Device) -> None:
     nameless = dataclasses.replace(amm5, manufacturer=dataclasses.replace(amm5.manufacturer, biss_id=None))
-    assert set(generate(Library((nameless,)))) == {"biss/LICENSE", "biss/lika-amm5.xml", "biss/device-description.xsd"}
+    made = {"LICENSE", "README.md", "lika-amm5.xml", "device-description.xsd"}
+    assert set(generate(Library((nameless,)))) == {f"biss/{name}" for name in made}
 
 
 @pytest.mark.slow
@@ -274,9 +289,9 @@ def test_another_maker(tmp_path: Path) -> None:
     devices, report = load_library([tmp_path])
     assert not report.problems
     files = generate(Library(devices))
-    made = {"LICENSE", "idbiss4163.xml", "acme-minimal.xml", "device-description.xsd"}
+    # Without an encoder that a master can identify, there is no idbiss file.
+    made = {"LICENSE", "README.md", "acme-minimal.xml", "device-description.xsd"}
     assert set(files) == {f"biss/{name}" for name in made}
-    assert "Not listed" in files["biss/idbiss4163.xml"]
     assert from_xml(files["biss/acme-minimal.xml"].encode()) == device_dump(devices[0])
     assert "docs/minimal.md" in generate_docs(Library(devices))
 

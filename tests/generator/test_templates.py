@@ -21,7 +21,15 @@ ROOT = Path(__file__).resolve().parents[2]
 INDEX = "docs/index.md.jinja"
 #: Specs for templates that are used for RS-485 or BiSS encoders only.
 SPEC_OF = {"poller.c.jinja": str(ROOT / "specs" / "lika" / "sma21.yaml")} | dict.fromkeys(
-    ("conf_set.jinja", "xcf.jinja", "c_struct.jinja", "c_registers.jinja", "soe_structure.jinja", "dmc.jinja"),
+    (
+        "idbiss.xml.jinja",
+        "conf_set.jinja",
+        "xcf.jinja",
+        "c_struct.jinja",
+        "c_registers.jinja",
+        "soe_structure.jinja",
+        "dmc.jinja",
+    ),
     str(ROOT / "specs" / "lika" / "amm5.yaml"),
 )
 #: Files for one order code, because bulk files contain the result of a template several times.
@@ -66,7 +74,8 @@ def test_a_mistake_is_one_line(
     maker.write_text(maker.read_text().replace("# biss_id: 0x0000", "biss_id: 0x4142"))
     text = text.replace("index.md.jinja", Path(template).name)
     (place / "t" / template).write_bytes(b"first\n" + text.encode("utf-8", "surrogateescape"))
-    code, err = generate(capsys)
+    of_target = ("--target", template.partition("/")[0]) if "/" in template else ()
+    code, err = generate(capsys, *of_target, spec=SPEC_OF.get(Path(template).name, "demo.yaml"))
     assert code == 1
     assert err.startswith(f"codewheel: t/{template}:2: {message}")
     assert err.count("\n") == 1

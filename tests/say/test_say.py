@@ -94,7 +94,7 @@ INTERFACES = [
     ("biss", "Time-out: 1.5 clock periods (1.5 µs at 1 MHz) [6.3]."),
     ("biss", "Network: point to point, one slave only [6.4]."),
     ("biss", "Profile: BP1 [6]."),
-    ("biss", "Description file: acme.xml [6]."),
+    ("biss", "Description file: acme.xml, which the manufacturer supplies [6]."),
     ("biss", "Bank select: bank [6]."),
     ("rs485", "Baud rate: 115,200 Bd, 8 data bits, even parity, 1 stop bit, no flow control [7.1]."),
 ]
@@ -175,6 +175,11 @@ IN_CODE = {
     ("c", "least", "Limits: at least 3."): "#define ACME_SAID_BISS_REG_LEAST_MIN 3U",
     ("c", "greatest", "Limits: at most 200."): "#define ACME_SAID_BISS_REG_GREATEST_MAX 200U",
     ("c", "ssi", "Clock: below 400 kHz with a cable shorter than 50 m [5.2]."): "if (cable_m < 50U) { return 400000U;",
+    (
+        "python",
+        "biss",
+        "Description file: acme.xml, which the manufacturer supplies [6].",
+    ): 'description_file="acme.xml"',
     ("python", "ssi", "Clock: 100 kHz to 4 MHz [5.1]."): 'clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.1")',
     ("python", "ssi", "Clock: below 400 kHz with a cable shorter than 50 m [5.2]."): (
         'CableLength(shorter_than_m=50, below_hz=400_000, source="5.2")'

@@ -75,6 +75,10 @@ class Node:
     devices: tuple[Node, ...] = ()
 
 
+class Readme(TypedDict):
+    identifiers: Annotated[list[str], "names of the idbiss files in code"]
+
+
 class Identifier(TypedDict):
     notes: Annotated[list[str], "text of the first comment"]
     root: Annotated[Node, "element of the manufacturer, which contains those of its encoders"]
@@ -84,20 +88,34 @@ class Identifier(TypedDict):
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return ``biss/idbissXXXX.xml`` for manufacturers with a BiSS ID, ``biss/<maker>-<device>.xml``, and the schema.
 
+    There is no idbiss file without an encoder that a master can identify.
+
     Also return ``biss/<maker>-<device>/idbiss-<order code>.xml`` for each order code that a master can identify.
 
     With the option ``order-codes``, also return ``biss/<maker>-<device>/<order code>.xml``, with numbers instead of
     expressions.
     """
-    files = {}
+    files: dict[str, str] = {}
+    identifiers = []
     for maker, devices in library.by_manufacturer():
-        if maker.biss_id is not None:
-            files[f"biss/idbiss{maker.biss_id:04X}.xml"] = _of_manufacturer(maker, maker.biss_id, devices, library)
+        nodes, left_out = _identified(devices)
+        if maker.biss_id is not None and nodes:
+            name = identifier_name(maker.biss_id)
+            identifiers.append(f"`{name}`")
+            about = [f"{maker.title}: encoders with a BiSS C interface."]
+            files[f"biss/{name}"] = _identifier(maker, maker.biss_id, about, nodes, library, left_out)
         for device in devices:
             files |= library.part(_family, device, options)
     if files:
+        readme: Readme = {"identifiers": identifiers}
+        files["biss/README.md"] = TEMPLATES.render("README.md.jinja", readme, library.own_templates)
         files |= {f"biss/{XSD_NAME}": schema_text()} | licence_in("biss")
     return files
+
+
+def identifier_name(biss_id: int) -> str:
+    """Return the name of the file that describes the encoders of a manufacturer."""
+    return f"idbiss{biss_id:04X}.xml"
 
 
 def _family(device: Device, library: Library, options: Options) -> dict[str, str]:
@@ -153,15 +171,15 @@ def ascii_text(text: object) -> Markup:
     return Markup(str(escape(clean(plain(text)))).encode("ascii", "xmlcharrefreplace").decode())
 
 
-def _of_manufacturer(maker: Manufacturer, biss_id: int, devices: Sequence[Device], library: Library) -> str:
+def _identified(devices: Sequence[Device]) -> tuple[list[Node], str]:
+    """Return the elements of the encoders that a master can identify, and a sentence about the others."""
     # A master cannot distinguish a special model or another edition from its family.
     own = [device for device in devices if device.over(Biss) is not None and not device.base]
     listed = [(device, device_bits(device)) for device in own]
     nodes = [node for device, ids in listed if ids for node in [_device(device, ids)] if node is not None]
     missing = [device.title for device, ids in listed if not ids]
     left_out = f"Not listed, because the spec has no device ID: {', '.join(missing)}" if missing else ""
-    about = f"{maker.title}: encoders with a BiSS C interface."
-    return _identifier(maker, biss_id, [about], nodes, library, left_out)
+    return nodes, left_out
 
 
 def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tuple[str, str]]:
@@ -197,11 +215,23 @@ def _identifier(
     """Return the file that describes these encoders from one manufacturer. ``about`` begins its first comment."""
     root = Node((manufacturer_bits(biss_id),), label=maker.title, notes=(_MANUFACTURER_NOTE,), devices=tuple(nodes))
     values: Identifier = {
-        "notes": ["\n".join([*about, _ABOUT]), *(f"Trademarks: {text}" for text in maker.trademarks)],
+        "notes": [
+            _warning(biss_id),
+            "\n".join([*about, _ABOUT]),
+            *(f"Trademarks: {text}" for text in maker.trademarks),
+        ],
         "root": root,
         "left_out": left_out,
     }
     return TEMPLATES.render("idbiss.xml.jinja", values, library.own_templates)
+
+
+def _warning(biss_id: int) -> str:
+    """Return the first comment of a file, which a person reads before installing it."""
+    return (
+        f"No BiSS master is known to accept this file. A manufacturer may supply its own {identifier_name(biss_id)}. "
+        "If you have it, install it in the master, and never replace it with this file."
+    )
 
 
 _MANUFACTURER_NOTE = (
@@ -442,7 +472,7 @@ def _code(device: Device, layout: Layout) -> str:
 
 TEMPLATES = Templates(
     our_templates("biss"),
-    values={"idbiss.xml.jinja": Identifier},
+    values={"README.md.jinja": Readme, "idbiss.xml.jinja": Identifier},
     filters={"comment": comment, "comment_text": comment_text, "ascii_text": ascii_text},
     autoescape=True,
 )
