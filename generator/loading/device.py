@@ -59,6 +59,7 @@ from .run_time_parameters import coded_values, held_in_registers
 from .samples import samples
 from .spi_registers import check_spi_registers
 from .valid_parts import sound_so_far
+from .verdicts import check_errata
 
 
 def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -> Device | None:
@@ -85,6 +86,7 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     check_measurements(device, report)
     device = replace(device, editions=editions(raw))
     check_agreement(raw, device, report)
+    check_errata(device, report)
     check_examples(device, report)
     return replace(device, samples=samples(device)) if variants and not report.faults() else device
 

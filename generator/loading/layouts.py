@@ -18,6 +18,7 @@ from ..model.scale import WIDEST
 from .fields import Context, Site, bit_range, equals, kind, pieces, zero_field
 from .from_mapping import Raw, record, sources
 from .layout_rules import is_sound
+from .verdicts import with_verdicts_of_reserved_bits
 
 ZERO = Expression(0)
 #: More bits than any frame has. Without this limit, a typo could take hours to process.
@@ -79,7 +80,9 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
         gray_of=gray.get("of", ""),
         gray_when=gray.get("when", ""),
     )
-    return layout if is_sound(layout, site, raw.get("byte_order") == "low_byte_first") else None
+    if not is_sound(layout, site, raw.get("byte_order") == "low_byte_first"):
+        return None
+    return with_verdicts_of_reserved_bits(layout, raw["fields"], site) if total is None else layout
 
 
 def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], site: Site) -> Field:

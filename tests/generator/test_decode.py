@@ -260,7 +260,7 @@ def test_status_bits_that_the_manual_does_not_use(
     code, data = decode(capsys, "AM3616/4096-I7", "0b" + "0" * 36 + status + CRCS[status])
     assert (code, names(data), data["verdict"]) == (3 if verdict == "not_usable" else 0, reported, verdict)
     assert [item["makes_position"] for item in data["reports"]] == [
-        {"error": "not_usable", "warning": "usable_with_warning"}[name] for name in reported
+        {"error": "not_usable", "warning": "unknown"}[name] for name in reported
     ]
     assert all(item["source"] == "6.3.1 p.21" for item in data["reports"])
     assert next(item["value"] for item in data["fields"] if item["name"] == "unused") == unused

@@ -67,7 +67,8 @@ def _speaking(device: Device, interface: Interface, layout: Layout, judgement: J
     order = [item.name for item in layout.fields]
     if judgement.otherwise is Verdict.UNKNOWN:
         # A warning does not improve on an unknown position.
-        warning = (item for item in layout.fields if verdict_of(item) is Verdict.USABLE_WITH_WARNING)
+        not_better = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
+        warning = (item for item in layout.fields if verdict_of(item) in not_better)
         speaking += [(judgement.otherwise, item, None) for item in warning]
     speaking.sort(key=lambda item: ([*Verdict].index(item[0]), order.index(item[1].name)))
     speaking += [(Verdict.USABLE, item, None) for item in layout.fields if verdict_of(item) is Verdict.USABLE]

@@ -1,0 +1,54 @@
+"""AM36 6.3.1: nE and nW are not used and always 1, so no bit says that a position is usable.
+
+The erratum and the sentence about nW state the verdict that decoders give: unknown, not usable with a warning.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+
+import pytest
+from codewheel.commands.cli import main
+from codewheel.model import Device, Verdict
+from codewheel.plan.codec import codec_of
+from codewheel.plan.verdicts import judgement_of, verdict_of
+from codewheel.say.field import field as said_of
+from codewheel.say.text import BY_NAME
+
+#: nE is 1 and nW is 0, after a position of zeros.
+WARNING_BIT_AT_0 = 0b10
+
+
+def crc_6(data: int, bits: int) -> int:
+    """Return the remainder of x^6 + x + 1, inverted."""
+    remainder = data << 6
+    for place in range(bits - 1, -1, -1):
+        if remainder >> (place + 6) & 1:
+            remainder ^= 0b1000011 << place
+    return remainder ^ 0b111111
+
+
+def test_the_verdict_of_the_warning_bit(devices: Mapping[str, Device]) -> None:
+    device = devices["am36"]
+    layout = next(item for item in device.interface("biss").layouts if item.name == "single_cycle_data")
+    assert [verdict_of(layout.field(name)) for name in ("error", "warning")] == [Verdict.NOT_USABLE, Verdict.UNKNOWN]
+    assert judgement_of(codec_of(device, layout)).otherwise is Verdict.UNKNOWN
+    said = " ".join(BY_NAME.sentence(item) for item in said_of(device, layout.field("warning")))
+    assert "with the verdict unknown" in said
+    assert "with a warning" not in said
+
+
+def test_the_erratum_states_it(devices: Mapping[str, Device]) -> None:
+    erratum = next(item for item in devices["am36"].errata if item.name == "error_and_warning_unused")
+    assert "not usable if nE is 0" in erratum.used
+    assert "verdict is unknown" in erratum.used
+    assert "with a warning" not in erratum.used
+
+
+def test_decode_agrees(capsys: pytest.CaptureFixture[str]) -> None:
+    """36 bits of position, then nE and nW, then the CRC over these 38 bits."""
+    frame = WARNING_BIT_AT_0 << 6 | crc_6(WARNING_BIT_AT_0, 38)
+    main(["decode", "AM3619/4096-I7", f"0b{frame:044b}", "--json"])
+    data = json.loads(capsys.readouterr().out)
+    assert data["frames"][0]["verdict"] == "unknown" if "frames" in data else data["verdict"] == "unknown"
