@@ -231,7 +231,7 @@ typedef enum lika_am36_biss_report {
  * everything else, the manual refers to www.biss-interface.com.
  * Signals: EIA RS-422 for Clock IN (MA) and Data OUT (SLO) [6].
  * Profile: Standard encoder profile [6].
- * Description file: idbiss4C69.xml [6].
+ * Description file: idbiss4C69.xml, which the manufacturer supplies [6].
  * Network: point to point, one slave only [6].
  * Control data: Each frame carries one bit of control data, which is used to read and write the
  * registers. The manual describes the main fields and refers to the BiSS C protocol description for
@@ -326,7 +326,7 @@ typedef enum lika_am36_biss_report {
  *                                                         BiSS protocol, 0 here signals a warning.
  *                                                         Unused, documented as 1. Frames with
  *                                                         other values are still decoded, with the
- *                                                         verdict usable_with_warning.
+ *                                                         verdict unknown.
  *   bits 5:0                                  crc         CRC: CRC of the transmission, sent
  *                                                         inverted. CRC biss_6 over everything
  *                                                         before it.

@@ -275,11 +275,19 @@ class Timing(NamedTuple):
 
 
 class Clock(NamedTuple):
-    """Range of clock frequencies, including both limits."""
+    """Clock frequencies.
 
-    min_hz: int
-    max_hz: int
+    Attributes:
+        min_hz: Lowest clock. None if it is not known.
+        max_hz: Highest clock. None if it is not known.
+        source: Source of the facts.
+        used_hz: Clocks that programs or masters use, in ascending order. They are not limits.
+    """
+
+    min_hz: int | None
+    max_hz: int | None
     source: str = ""
+    used_hz: tuple[int, ...] = ()
 
 
 class CableLength(NamedTuple):
@@ -449,7 +457,7 @@ class SpiFacts(NamedTuple):
     """Facts about the SPI interface.
 
     Attributes:
-        clock: Clock frequency range. Its ``min_hz`` is 0 if no lower limit is known.
+        clock: Clock frequencies.
         mode: SPI mode, 0 to 3.
         word_bits: Number of bits of a word, or an expression if it depends on the order code. An exchange can differ.
         reply: Word in which the encoder answers, ``same_word`` or ``next_word``.
