@@ -452,3 +452,28 @@ def test_targets_of_two_runs_are_named(capsys: pytest.CaptureFixture[str], two: 
     assert lines[0].startswith("up to date: c, ")
     assert "; out of date: " in lines[0]
     assert "biss" in lines[0].partition("; ")[2]
+
+
+# ------------------------------------------------------------------------------------------------------ unknown labels
+
+
+@pytest.mark.parametrize(
+    ("label", "message"),
+    [
+        # The pattern of several families is {model}, which has a place for any label.
+        ("EQN1325", "'EQN1325' is not a known order code; codewheel list shows the known patterns"),
+        ("EQN1325-X", "'EQN1325-X' is not a known order code; codewheel list shows the known patterns"),
+        ("WDGA36E", "'WDGA36E' is not a known order code; the nearest are WDGA36E-06-1218-SIA"),
+        ("AS5047P1", "'AS5047P1' is not a known order code; the nearest are AS5047P, AS5147P"),
+    ],
+)
+def test_an_unknown_label_is_close_to_no_family(capsys: pytest.CaptureFixture[str], label: str, message: str) -> None:
+    code, _, err = run(capsys, "decode", label, "0x1", "--specs", str(ROOT / "examples/encoders"))
+    assert code == 2
+    assert err.startswith(f"codewheel: {message}")
+
+
+def test_a_wrong_part_of_a_known_label_is_still_named(capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, err = run(capsys, "show", "AMM5A19/65KSC1")
+    assert code == 2
+    assert err.startswith("codewheel: 'AMM5A19/65KSC1' has singleturn '19'; valid values: 17, 21, 23. The nearest ")
