@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
+from operator import is_
 from typing import Any
 
 from ..model import Device, Field, Flag, Quantity, Source
@@ -23,36 +24,47 @@ def held_by(device: Device, codes: Collection[str]) -> Device:
     Facts that apply to none of these codes are omitted, and such flags are unexplained. Facts that apply to all of them
     lose their ``only``.
     """
-    steps = {item.name for item in device.characteristics if not _is_of_others(item, codes)}
-    return replace(device, **{name: _held(getattr(device, name), codes, steps) for name in _PARTS})
+    manual_steps = {
+        characteristic.name for characteristic in device.characteristics if not _is_of_others(characteristic, codes)
+    }
+    return replace(device, **{name: _held(getattr(device, name), codes, manual_steps) for name in _PARTS})
 
 
-def _held(item: Any, codes: Collection[str], steps: Collection[str]) -> Any:
-    """Return the item without parts of other order codes and without manual steps that are not among ``steps``."""
-    if isinstance(item, _ALWAYS) or (isinstance(item, tuple) and all(isinstance(one, _ALWAYS) for one in item)):
-        return item
-    if isinstance(item, tuple):
-        kept = tuple([_held(one, codes, steps) for one in item if not _is_of_others(one, codes)])
-        is_same = len(kept) == len(item) and all(new is old for new, old in zip(kept, item, strict=True))
-        return item if is_same else kept
-    if isinstance(item, Field) and isinstance(item.kind, Flag) and _is_of_others(item.kind, codes):
-        return item.unexplained
-    if not names_of_members(item.__class__):
-        return item
-    changed = {name: new for name, old in parts_of(item) if (new := _held(old, codes, steps)) is not old}
-    only = getattr(item, "only", "")
+def _held(part: Any, codes: Collection[str], manual_steps: Collection[str]) -> Any:
+    """Return the part without facts about other order codes, and without manual steps not in ``manual_steps``."""
+    if isinstance(part, _ALWAYS):
+        return part
+    if isinstance(part, tuple):
+        return _held_values(part, codes, manual_steps)
+    if isinstance(part, Field) and isinstance(part.kind, Flag) and _is_of_others(part.kind, codes):
+        return part.unexplained
+    if not names_of_members(part.__class__):
+        return part
+    changed = {
+        member_name: new for member_name, old in parts_of(part) if (new := _held(old, codes, manual_steps)) is not old
+    }
+    only = getattr(part, "only", "")
     if only and all(fits(only, code) for code in codes):
         changed["only"] = ""
-    names = getattr(item, "by_hand", ())
-    if any(name not in steps for name in names):
-        changed["by_hand"] = tuple(name for name in names if name in steps)
-    return replace(item, **changed) if changed else item
+    step_names = getattr(part, "by_hand", ())
+    if any(step_name not in manual_steps for step_name in step_names):
+        changed["by_hand"] = tuple(step_name for step_name in step_names if step_name in manual_steps)
+    return replace(part, **changed) if changed else part
 
 
-def parts_of(item: Any) -> Iterator[tuple[str, Any]]:
+def _held_values(values: tuple[Any, ...], codes: Collection[str], manual_steps: Collection[str]) -> tuple[Any, ...]:
+    """Return the values for these order codes. If nothing changes, the result is the same object."""
+    if all(isinstance(value, _ALWAYS) for value in values):
+        return values
+    reduced_values = tuple([_held(value, codes, manual_steps) for value in values if not _is_of_others(value, codes)])
+    is_unchanged = len(reduced_values) == len(values) and all(map(is_, reduced_values, values))
+    return values if is_unchanged else reduced_values
+
+
+def parts_of(part: Any) -> Iterator[tuple[str, Any]]:
     """Yield the members of an object of the model that are objects themselves, or tuples."""
-    for name in names_of_members(item.__class__):
-        value = getattr(item, name)
+    for name in names_of_members(part.__class__):
+        value = getattr(part, name)
         if isinstance(value, tuple) or names_of_members(value.__class__):
             yield name, value
 
@@ -60,9 +72,11 @@ def parts_of(item: Any) -> Iterator[tuple[str, Any]]:
 @cache
 def names_of_members(kind: type) -> tuple[str, ...]:
     """Return the names of the members of a class of the model that can be replaced. Other classes have none."""
-    return tuple(item.name for item in fields(kind) if item.init) if is_dataclass(kind) else ()
+    if not is_dataclass(kind):
+        return ()
+    return tuple(field.name for field in fields(kind) if field.init)
 
 
-def _is_of_others(item: Any, codes: Collection[str]) -> bool:
-    only = getattr(item, "only", "")
+def _is_of_others(part: Any, codes: Collection[str]) -> bool:
+    only = getattr(part, "only", "")
     return bool(only) and not any(fits(only, code) for code in codes)
