@@ -118,7 +118,7 @@ def _other_files(maker: Mapping[str, Any], overlay: Mapping[str, Any]) -> list[s
 
 
 def _only_second() -> str:
-    return "\n".join(f"- `{key}`: {item['description']}" for key, item in ONLY_SECOND.items())
+    return "\n".join(f"- `{key}`: {member['description']}" for key, member in ONLY_SECOND.items())
 
 
 def _coded(words: Iterable[str]) -> str:
@@ -128,13 +128,13 @@ def _coded(words: Iterable[str]) -> str:
 
 def _in_order(schema: Shape) -> list[str]:
     """Return the definitions, each once, in the order of their first use on the page."""
-    found: list[str] = []
+    names: list[str] = []
 
     def visit(shape: Any) -> None:
         if isinstance(shape, Mapping):
             name = _referred(shape)
-            if name and name not in found:
-                found.append(name)
+            if name and name not in names:
+                names.append(name)
                 visit(schema["$defs"][name])
             for key, inner in shape.items():
                 if key != "$defs":
@@ -144,7 +144,7 @@ def _in_order(schema: Shape) -> list[str]:
                 visit(inner)
 
     visit(schema)
-    return found
+    return names
 
 
 def _definition(name: str, shape: Shape, definitions: Shape) -> list[str]:
@@ -176,9 +176,9 @@ def _members(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[tup
         items = inner.get("items", {})
         yield from _members(inner, definitions, f"{prefix}{name}.")
         yield from _members(items, definitions, f"{prefix}{name}[].")
-    other = shape.get("additionalProperties")
-    if isinstance(other, Mapping) and "properties" in other:
-        yield from _members(other, definitions, f"{prefix}<name>.")
+    value_shape = shape.get("additionalProperties")
+    if isinstance(value_shape, Mapping) and "properties" in value_shape:
+        yield from _members(value_shape, definitions, f"{prefix}<name>.")
 
 
 def _kind(shape: Shape, plural: bool = False) -> str:
@@ -194,12 +194,13 @@ def _kind(shape: Shape, plural: bool = False) -> str:
         return "any value"
     types = shape.get("type", "string")
     if "items" in shape:
-        one = "" if types == "array" else f"{_kind(shape['items'])}, or "
-        return f"{one}list{'s' * plural} of {_kind(shape['items'], True)}"
-    other = shape.get("additionalProperties")
-    if isinstance(other, Mapping):
-        return f"mapping{'s' * plural} of names to {_kind(other, True)}"
-    return listed([_NOUNS[item][plural] for item in ([types] if isinstance(types, str) else types)], "or")
+        scalar_prefix = "" if types == "array" else f"{_kind(shape['items'])}, or "
+        return f"{scalar_prefix}list{'s' * plural} of {_kind(shape['items'], True)}"
+    value_shape = shape.get("additionalProperties")
+    if isinstance(value_shape, Mapping):
+        return f"mapping{'s' * plural} of names to {_kind(value_shape, True)}"
+    type_names = [types] if isinstance(types, str) else types
+    return listed([_NOUNS[type_name][plural] for type_name in type_names], "or")
 
 
 def _limits(shape: Shape) -> str:
@@ -216,9 +217,9 @@ def _limits(shape: Shape) -> str:
         parts.append(f"at most {shape['maxLength']} characters")
     if shape.get("minItems", 0) > 0:
         parts.append("not empty")
-    most = shape.get("maxItems", shape.get("maxProperties", _MOST_ENTRIES))
-    if most != _MOST_ENTRIES:
-        parts.append(f"at most {most} entr{'y' if most == 1 else 'ies'}")
+    max_entries = shape.get("maxItems", shape.get("maxProperties", _MOST_ENTRIES))
+    if max_entries != _MOST_ENTRIES:
+        parts.append(f"at most {max_entries} entr{'y' if max_entries == 1 else 'ies'}")
     return ", ".join(parts)
 
 
