@@ -105,7 +105,10 @@ def sent_crcs(interfaces: Collection[Interface]) -> set[str]:
     sent_fields = (field for interface in interfaces for layout in interface.layouts for field in layout.fields)
     crcs = {field.kind.crc for field in sent_fields if isinstance(field.kind, CrcValue)}
     return crcs | {
-        channel.crc for interface in interfaces if isinstance(interface, Biss) for channel in interface.control_data
+        control_field.crc
+        for interface in interfaces
+        if isinstance(interface, Biss)
+        for control_field in interface.control_data
     }
 
 
