@@ -85,7 +85,7 @@ def spec_page() -> str:
         _properties(device, device["$defs"]),
         "",
     ]
-    for name in _in_order(device):
+    for name in _definitions_in_order(device):
         lines += _definition(name, device["$defs"][name], device["$defs"])
     lines += _other_files(maker, overlay)
     return "\n".join(lines).rstrip() + "\n"
@@ -112,27 +112,27 @@ def _other_files(maker: Mapping[str, Any], overlay: Mapping[str, Any]) -> list[s
         "",
         "## The second reading",
         "",
-        _SECOND.format(prose=_coded(PROSE), lists=_coded(NO_FACTS), only=_only_second()),
+        _SECOND.format(prose=_as_code(PROSE), lists=_as_code(NO_FACTS), only=_keys_of_second_readings()),
         "",
     ]
 
 
-def _only_second() -> str:
+def _keys_of_second_readings() -> str:
     return "\n".join(f"- `{key}`: {member['description']}" for key, member in ONLY_SECOND.items())
 
 
-def _coded(words: Iterable[str]) -> str:
+def _as_code(words: Iterable[str]) -> str:
     lines = textwrap.wrap(", ".join(f"`{word}`" for word in sorted(words)), 110)
     return "\n".join(lines)
 
 
-def _in_order(schema: Shape) -> list[str]:
+def _definitions_in_order(schema: Shape) -> list[str]:
     """Return the definitions, each once, in the order of their first use on the page."""
     names: list[str] = []
 
     def visit(shape: Any) -> None:
         if isinstance(shape, Mapping):
-            name = _referred(shape)
+            name = _definition_name(shape)
             if name and name not in names:
                 names.append(name)
                 visit(schema["$defs"][name])
@@ -160,7 +160,7 @@ def _properties(shape: Shape, definitions: Shape) -> str:
     return table(["Key", "", "Value", "Meaning"], _members(shape, definitions))
 
 
-def _referred(shape: Shape) -> str:
+def _definition_name(shape: Shape) -> str:
     """Return the name of the definition that a shape refers to, or an empty string."""
     return str(shape.get("$ref", "")).removeprefix("#/$defs/")
 
@@ -171,7 +171,7 @@ def _members(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[tup
     for name, inner in shape.get("properties", {}).items():
         limits = _limits(inner)
         value = _kind(inner) + (f", {limits}" if limits else "")
-        meaning = inner.get("description") or definitions.get(_referred(inner), {}).get("description", "")
+        meaning = inner.get("description") or definitions.get(_definition_name(inner), {}).get("description", "")
         yield code(prefix + name), "required" if name in required else "", value, text(meaning)
         items = inner.get("items", {})
         yield from _members(inner, definitions, f"{prefix}{name}.")
@@ -183,7 +183,7 @@ def _members(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[tup
 
 def _kind(shape: Shape, plural: bool = False) -> str:
     """Return the type of a value in words, with a link if it has its own section."""
-    reference = _referred(shape)
+    reference = _definition_name(shape)
     if reference:
         return link(code(reference), f"#{reference}")
     if "const" in shape:

@@ -112,15 +112,15 @@ class Laying:
         for layer in layers:
             if layer.document.file != self._base.file:
                 self._other_files[layer.document.file] = layer.document.lines
-            self._documents(layer)
+            self._add_documents(layer)
             for number, change in enumerate(layer.changes):
                 kinds = [kind for kind in KINDS if kind in change]
                 if len(kinds) == 1 and self._has_value(layer, number, kinds[0]):
-                    self._change(layer, number, kinds[0], change)
+                    self._apply_change(layer, number, kinds[0], change)
                 elif len(kinds) != 1:
                     fault = "has " + " and ".join(map(quoted, kinds)) if kinds else "does nothing"
                     message = f"this change {fault}; use 'set', 'add', 'remove', 'unknown' or 'also'"
-                    self._tell("overlay-change", layer, (number,), message)
+                    self._report_problem("overlay-change", layer, (number,), message)
 
     def _has_value(self, layer: Layer, number: int, kind: str) -> bool:
         change = layer.changes[number]
@@ -128,11 +128,13 @@ class Laying:
         for key in _VALUE_OF.values():
             if (key in change) != (key == needed_key):
                 verb = "needs" if key == needed_key else "cannot have"
-                self._tell("overlay-change", layer, (number,), f"a change with {quoted(kind)} {verb} {quoted(key)}")
+                self._report_problem(
+                    "overlay-change", layer, (number,), f"a change with {quoted(kind)} {verb} {quoted(key)}"
+                )
                 return False
         return True
 
-    def _documents(self, layer: Layer) -> None:
+    def _add_documents(self, layer: Layer) -> None:
         """Add the documents that a layer cites."""
         for key, cited in (layer.document.data.get("documents", {}) if layer.kind is LayerKind.OVERLAY else {}).items():
             documents = self._data.get("documents", {})
@@ -149,63 +151,63 @@ class Laying:
         if layer.kind is LayerKind.OVERLAY:
             bad_source(layer.document.data, self._data, self._report.for_document(layer.document))
 
-    def _change(self, layer: Layer, number: int, kind: str, change: Mapping[str, Any]) -> None:
+    def _apply_change(self, layer: Layer, number: int, kind: str, change: Mapping[str, Any]) -> None:
         if kind == "also":
-            self._note(layer, (number, kind), change[kind], "", "", False)
+            self._record_change(layer, (number, kind), was=change[kind], now="", affects="", is_known=False)
             return
         texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
         for index, text in enumerate(texts):
             place: Path = (number, kind, index) if isinstance(change[kind], list) else (number, kind)
             if text.partition(".")[0] in _FIXED:
                 message = f"an overlay cannot change {quoted(text)}, only facts about the encoder"
-                self._tell("overlay-change", layer, place, message)
+                self._report_problem("overlay-change", layer, place, message)
             elif kind == "add":
-                self._added(layer, place, text, change)
+                self._add_value(layer, place, text, change)
             else:
-                self._changed(layer, place, text, kind)
+                self._set_or_remove(layer, place, text, kind)
 
-    def _added(self, layer: Layer, place: Path, text: str, change: Mapping[str, Any]) -> None:
+    def _add_value(self, layer: Layer, place: Path, text: str, change: Mapping[str, Any]) -> None:
         value = change["value"]
         try:
             path = resolve(self._data, text)
         except NothingThere as nothing:
             if nothing.step == text.rpartition(".")[2] and isinstance(value_at(self._data, nothing.found), dict):
                 if self._is_free(layer, place, (*nothing.found, nothing.step)):
-                    self._put(layer, place, (*nothing.found, nothing.step), f"no {_short(text)}")
+                    self._put_value(layer, place, (*nothing.found, nothing.step), f"no {_short(text)}")
                 return
-            self._tell_nothing(layer, place, text, nothing)
+            self._report_missing_place(layer, place, text, nothing)
             return
         current = value_at(self._data, path)
         name = label_of(value)
         if not isinstance(current, list):
-            self._tell("overlay-unused", layer, place, f"{quoted(text)} already exists; change it with 'set'")
+            self._report_problem("overlay-unused", layer, place, f"{quoted(text)} already exists; change it with 'set'")
         elif name is not None and name in map(label_of, current):
             message = f"{quoted(text)} already has {quoted(name)}; change it with 'set'"
-            self._tell("overlay-unused", layer, place, message)
+            self._report_problem("overlay-unused", layer, place, message)
         else:
-            self._put(layer, place, (*path, len(current)), f"{_short(text)} without this item")
+            self._put_value(layer, place, (*path, len(current)), f"{_short(text)} without this item")
 
-    def _changed(self, layer: Layer, place: Path, text: str, kind: str) -> None:
+    def _set_or_remove(self, layer: Layer, place: Path, text: str, kind: str) -> None:
         try:
             path = resolve(self._data, text)
         except NothingThere as nothing:
-            self._tell_nothing(layer, place, text, nothing)
+            self._report_missing_place(layer, place, text, nothing)
             return
         if not self._is_free(layer, place, path):
             return
         current = value_at(self._data, path)
         if kind == "set" and _is_equal(layer.changes[place_number(place)]["to"], current):
-            message = f"the spec already has {_shown(current, self._written(path))} here; leave the change out"
-            self._tell("overlay-unused", layer, place, message)
+            message = f"the spec already has {_shown(current, self._text_from(path))} here; leave the change out"
+            self._report_problem("overlay-unused", layer, place, message)
         elif kind == "set":
-            self._put(layer, place, path, f"{_short(text)}: {_shown(current, self._written(path))}")
+            self._put_value(layer, place, path, f"{_short(text)}: {_shown(current, self._text_from(path))}")
         else:
             affects, above = as_affected(self._data, path), as_affected(self._data, path[:-1])
             self._data, self._marks = taken_away(self._data, self._marks, path)
             affected = affects if leads_somewhere(self._data, affects) else above
-            self._note(layer, place, _short(text), "", affected, kind != "unknown")
+            self._record_change(layer, place, was=_short(text), now="", affects=affected, is_known=kind != "unknown")
 
-    def _put(self, layer: Layer, place: Path, path: Path, was: str) -> None:
+    def _put_value(self, layer: Layer, place: Path, path: Path, was: str) -> None:
         """Put the value of a change at a path."""
         number = place_number(place)
         key = _VALUE_OF[str(place[1])]
@@ -214,10 +216,11 @@ class Laying:
         overlay_file = "" if layer.document.file == self._base.file else layer.document.file
         self._data, self._marks = put(self._data, self._marks, path, value, from_file(mark, overlay_file))
         now = _shown(value, layer.document.line(mark.line)[mark.column - 1 :])
-        self._note(layer, place, was, now, as_affected(self._data, path), True)
+        self._record_change(layer, place, was=was, now=now, affects=as_affected(self._data, path), is_known=True)
 
-    def _note(self, layer: Layer, place: Path, was: str, now: str, affects: str, is_known: bool) -> None:
-        self.laid.append(Laid(layer, place_number(place), was, now, (affects,) if affects else (), is_known))
+    def _record_change(self, layer: Layer, place: Path, *, was: str, now: str, affects: str, is_known: bool) -> None:
+        paths = (affects,) if affects else ()
+        self.laid.append(Laid(layer, place_number(place), was=was, now=now, affects=paths, is_known=is_known))
 
     def _is_free(self, layer: Layer, place: Path, at: Path) -> bool:
         """Return True if no other change touches the place, its parents or its children."""
@@ -228,24 +231,24 @@ class Laying:
                 mark = mark_at(first_layer.document.marks, (*first_layer.path, number))
                 where = f"{File(first_layer.document.file).name}:{mark.line}"
                 message = f"{where} changes the same location; keep one of the two"
-                self._tell("overlay-conflict", layer, place, message)
+                self._report_problem("overlay-conflict", layer, place, message)
                 return False
         self._set[path] = (layer, place_number(place))
         return True
 
-    def _written(self, path: Path) -> str:
+    def _text_from(self, path: Path) -> str:
         """Return the line of the spec, starting at the value."""
         mark = mark_at(self._marks, path)
         lines = self._other_files[mark.file] if mark.file else self._base.lines
         return lines[mark.line - 1][mark.column - 1 :]
 
-    def _tell_nothing(self, layer: Layer, place: Path, text: str, nothing: NothingThere) -> None:
+    def _report_missing_place(self, layer: Layer, place: Path, text: str, nothing: NothingThere) -> None:
         parent_name = self._base.name_path(nothing.found) or "the spec"
         hint = suggestion(nothing.step, nothing.known, "known")
         message = f"there is nothing at {quoted(text)}: {quoted(parent_name)} has no {quoted(nothing.step)}{hint}"
-        self._tell("overlay-unused", layer, place, message.replace("'the spec'", "the spec"))
+        self._report_problem("overlay-unused", layer, place, message.replace("'the spec'", "the spec"))
 
-    def _tell(self, rule: str, layer: Layer, place: Path, message: str) -> None:
+    def _report_problem(self, rule: str, layer: Layer, place: Path, message: str) -> None:
         self._report.add(rule, layer.document, (*layer.path, *place), message)
 
 

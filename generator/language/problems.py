@@ -131,7 +131,7 @@ class Report:
     def shown(self) -> tuple[Problem, ...]:
         """The problems to list: the first ones of each file, and then one that counts the others."""
         by_file = groupby(self.problems, key=lambda problem: problem.file)
-        return tuple(problem for _, file_problems in by_file for problem in _first(list(file_problems)))
+        return tuple(problem for _, file_problems in by_file for problem in _first_problems(list(file_problems)))
 
     def __len__(self) -> int:
         return len(self._problems)
@@ -140,7 +140,7 @@ class Report:
         return bool(self._problems)
 
 
-def _first(file_problems: Sequence[Problem]) -> Iterator[Problem]:
+def _first_problems(file_problems: Sequence[Problem]) -> Iterator[Problem]:
     """Yield the first problems of one file, and one that counts the others if there are more."""
     listed_problems = [problem for problem in file_problems if problem.rule != TOO_MANY]
     unlisted = len(listed_problems) - MAX_PROBLEMS
@@ -249,7 +249,7 @@ def _letters(word: str) -> str:
     return _BETWEEN.sub("", word).lower()
 
 
-def _alike(word: str, other_word: str) -> int:
+def _common_prefix_length(word: str, other_word: str) -> int:
     """Return the length of the common prefix of two words."""
     pairs = takewhile(
         lambda pair: pair[0] == pair[1], zip(word, other_word, strict=False)
@@ -263,10 +263,10 @@ def is_slip(word: str, known_word: str) -> bool:
     Differences in short words, first letters, digits and units are rarely typos: spi is not ssi, reset not preset,
     biss_4 not biss_6, min_khz not min_hz.
     """
-    if abs(len(word) - len(known_word)) > 1 or not _same_sense(word, known_word):
+    if abs(len(word) - len(known_word)) > 1 or not _has_same_meaning(word, known_word):
         return False
-    start = _alike(word, known_word)
-    end = _alike(word[start:][::-1], known_word[start:][::-1])
+    start = _common_prefix_length(word, known_word)
+    end = _common_prefix_length(word[start:][::-1], known_word[start:][::-1])
     differing, known_differing = word[start : len(word) - end], known_word[start : len(known_word) - end]
     shortest = min(len(word), len(known_word))
     if len(differing) == len(known_differing) == 2:
@@ -279,13 +279,13 @@ def is_slip(word: str, known_word: str) -> bool:
     return shortest >= (4 if len(differing) != len(known_differing) else 5)
 
 
-def _same_sense(word: str, known_word: str) -> bool:
+def _has_same_meaning(word: str, known_word: str) -> bool:
     units = {text.rpartition("_")[2] for text in (word, known_word)}
     return _DIGITS.findall(word) == _DIGITS.findall(known_word) and not (len(units) == 2 and units <= UNITS)
 
 
 def _is_abbreviation(word: str, known_word: str) -> bool:
-    return len(word) >= 4 and known_word.startswith(word) and _same_sense(word, known_word)
+    return len(word) >= 4 and known_word.startswith(word) and _has_same_meaning(word, known_word)
 
 
 def visible(text: str) -> str:

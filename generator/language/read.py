@@ -56,10 +56,10 @@ def read_document(
         excerpt = "" if "\0" in text else lines[len(before) - 1]
         report.add_at(file, len(before), len(before[-1]) + 1, "not-text", message, text=excerpt)
         return None
-    return _kept(file, text, lines, cache) or _document(file, text, lines, report, cache)
+    return _cached_document(file, text, lines, cache) or _parsed_document(file, text, lines, report, cache)
 
 
-def _document(file: str, text: str, lines: tuple[str, ...], report: Report, cache: Cache) -> Document | None:
+def _parsed_document(file: str, text: str, lines: tuple[str, ...], report: Report, cache: Cache) -> Document | None:
     findings: list[Refused] = []
     broken: list[Path] = []
     try:
@@ -76,7 +76,7 @@ def _document(file: str, text: str, lines: tuple[str, ...], report: Report, cach
     return None if data is None else Document(file, lines, data, marks, tuple(broken), doubtful)
 
 
-def _kept(file: str, text: str, lines: tuple[str, ...], cache: Cache) -> Document | None:
+def _cached_document(file: str, text: str, lines: tuple[str, ...], cache: Cache) -> Document | None:
     """Return the document that was kept for the same text, or None if there is none."""
     with suppress(ValueError, TypeError, AttributeError):
         data, places = cache.get(_PARSED, [text])

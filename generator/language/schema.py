@@ -66,7 +66,7 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
         The remaining data, or None if the document is not a device, manufacturer or master file, or has too many
         errors.
     """
-    kind = kind or _kind(document.data)
+    kind = kind or _kind_of(document.data)
     if kind is None:
         message = (
             "'device' is missing; it names the family of a device file. A manufacturer file has only 'manufacturer'"
@@ -84,16 +84,18 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
         return None
     if not findings and not broken:
         return Checked(without(document, frozenset()), kind, complete=True)
-    faults = [finding for finding in findings if not _can_be_incomplete(finding.path) and not _is_of_words(finding)]
-    faulty_places = {finding.path if finding.alone else holder(finding.path) for finding in faults}
-    return _cut_out(validator, document, faulty_places | set(map(holder, broken)), kind)
+    faults = [
+        finding for finding in findings if not _can_be_incomplete(finding.path) and not _is_missing_prose(finding)
+    ]
+    faulty_places = {finding.path if finding.alone else place_to_remove(finding.path) for finding in faults}
+    return _cut_out(validator, document, faulty_places | set(map(place_to_remove, broken)), kind)
 
 
 def _report_findings(findings: Sequence[Finding], document: Document, report: Report) -> None:
     """Report each finding that no other one explains, up to the largest number of problems."""
     for finding in findings[:MAX_PROBLEMS]:
-        if not _follows(finding, findings, document.data):
-            in_words = _is_of_words(finding)
+        if not _is_explained(finding, findings, document.data):
+            in_words = _is_missing_prose(finding)
             report.add(finding.rule, document, finding.path, finding.message, at_key=finding.at_key, in_words=in_words)
     if len(findings) > MAX_PROBLEMS:
         message = "there are more problems from here on; they are reported once these are fixed"
@@ -102,7 +104,7 @@ def _report_findings(findings: Sequence[Finding], document: Document, report: Re
 
 def renamed_keys(document: Document) -> list[tuple[Path, str]]:
     """Return the keys that had another name in earlier versions of the language, each with its current name."""
-    kind = FileKind.SECOND if is_second(document.file) else _kind(document.data)
+    kind = FileKind.SECOND if is_second(document.file) else _kind_of(document.data)
     new_names: dict[Path, str] = {}
     for error in _validator(kind.value).iter_errors(document.data) if kind is not None else ():
         if error.validator == "additionalProperties" and isinstance(error.schema.get("properties"), dict):
@@ -113,7 +115,7 @@ def renamed_keys(document: Document) -> list[tuple[Path, str]]:
     return sorted(new_names.items(), key=lambda renamed: document.position(renamed[0], at_key=True))
 
 
-def _kind(data: dict[str, Any]) -> FileKind | None:
+def _kind_of(data: dict[str, Any]) -> FileKind | None:
     """Return the kind of a file. A key that only device files have makes it a device file, even without ``device``."""
     shared = set(load_schema("manufacturer")["properties"])
     if "master" in data or "takes" in data:
@@ -147,7 +149,7 @@ def _cut_out(validator: Any, document: Document, cut: set[Path], kind: FileKind)
         stand_ins_before = len(stand_ins)
         for error in validator.iter_errors(data):
             path = _original(tuple(error.absolute_path), document.kept_indices)
-            if kind is FileKind.DEVICE and path and error.validator == "required" and _lacks_words(error):
+            if kind is FileKind.DEVICE and path and error.validator == "required" and _lacks_only_prose(error):
                 stand_ins[path] = _stand_ins(error)
             elif _can_be_incomplete(path) and error.validator == "required":
                 is_complete = False
@@ -164,11 +166,11 @@ def _stand_ins(error: Any) -> dict[str, str]:
     return {key: _SOME_SOURCE if key == "source" else "?" for key in missing_keys}
 
 
-def _is_of_words(finding: Finding) -> bool:
+def _is_missing_prose(finding: Finding) -> bool:
     return finding.alone and finding.rule == "missing-key"
 
 
-def _lacks_words(error: Any) -> bool:
+def _lacks_only_prose(error: Any) -> bool:
     """Return True if only prose is missing. With stand-ins for it, the rest of the item can be checked."""
     return WORDS_ONLY.issuperset(key for key in error.validator_value if key not in error.instance)
 
@@ -178,7 +180,7 @@ def _can_be_incomplete(path: Path) -> bool:
     return not path or (len(path) == 2 and path[0] == "interfaces")
 
 
-def holder(path: Path) -> Path:
+def place_to_remove(path: Path) -> Path:
     """Return what to remove for an error at ``path``: the nearest list item, the parent of a field, or the place.
 
     Removing only a width or a key would cause further errors, such as a missing key or bits without a field. Prose
@@ -238,7 +240,7 @@ def _findings(validator: Any, data: dict[str, Any], broken: set[Path], kind: str
     return list(findings.values())
 
 
-def _follows(finding: Finding, findings: Sequence[Finding], data: dict[str, Any]) -> bool:
+def _is_explained(finding: Finding, findings: Sequence[Finding], data: dict[str, Any]) -> bool:
     """Return True if another finding explains this one: a value under a wrong key, or an unknown interface by name."""
     wrong_key_paths = {key_finding.path for key_finding in findings if key_finding.at_key}
     if not finding.at_key and finding.path in wrong_key_paths and finding.rule != "missing-key":

@@ -1,7 +1,7 @@
 """The language of second readings: the keys of a device file. Those for prose are optional.
 
 It is derived from the schema of device files, so that each key is described only once. Other required keys of a device
-file are filled in with stand-ins, so that rules and build can treat a second reading like a device file.
+file are with_stand_ins in with stand-ins, so that rules and build can treat a second reading like a device file.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def family_of(file: str) -> str:
     return PurePath(file).stem.removesuffix(SUFFIX)
 
 
-def facts_only(schema: Mapping[str, Any]) -> dict[str, Any]:
+def second_reading_schema(schema: Mapping[str, Any]) -> dict[str, Any]:
     """Derive the schema of second readings from that of device files."""
     derived: dict[str, Any] = _prose_optional(schema)
     derived["properties"] = {key: shape for key, shape in derived["properties"].items() if key not in NO_FACTS}
@@ -97,17 +97,17 @@ def _prose_optional(schema: Any) -> Any:
     return derived
 
 
-def filled(data: Any, schema: Mapping[str, Any]) -> Any:
+def with_stand_ins(data: Any, schema: Mapping[str, Any]) -> Any:
     """Return checked data of a second reading, with a stand-in for each key required by ``schema`` of device files."""
     if isinstance(data, list):
-        return [filled(inner, schema.get("items", {})) for inner in data]
+        return [with_stand_ins(inner, schema.get("items", {})) for inner in data]
     if not isinstance(data, dict):
         return data
     shapes = schema.get("properties", {})
     other_shape = schema.get("additionalProperties", {})
     if not isinstance(other_shape, dict):
         other_shape = {}
-    completed = {key: filled(value, shapes.get(key) or other_shape) for key, value in data.items()}
+    completed = {key: with_stand_ins(value, shapes.get(key) or other_shape) for key, value in data.items()}
     for key in schema.get("required", ()):
         if key not in completed and key in PROSE:
             completed[key] = _SOME_SOURCE if key == "source" else "?"

@@ -30,7 +30,7 @@ def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, int, str, str]
         return odd_space
     # The mark of this problem is where the search for the colon ended.
     if opened is not None and problem == "could not find expected ':'":
-        return *_place(opened), _RULE, _keyless(_character(lines, opened))
+        return *_place(opened), _RULE, _missing_colon(_character(lines, opened))
     if opened is not None and "quoted scalar" in context and "end of stream" in problem:
         return *_place(opened), _RULE, "the quote that opens here is never closed; close it on this line"
     quote = _last_quoted(text, mark)
@@ -67,7 +67,7 @@ def _character(lines: list[str], mark: Any) -> str:
     return lines[mark.line][mark.column : mark.column + 1] if mark is not None and mark.line < len(lines) else ""
 
 
-def _keyless(character: str) -> str:
+def _missing_colon(character: str) -> str:
     if character in ("'", '"'):
         return "the quote that opens here is not closed on this line; close it"
     return "a key has no colon, or the text of a value continues without indentation"

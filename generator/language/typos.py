@@ -25,7 +25,7 @@ Complain = Callable[[Any, str, str], None]
 
 
 @dataclass(slots=True)
-class _Open:
+class _Container:
     """An open map or list. ``nodes`` counts its keys and values so far."""
 
     is_map: bool
@@ -39,7 +39,7 @@ class _Open:
         return self.is_map and self.nodes % 2 == 0
 
 
-class Mended:
+class CorrectedEvents:
     """The events of a parser with mistakes fixed.
 
     Args:
@@ -57,7 +57,7 @@ class Mended:
         self._lines = lines
         self._is_text = is_text
         self._complain = complain
-        self._open: list[_Open] = []
+        self._open: list[_Container] = []
 
     def __iter__(self) -> Iterator[Any]:
         while (event := self._next()) is not None:
@@ -67,13 +67,15 @@ class Mended:
                 self._count()
             elif isinstance(event, (yaml.MappingStartEvent, yaml.SequenceStartEvent)):
                 in_list = container is not None and not container.is_map
-                self._open.append(_Open(isinstance(event, yaml.MappingStartEvent), bool(event.flow_style), in_list))
+                self._open.append(
+                    _Container(isinstance(event, yaml.MappingStartEvent), bool(event.flow_style), in_list)
+                )
             elif isinstance(event, yaml.ScalarEvent) and container is not None and container.is_map:
                 if container.awaits_key:
-                    yield from self._dash_before(event, container)
+                    yield from self._insert_item_end(event, container)
                     container.keys.setdefault(event.value, _line(event))
                 elif container.flow:
-                    self._skip_rest(event)
+                    self._skip_text_after_comma(event)
                 container.nodes += 1
             elif isinstance(event, (yaml.ScalarEvent, yaml.AliasEvent)):
                 self._count()
@@ -91,7 +93,7 @@ class Mended:
             self._ahead.append(next(self._events, None))
         return self._ahead[index]
 
-    def _dash_before(self, key: Any, container: _Open) -> Iterator[Any]:
+    def _insert_item_end(self, key: Any, container: _Container) -> Iterator[Any]:
         """Yield the end of the item and the start of the next if its keys repeat, beginning with the first one."""
         if not container.in_list or container.flow or len(container.keys) < 2:
             return
@@ -120,12 +122,12 @@ class Mended:
         following = self._peek(index)
         return following.value if isinstance(following, yaml.ScalarEvent) else None
 
-    def _skip_rest(self, value: Any) -> None:
+    def _skip_text_after_comma(self, value: Any) -> None:
         """Skip the text after a comma in an unquoted text or number in {...}, which would be a key without a value."""
         if value.style or value.tag or value.anchor:
             return
         first_skipped, is_number = None, _DIGITS.fullmatch(value.value) is not None
-        while self._is_rest(self._peek(0), self._peek(1)):
+        while self._is_key_without_colon(self._peek(0), self._peek(1)):
             skipped = self._ahead[0]
             if is_number and _THOUSANDS.fullmatch(skipped.value):
                 value.value += skipped.value
@@ -137,7 +139,7 @@ class Mended:
         if first_skipped is not None:
             self._complain(first_skipped, "yaml-syntax", _about_comma(first_skipped, value.value if is_number else ""))
 
-    def _is_rest(self, key: Any, value: Any) -> bool:
+    def _is_key_without_colon(self, key: Any, value: Any) -> bool:
         """Return True for a key without a colon and without a value."""
         if not isinstance(key, yaml.ScalarEvent) or not isinstance(value, yaml.ScalarEvent):
             return False

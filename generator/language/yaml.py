@@ -16,7 +16,7 @@ import yaml
 from .document import Mark, Path
 from .problems import quoted
 from .syntax import explain
-from .typos import Mended
+from .typos import CorrectedEvents
 
 MAX_BYTES = 4 * 2**20
 #: Largest number of values in a spec, including repetitions by aliases. The largest manuals need about 20,000.
@@ -98,7 +98,7 @@ class _Parser:
         self._complain = complain
         lines = LINE_BREAK.split(text)
         self._events = iter(
-            Mended(
+            CorrectedEvents(
                 iter(yaml.parse(text, Loader=_LOADER)),
                 lines,
                 lambda scalar: isinstance(_resolved(scalar), str),

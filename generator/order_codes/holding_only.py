@@ -25,23 +25,27 @@ def held_by(device: Device, codes: Collection[str]) -> Device:
     lose their ``only``.
     """
     manual_steps = {
-        characteristic.name for characteristic in device.characteristics if not _is_of_others(characteristic, codes)
+        characteristic.name
+        for characteristic in device.characteristics
+        if not _applies_to_others(characteristic, codes)
     }
-    return replace(device, **{name: _held(getattr(device, name), codes, manual_steps) for name in _PARTS})
+    return replace(device, **{name: _reduced(getattr(device, name), codes, manual_steps) for name in _PARTS})
 
 
-def _held(part: Any, codes: Collection[str], manual_steps: Collection[str]) -> Any:
+def _reduced(part: Any, codes: Collection[str], manual_steps: Collection[str]) -> Any:
     """Return the part without facts about other order codes, and without manual steps not in ``manual_steps``."""
     if isinstance(part, _ALWAYS):
         return part
     if isinstance(part, tuple):
-        return _held_values(part, codes, manual_steps)
-    if isinstance(part, Field) and isinstance(part.kind, Flag) and _is_of_others(part.kind, codes):
+        return _reduced_values(part, codes, manual_steps)
+    if isinstance(part, Field) and isinstance(part.kind, Flag) and _applies_to_others(part.kind, codes):
         return part.unexplained
     if not names_of_members(part.__class__):
         return part
     changed = {
-        member_name: new for member_name, old in parts_of(part) if (new := _held(old, codes, manual_steps)) is not old
+        member_name: new
+        for member_name, old in parts_of(part)
+        if (new := _reduced(old, codes, manual_steps)) is not old
     }
     only = getattr(part, "only", "")
     if only and all(fits(only, code) for code in codes):
@@ -52,11 +56,13 @@ def _held(part: Any, codes: Collection[str], manual_steps: Collection[str]) -> A
     return replace(part, **changed) if changed else part
 
 
-def _held_values(values: tuple[Any, ...], codes: Collection[str], manual_steps: Collection[str]) -> tuple[Any, ...]:
+def _reduced_values(values: tuple[Any, ...], codes: Collection[str], manual_steps: Collection[str]) -> tuple[Any, ...]:
     """Return the values for these order codes. If nothing changes, the result is the same object."""
     if all(isinstance(value, _ALWAYS) for value in values):
         return values
-    reduced_values = tuple([_held(value, codes, manual_steps) for value in values if not _is_of_others(value, codes)])
+    reduced_values = tuple(
+        [_reduced(value, codes, manual_steps) for value in values if not _applies_to_others(value, codes)]
+    )
     is_unchanged = len(reduced_values) == len(values) and all(map(is_, reduced_values, values))
     return values if is_unchanged else reduced_values
 
@@ -77,6 +83,6 @@ def names_of_members(kind: type) -> tuple[str, ...]:
     return tuple(field.name for field in fields(kind) if field.init)
 
 
-def _is_of_others(part: Any, codes: Collection[str]) -> bool:
+def _applies_to_others(part: Any, codes: Collection[str]) -> bool:
     only = getattr(part, "only", "")
     return bool(only) and not any(fits(only, code) for code in codes)

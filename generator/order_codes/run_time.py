@@ -55,14 +55,14 @@ def corners(states_by_field: Sequence[Sequence[State]]) -> Iterator[State]:
     """
     changing_fields = [states for states in states_by_field if states]
     if prod(map(len, changing_fields)) <= _MOST_CORNERS:
-        yield from _joint(changing_fields)
+        yield from _combined_states(changing_fields)
         return
     for pair in combinations(changing_fields, 2):
-        yield from _joint(pair)
+        yield from _combined_states(pair)
     yield from (ChainMap(*(dict(states[end]) for states in changing_fields)) for end in (0, -1))
 
 
-def _joint(states_by_field: Sequence[Sequence[State]]) -> Iterator[State]:
+def _combined_states(states_by_field: Sequence[Sequence[State]]) -> Iterator[State]:
     for states in product(*states_by_field):
         yield ChainMap(*map(dict, states))
 
@@ -170,7 +170,7 @@ def after_write(device: Device, variant: Variant, register: Register, number: in
         return variant
     parameters: dict[str, int] = {}
     for name, parameter in held_parameters.items():
-        value = _value_in(register, parameter, number)
+        value = _value_in_content(register, parameter, number)
         if value is not None:  # With an invalid code, the encoder keeps its frame format.
             parameters[name] = value
     return replace(variant, parameters=with_changed(device, variant, parameters))
@@ -180,7 +180,7 @@ def _value(register: Register, parameter: Parameter, register_bytes: Mapping[int
     """Return the value of the parameter from the register's bytes in ``register_bytes`` or its default."""
     default = register.default_bytes() or bytes(register.length)
     data = bytes(register_bytes.get(register.address + index, byte) for index, byte in enumerate(default))
-    value = _value_in(register, parameter, number_from_bytes(register.layout, data))
+    value = _value_in_content(register, parameter, number_from_bytes(register.layout, data))
     if value is None:
         codes = ", ".join(str(coded_value.code) for coded_value in parameter.by_code)
         raise RegisterError(f"{parameter.read_from} does not hold a code of {parameter.name}; the codes are {codes}")
@@ -191,7 +191,7 @@ def _value(register: Register, parameter: Parameter, register_bytes: Mapping[int
     return value
 
 
-def _value_in(register: Register, parameter: Parameter, number: int) -> int | None:
+def _value_in_content(register: Register, parameter: Parameter, number: int) -> int | None:
     """Return the parameter that is in the content of a register, or None if it holds no valid code."""
     field = register.layout.field(parameter.field)
     content = number >> field.low.constant & ((1 << field.widest) - 1)

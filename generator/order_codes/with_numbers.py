@@ -22,7 +22,7 @@ def applied(device: Device, variant: Variant) -> Device:
     """
     open_parameters = {parameter.name for parameter in device.parameters if parameter.alternative}
     known_parameters = {name: value for name, value in variant.parameters.items() if name not in open_parameters}
-    parts = {name: _filled(getattr(device, name), known_parameters) for name in _PARTS}
+    parts = {name: _with_numbers(getattr(device, name), known_parameters) for name in _PARTS}
     return replace(
         device, **{**parts, "interfaces": tuple(with_code(interface, variant) for interface in parts["interfaces"])}
     )
@@ -42,29 +42,35 @@ def with_code(interface: Interface, variant: Variant) -> Interface:
     )
 
 
-def _filled(part: Any, known_parameters: Mapping[str, int]) -> Any:
+def _with_numbers(part: Any, known_parameters: Mapping[str, int]) -> Any:
     if isinstance(part, Expression):
         return _number(part, known_parameters)
     if isinstance(part, tuple):
-        filled_values = tuple(_filled(value, known_parameters) for value in part)
+        filled_values = tuple(_with_numbers(value, known_parameters) for value in part)
         return part if all(map(is_, filled_values, part)) else filled_values
     if not names_of_members(part.__class__):
         return part
     changed = {
-        member_name: new for member_name, old in parts_of(part) if (new := _filled(old, known_parameters)) is not old
+        member_name: new
+        for member_name, old in parts_of(part)
+        if (new := _with_numbers(old, known_parameters)) is not old
     }
     filled_part = replace(part, **changed) if changed else part
-    return _without_empty(_decoded(filled_part, known_parameters)) if isinstance(filled_part, Layout) else filled_part
+    return (
+        _without_empty_fields(_with_fixed_code(filled_part, known_parameters))
+        if isinstance(filled_part, Layout)
+        else filled_part
+    )
 
 
-def _decoded(layout: Layout, known_parameters: Mapping[str, int]) -> Layout:
+def _with_fixed_code(layout: Layout, known_parameters: Mapping[str, int]) -> Layout:
     """Return the layout with a fixed code, which is Gray or binary."""
     if layout.gray_when not in known_parameters:
         return layout
     return replace(layout, gray_of=layout.gray_of if known_parameters[layout.gray_when] else "", gray_when="")
 
 
-def _without_empty(layout: Layout) -> Layout:
+def _without_empty_fields(layout: Layout) -> Layout:
     """Return the layout without zero-width fields, in the layout itself and in its joins."""
     empty_fields = {field.name for field in layout.fields if field.width == Expression(0)}
     if not empty_fields:

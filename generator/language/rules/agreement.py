@@ -39,8 +39,8 @@ def misspelt_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         kind = "group" if "group" in alarm else "register"
         owner = by_name(spec, "field_groups" if kind == "group" else "registers").get(alarm.get(kind, ""), {})
         flag = by_name(owner, "fields").get(alarm.get("field", ""), {})
-        for name_path, name in _names(alarm):
-            flag_name = dict(_names(flag)).get(name_path, "")
+        for name_path, name in _names_of(alarm):
+            flag_name = dict(_names_of(flag)).get(name_path, "")
             if _misspells(name, flag_name):
                 message = f"the flag of this alarm has {quoted(flag_name)}; correct one of the two"
                 report.add("misspelt-name", (*path, *name_path), message)
@@ -82,7 +82,7 @@ def _misspells(name: str, correct_name: str) -> bool:
     return len(correct_word) >= _LONG and word.rstrip("s") != correct_word.rstrip("s") and is_slip(word, correct_word)
 
 
-def _names(owner: Spec) -> Iterator[tuple[Path, str]]:
+def _names_of(owner: Spec) -> Iterator[tuple[Path, str]]:
     for path, name in leaves({key: owner[key] for key in ("printed_name", "names") if key in owner}):
         if isinstance(name, str):
             yield path, name

@@ -26,29 +26,29 @@ _BRACES = re.compile(r"\{([^{}]*)\}")
 
 def check_master(data: Raw, report: DocumentReport) -> None:
     """Add every problem of a description that follows the schema."""
-    _name(data, report)
+    _check_name(data, report)
     for path, node in _nodes(data, ()):
         if isinstance(node.get("source"), str):
-            _source(node["source"], (*path, "source"), data, report)
+            _check_source(node["source"], (*path, "source"), data, report)
         if isinstance(node.get("item"), str):
-            _limit(node, path, report)
+            _check_limit(node, path, report)
     for index, note in enumerate(data.get("notes", ())):
-        _braces(note["text"], _ITEMS, ("notes", index, "text"), report)
+        _check_braces(note["text"], _ITEMS, ("notes", index, "text"), report)
     for path, node in _nodes(data, ()):
         for index, place in enumerate(node.get("places", ())):
-            _place(place, (*path, "places", index), data, report)
+            _check_place(place, (*path, "places", index), data, report)
     for index, setting in enumerate(data.get("settings", ())):
-        _setting(setting, _written(index, report), ("settings", index), report)
-    _writing(data, report)
+        _check_setting(setting, _written_setting(index, report), ("settings", index), report)
+    _check_writing(data, report)
     formats: set[str] = set()
     for index, file in enumerate(data.get("files", ())):
         if file["format"] in formats:
             report.add("duplicate-name", ("files", index, "format"), f"{quoted(file['format'])} is listed twice")
         formats.add(file["format"])
-        _file(file, ("files", index), data, report)
+        _check_file(file, ("files", index), data, report)
 
 
-def _written(index: int, report: DocumentReport) -> Raw:
+def _written_setting(index: int, report: DocumentReport) -> Raw:
     """Return a setting as written. The checked data no longer has values rejected by the schema."""
     original_indices = report.document.kept_indices.get(("settings",))
     written_setting: Raw = report.document.data["settings"][
@@ -57,7 +57,7 @@ def _written(index: int, report: DocumentReport) -> Raw:
     return written_setting
 
 
-def _name(data: Raw, report: DocumentReport) -> None:
+def _check_name(data: Raw, report: DocumentReport) -> None:
     stem = PurePath(report.document.file).stem
     if "master" in data and data["master"] != stem:
         report.add(
@@ -78,7 +78,7 @@ def _nodes(node: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
             yield from _nodes(value, (*path, index))
 
 
-def _source(text: str, path: Path, data: Raw, report: DocumentReport) -> None:
+def _check_source(text: str, path: Path, data: Raw, report: DocumentReport) -> None:
     """Check a source: documents separated by semicolons, each with an optional place after a colon."""
     documents = data.get("documents", {})
     for piece in text.split(";"):
@@ -97,7 +97,7 @@ def _is_item(name: str, path: Path, report: DocumentReport, valid_items: tuple[s
     return False
 
 
-def _limit(node: Raw, path: Path, report: DocumentReport) -> None:
+def _check_limit(node: Raw, path: Path, report: DocumentReport) -> None:
     """Check that a condition or limit gives words for a word, and bounds for a number."""
     name = node["item"]
     if not _is_item(name, (*path, "item"), report):
@@ -112,12 +112,12 @@ def _limit(node: Raw, path: Path, report: DocumentReport) -> None:
     if not conditions:
         report.add("missing-key", path, f"no condition for '{name}'; add {allowed_text}")
     for index, word in enumerate(node.get("is", ()) if name in WORDS else ()):
-        _word(word, name, (*path, "is", index), report)
+        _check_word(word, name, (*path, "is", index), report)
     if node.get("at_least", 0) > node.get("at_most", node.get("at_least", 0)):
         report.add("value-clash", (*path, "at_most"), f"'at_most' is less than 'at_least', which is {node['at_least']}")
 
 
-def _word(word: int | str, name: str, path: Path, report: DocumentReport) -> bool:
+def _check_word(word: int | str, name: str, path: Path, report: DocumentReport) -> bool:
     """Return True if the item can be this word, otherwise report it."""
     words = WORDS[name]
     if word not in words:
@@ -126,10 +126,10 @@ def _word(word: int | str, name: str, path: Path, report: DocumentReport) -> boo
     return word in words
 
 
-def _setting(setting: Raw, written: Raw, path: Path, report: DocumentReport) -> None:
+def _check_setting(setting: Raw, written: Raw, path: Path, report: DocumentReport) -> None:
     """Check that a setting has one kind of value, and that the value is possible."""
     for key in ("name", "at"):
-        _braces(setting.get(key, ""), _ITEMS, (*path, key), report)
+        _check_braces(setting.get(key, ""), _ITEMS, (*path, key), report)
     kinds = [kind for kind in _KINDS if kind in written]
     if len(kinds) > 1:
         message = f"{quoted(setting['name'])} has {listed(map(quoted, kinds))}; keep one of them"
@@ -138,10 +138,10 @@ def _setting(setting: Raw, written: Raw, path: Path, report: DocumentReport) -> 
         message = f"{quoted(setting['name'])} has no value; add one of {', '.join(map(quoted, _KINDS))}"
         report.add("setting-shape", path, message)
     else:
-        _setting_value(setting, written, path, report)
+        _check_setting_value(setting, written, path, report)
 
 
-def _setting_value(setting: Raw, written: Raw, path: Path, report: DocumentReport) -> None:
+def _check_setting_value(setting: Raw, written: Raw, path: Path, report: DocumentReport) -> None:
     """Check the value of a setting, and the keys that belong to it."""
     for key in ("as", "bound"):
         if key in setting and "value" not in written:
@@ -149,13 +149,13 @@ def _setting_value(setting: Raw, written: Raw, path: Path, report: DocumentRepor
     if setting.get("as") == "boolean" and "bound" in setting:
         report.add("setting-shape", (*path, "bound"), "a boolean cannot be a bound", at_key=True)
     if "value" in setting:
-        _expression(setting["value"], (*path, "value"), report)
+        _check_expression(setting["value"], (*path, "value"), report)
     if "choice" in setting:
-        _choice(setting["choice"], (*path, "choice"), report)
+        _check_choice(setting["choice"], (*path, "choice"), report)
     if "text" in setting:
-        _braces(setting["text"], _ITEMS, (*path, "text"), report)
+        _check_braces(setting["text"], _ITEMS, (*path, "text"), report)
     if "string" in setting:
-        _string(setting["string"], (*path, "string"), report)
+        _check_string(setting["string"], (*path, "string"), report)
     clock = setting.get("any_clock", {})
     if clock.get("at_least_hz", 0) > clock.get("at_most_hz", clock.get("at_least_hz", 0)):
         report.add(
@@ -165,7 +165,7 @@ def _setting_value(setting: Raw, written: Raw, path: Path, report: DocumentRepor
         )
 
 
-def _place(place: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
+def _check_place(place: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
     """Check that a place is given once, on known devices, and with one entry for each of their channels."""
     place_keys = [key for key in _PLACES if key in place]
     if not place_keys:
@@ -173,14 +173,14 @@ def _place(place: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
     if "where" in place_keys and len(place_keys) > 1:
         message = f"'where' says that no place is given, but {quoted(place_keys[0])} gives one; keep one of the two"
         report.add("setting-shape", (*path, "where"), message, at_key=True)
-    _object_and_bits(place, path, report)
-    _channels(place, path, data, report)
+    _check_object_and_bits(place, path, report)
+    _check_channels(place, path, data, report)
     symbols = place.get("symbol", [])
     for text in symbols if isinstance(symbols, list) else [symbols]:
-        _braces(text, _ITEMS, (*path, "symbol"), report)
+        _check_braces(text, _ITEMS, (*path, "symbol"), report)
 
 
-def _object_and_bits(place: Raw, path: Path, report: DocumentReport) -> None:
+def _check_object_and_bits(place: Raw, path: Path, report: DocumentReport) -> None:
     """Check that the index, the bits and the limits of a place are complete and possible."""
     if ("index" in place) != ("subindex" in place):
         report.add("setting-shape", path, "use 'index' and 'subindex' together or not at all")
@@ -192,7 +192,7 @@ def _object_and_bits(place: Raw, path: Path, report: DocumentReport) -> None:
         report.add("value-clash", (*path, "max"), f"'max' is less than 'min', which is {place['min']}")
 
 
-def _channels(place: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
+def _check_channels(place: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
     """Check that a place is on known devices, with one entry for each of their channels."""
     channels = {device["name"]: len(device.get("channels", ("",))) for device in data.get("devices", ())}
     channels = channels or {data.get("title", ""): 1}
@@ -208,7 +208,7 @@ def _channels(place: Raw, path: Path, data: Raw, report: DocumentReport) -> None
                 report.add("setting-shape", (*path, key), message, at_key=True)
 
 
-def _file(file: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
+def _check_file(file: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
     """Check that a file names existing devices and settings, and has the names that its format needs."""
     devices = [device["name"] for device in data.get("devices", ())] or [data.get("title", "")]
     for index, name in enumerate(file.get("on", ())):
@@ -225,10 +225,10 @@ def _file(file: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
     if needs_names != ("names" in file):
         fault = "needs 'names'" if needs_names else "has no names of its own; remove 'names'"
         report.add("setting-shape", path, f"the format {quoted(file['format'])} {fault}")
-    _braces(file.get("line", ""), tuple(file.get("names", {}).values()), (*path, "line"), report)
+    _check_braces(file.get("line", ""), tuple(file.get("names", {}).values()), (*path, "line"), report)
 
 
-def _writing(data: Raw, report: DocumentReport) -> None:
+def _check_writing(data: Raw, report: DocumentReport) -> None:
     """Check that write conditions have one kind, name existing settings, and define an order without cycles."""
     names = tuple(dict.fromkeys(setting["name"] for setting in data.get("settings", ())))
     order: dict[str, set[str]] = {}
@@ -258,7 +258,7 @@ def _writing(data: Raw, report: DocumentReport) -> None:
             order.clear()
 
 
-def _expression(value: int | str, path: Path, report: DocumentReport) -> None:
+def _check_expression(value: int | str, path: Path, report: DocumentReport) -> None:
     try:
         expression = Expression.parse(value)
     except ExpressionError as error:
@@ -268,7 +268,7 @@ def _expression(value: int | str, path: Path, report: DocumentReport) -> None:
         _is_item(name, path, report, tuple(NUMBERS))
 
 
-def _choice(choice: Raw, path: Path, report: DocumentReport) -> None:
+def _check_choice(choice: Raw, path: Path, report: DocumentReport) -> None:
     name = choice["of"]
     if not _is_item(name, (*path, "of"), report):
         return
@@ -276,7 +276,7 @@ def _choice(choice: Raw, path: Path, report: DocumentReport) -> None:
     for index, case in enumerate(choice["cases"]):
         value_path = (*path, "cases", index, "is")
         value = case["is"]
-        if name in WORDS and not _word(value, name, value_path, report):
+        if name in WORDS and not _check_word(value, name, value_path, report):
             pass
         elif name in NUMBERS and not isinstance(value, int):
             report.add("wrong-type", value_path, f"'{name}' must be a number; {quoted(value)} is not one")
@@ -285,8 +285,8 @@ def _choice(choice: Raw, path: Path, report: DocumentReport) -> None:
         earlier_values.add(value)
 
 
-def _string(rule: Raw, path: Path, report: DocumentReport) -> None:
-    _braces(rule.get("start", ""), _ITEMS, (*path, "start"), report)
+def _check_string(rule: Raw, path: Path, report: DocumentReport) -> None:
+    _check_braces(rule.get("start", ""), _ITEMS, (*path, "start"), report)
     kinds = {field["of"] for field in rule["fields"]}
     if "position" not in kinds and not {"multiturn", "singleturn"} <= kinds:
         report.add(
@@ -295,10 +295,10 @@ def _string(rule: Raw, path: Path, report: DocumentReport) -> None:
             "there is no entry for the position; add one for position, or for multiturn and singleturn",
         )
     for index, field in enumerate(rule["fields"]):
-        _braces(field["text"], ("bits", "name", *_ITEMS), (*path, "fields", index, "text"), report)
+        _check_braces(field["text"], ("bits", "name", *_ITEMS), (*path, "fields", index, "text"), report)
 
 
-def _braces(text: str, known_names: tuple[str, ...], path: Path, report: DocumentReport) -> None:
+def _check_braces(text: str, known_names: tuple[str, ...], path: Path, report: DocumentReport) -> None:
     for name in _BRACES.findall(text):
         if name not in known_names:
             report.add("undefined-reference", path, f"there is no {{{name}}}{suggestion(name, known_names)}")

@@ -73,23 +73,23 @@ def device_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def duplicate_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that names are unique among items of one kind."""
     for key, word, label in _LISTS:
-        _unique(_labels(items(spec, key), label), word, report)
-    _unique(_labels(((layout.path, layout.owner) for layout in layouts(spec)), "name"), "a layout", report)
+        _check_unique(_labels(items(spec, key), label), word, report)
+    _check_unique(_labels(((layout.path, layout.owner) for layout in layouts(spec)), "name"), "a layout", report)
     for interface in mapping(spec, "interfaces"):
-        _unique(_labels(items(spec, "interfaces", interface, "timings"), "name"), "a timing", report)
+        _check_unique(_labels(items(spec, "interfaces", interface, "timings"), "name"), "a timing", report)
         for key, word in (
             ("name", "a data ID"),
             ("id", "a data ID with the number"),
             ("control", "a data ID with the control field"),
         ):
-            _unique(_labels(items(spec, "interfaces", interface, "data_ids"), key), word, report)
+            _check_unique(_labels(items(spec, "interfaces", interface, "data_ids"), key), word, report)
     for key, label in (("editions", "language"), ("history", "revision")):
-        _unique(_labels(items(spec, "manual", key), label), f"a {label}", report)
-    _unique(_labels(items(spec, "order_code", "parts"), "name"), "a part", report)
+        _check_unique(_labels(items(spec, "manual", key), label), f"a {label}", report)
+    _check_unique(_labels(items(spec, "order_code", "parts"), "name"), "a part", report)
     for key, inner, label, word in _INNER_LISTS:
         for path, owner in items(spec, key):
             entries = [((*path, *inner_path), entry) for inner_path, entry in items(owner, inner)]
-            _unique(_labels(entries, label), word, report)
+            _check_unique(_labels(entries, label), word, report)
 
 
 def duplicate_field(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -103,7 +103,7 @@ def duplicate_field(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             named_values.append((place, field.get("name")))
             named_values += (((*path, *run_path, "name"), run["name"]) for run_path, run in items(field, "digits"))
         named_values += (((*fields.path, "join", name), name) for name in mapping(fields.owner, "join"))
-        _unique(named_values, "a field", report)
+        _check_unique(named_values, "a field", report)
 
 
 def duplicate_selection(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -166,7 +166,7 @@ def _labels(entries: Iterable[tuple[Path, Spec]], label: str) -> Iterator[Named]
     return (((*path, label), entry[label]) for path, entry in entries)
 
 
-def _unique(named_values: Iterable[Named], word: str, report: DocumentReport) -> None:
+def _check_unique(named_values: Iterable[Named], word: str, report: DocumentReport) -> None:
     """Report every value equal to an earlier one. ``word`` is the kind of item, with its article."""
     first_paths: dict[object, Path] = {}
     for path, value in named_values:

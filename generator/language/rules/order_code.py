@@ -128,13 +128,15 @@ def _ambiguity(spec: Spec, parts: Sequence[Spec], pattern: str) -> str:
     pieces = [piece if index % 2 else _without_blanks(piece) for index, piece in enumerate(_BRACES.split(pattern))]
     # With parts of fixed length each code splits at fixed places, so it can only be read as it was composed.
     has_fixed_lengths = all("open" not in part and len(set(map(len, part["values"]))) == 1 for part in parts)
-    fits = {part["name"]: _fits(part) for part in parts}
+    fits = {part["name"]: _value_test(part) for part in parts}
     codes_by_text: dict[str, _Code] = {}
     for code in _codes(spec) or ():
         text = _without_blanks(code.text)
         first_code = codes_by_text.setdefault(text, code)
         if first_code is not code:
-            return f"the code {quoted(code.text)} occurs twice: as {_words(first_code)}, and as {_words(code)}"
+            return (
+                f"the code {quoted(code.text)} occurs twice: as {_parts_text(first_code)}, and as {_parts_text(code)}"
+            )
         if has_fixed_lengths:
             continue
         two_readings = list(itertools.islice(_readings(text, pieces, fits), 2))
@@ -190,15 +192,15 @@ def is_whole(spec: Spec, raw: Spec) -> bool:
     Any other missing part would cause errors in the remaining data.
     """
     for key in ("order_code", "parameters"):
-        if key not in spec or _without_words(spec[key]) != _without_words(raw[key]):
+        if key not in spec or _without_prose(spec[key]) != _without_prose(raw[key]):
             return False
     return True
 
 
-def _without_words(value: Any) -> Any:
+def _without_prose(value: Any) -> Any:
     if isinstance(value, dict):
-        return {key: _without_words(inner) for key, inner in value.items() if key not in WORDS_ONLY}
-    return list(map(_without_words, value)) if isinstance(value, list) else value
+        return {key: _without_prose(inner) for key, inner in value.items() if key not in WORDS_ONLY}
+    return list(map(_without_prose, value)) if isinstance(value, list) else value
 
 
 def _check_pattern(spec: Spec, report: DocumentReport) -> None:
@@ -327,7 +329,7 @@ def _codes(spec: Spec) -> list[_Code] | None:
         chosen = tuple((part["name"], text, value) for part, (text, value) in zip(parts, values, strict=True))
         texts = {name: text for name, text, _ in chosen}
         if _is_allowed(chosen, texts):
-            codes.append(_Code(_filled(spec["order_code"]["pattern"], texts), chosen))
+            codes.append(_Code(_fill_pattern(spec["order_code"]["pattern"], texts), chosen))
     return codes
 
 
@@ -340,11 +342,11 @@ def _is_allowed(chosen: Sequence[tuple[str, str, Spec]], texts: Mapping[str, str
     return True
 
 
-def _filled(pattern: str, texts: dict[str, str]) -> str:
+def _fill_pattern(pattern: str, texts: dict[str, str]) -> str:
     return _BRACES.sub(lambda brace: texts.get(brace[1], ""), pattern)
 
 
-def _fits(part: Spec) -> Callable[[str], bool]:
+def _value_test(part: Spec) -> Callable[[str], bool]:
     """Return the test whether a text in capitals is a value of a part."""
     listed = frozenset(value.upper() for value in part["values"])
     expression = re.compile(part["open"], re.IGNORECASE) if "open" in part else None
@@ -374,7 +376,7 @@ def _readings(
                 yield (value, *following_values)
 
 
-def _words(code: _Code) -> str:
+def _parts_text(code: _Code) -> str:
     return ", ".join(f"{name} {text}" for name, text, _ in code.chosen)
 
 
