@@ -63,7 +63,7 @@ class Layer:
 
 
 @dataclass(frozen=True, slots=True)
-class Laid:
+class AppliedChange:
     """One applied change: the old value, the new value, and the affected paths as in an erratum."""
 
     layer: Layer
@@ -78,7 +78,7 @@ class Laid:
         return self.layer.changes[self.number]
 
 
-class Laying:
+class LayeredSpec:
     """A spec to which layers are applied one after the other."""
 
     def __init__(self, base: Document, report: Report) -> None:
@@ -86,12 +86,12 @@ class Laying:
         self._data, self._marks = base.data, base.marks
         self._other_files: dict[str, tuple[str, ...]] = dict(base.other_files)
         self._set: dict[Path, tuple[Layer, int]] = {}
-        self.laid: list[Laid] = []
+        self.applied: list[AppliedChange] = []
 
     def document(self, family: str = "") -> Document:
         """Return the spec in its current state, renamed to ``family`` if given."""
         data, marks = self._data, self._marks
-        if self.laid:
+        if self.applied:
             data = _with_existing_affects(data, self._base.data)
             removed_names = _characteristics(self._base.data) - _characteristics(data)
             data = _without_steps(data, removed_names) if removed_names else data
@@ -106,7 +106,7 @@ class Laying:
             kept_indices={},
         )
 
-    def lay(self, layers: Sequence[Layer]) -> None:
+    def apply(self, layers: Sequence[Layer]) -> None:
         """Apply the changes of layers to the spec. Two of them must not change the same place."""
         self._set = {}
         for layer in layers:
@@ -220,7 +220,9 @@ class Laying:
 
     def _record_change(self, layer: Layer, place: Path, *, was: str, now: str, affects: str, is_known: bool) -> None:
         paths = (affects,) if affects else ()
-        self.laid.append(Laid(layer, place_number(place), was=was, now=now, affects=paths, is_known=is_known))
+        self.applied.append(
+            AppliedChange(layer, place_number(place), was=was, now=now, affects=paths, is_known=is_known)
+        )
 
     def _is_free(self, layer: Layer, place: Path, at: Path) -> bool:
         """Return True if no other change touches the place, its parents or its children."""
