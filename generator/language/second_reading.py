@@ -56,12 +56,12 @@ def is_second(file: Path | str) -> bool:
     return PurePath(file).stem.endswith(SUFFIX)
 
 
-def beside(spec: Path) -> Path:
+def second_reading_path(spec: Path) -> Path:
     """Return the path of the second reading of a spec."""
     return spec.with_name(f"{spec.stem}{SUFFIX}{spec.suffix}")
 
 
-def counts_beside(spec: Path) -> Path:
+def coverage_path(spec: Path) -> Path:
     """Return the path of the file that counts the readings of the facts of a spec."""
     return spec.with_name(f"{spec.stem}.coverage.json")
 
