@@ -14,7 +14,7 @@ def edition_before(device: Device, revision: str) -> str:
     return revisions[revisions.index(revision) - 1]
 
 
-def told_by_label(device: Device, match: Match) -> str:
+def edition_by_label(device: Device, match: Match) -> str:
     """Return the edition whose labels are written like this one, or an empty string if the label does not show it."""
     patterns = {
         spelling.pattern for spelling in device.order_code.also_written if spelling.where == match.written_as_in
