@@ -22,8 +22,8 @@ from ..model import (
     Variant,
     assert_never,
 )
-from .holding_only import held_by
 from .parameters import parameters_of
+from .reduction import reduced_to_codes
 
 
 def for_codes(device: Device, codes: Collection[str]) -> Device:
@@ -32,7 +32,7 @@ def for_codes(device: Device, codes: Collection[str]) -> Device:
     kinds = {variant.interface for variant in variants}
     has_all_interfaces = kinds == _names(device.interfaces)
     with_interfaces = device if has_all_interfaces else for_interfaces(device, kinds)
-    reduced = held_by(with_interfaces, [variant.code for variant in variants])
+    reduced = reduced_to_codes(with_interfaces, [variant.code for variant in variants])
     parameter_names = {parameter.name for kind in kinds for parameter in parameters_of(device, kind)}
     examples = tuple(example for example in reduced.examples if getattr(example, "order_code", "") in {"", *codes})
     return replace(

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..model import Device, Interface, Join, Layout, Ssi, Variant
 from ..model.expressions import Expression, Term
-from .holding_only import names_of_members, parts_of
+from .reduction import names_of_members, parts_of
 
 #: The parts of a device that contain expressions.
 _PARTS = ("interfaces", "registers", "procedures", "measurement")

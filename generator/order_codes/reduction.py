@@ -18,7 +18,7 @@ _ALWAYS = (str, int, Source, Expression, Quantity)
 _PARTS = ("interfaces", "registers", "alarms", "timings", "connectors", "leds", "characteristics", "errata")
 
 
-def held_by(device: Device, codes: Collection[str]) -> Device:
+def reduced_to_codes(device: Device, codes: Collection[str]) -> Device:
     """Return the device for these order codes.
 
     Facts that apply to none of these codes are omitted, and such flags are unexplained. Facts that apply to all of them
