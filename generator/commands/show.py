@@ -9,7 +9,7 @@ from ..order_codes.labels import Match
 from ..order_codes.narrowing import for_interface
 from ..order_codes.parameters import parameters_of, run_time_names
 from ..order_codes.reduction import reduced_to_codes
-from ..order_codes.with_numbers import with_code
+from ..order_codes.with_numbers import with_output_code
 from ..say.erratum import erratum
 from ..say.evidence import grade
 from ..say.lines import WIDTH, pairs, wrapped
@@ -60,7 +60,7 @@ def variant_text(device: Device, match: Match) -> str:
     lines += alternative_lines(here)
     lines += _position([("", device.measurement_of(variant.interface))], variant.parameters)
     interface = here.interface(variant.interface)
-    lines += ["", *interface_lines(here, with_code(interface, variant))]
+    lines += ["", *interface_lines(here, with_output_code(interface, variant))]
     for layout in interface.layouts:
         lines += ["", *frame_lines(here, layout, variant)]
     return "\n".join([*lines, *register_lines(here, variant), *_inputs_and_procedures(here), *_errata(here)])

@@ -15,7 +15,7 @@ from .reduction import names_of_members, parts_of
 _PARTS = ("interfaces", "registers", "procedures", "measurement")
 
 
-def applied(device: Device, variant: Variant) -> Device:
+def with_quantities(device: Device, variant: Variant) -> Device:
     """Return the device with the quantities of an order code filled in. Questions that the manual leaves open remain.
 
     Quantities held in registers have their factory defaults.
@@ -24,11 +24,12 @@ def applied(device: Device, variant: Variant) -> Device:
     known_parameters = {name: value for name, value in variant.parameters.items() if name not in open_parameters}
     parts = {name: _with_numbers(getattr(device, name), known_parameters) for name in _PARTS}
     return replace(
-        device, **{**parts, "interfaces": tuple(with_code(interface, variant) for interface in parts["interfaces"])}
+        device,
+        **{**parts, "interfaces": tuple(with_output_code(interface, variant) for interface in parts["interfaces"])},
     )
 
 
-def with_code(interface: Interface, variant: Variant) -> Interface:
+def with_output_code(interface: Interface, variant: Variant) -> Interface:
     """Return the interface with the code that an order code has, if the manual says that it depends on it."""
     if not isinstance(interface, Ssi) or interface.output_code is None or interface.name != variant.interface:
         return interface
