@@ -110,7 +110,7 @@ def _states(
     return [*direct_states, *map(coded_states, codes_by_field.values())]
 
 
-def at_run_time(device: Device, variant: Variant) -> Iterator[Mapping[str, int]]:
+def parameters_at_run_time(device: Device, variant: Variant) -> Iterator[Mapping[str, int]]:
     """Yield the parameters of a variant with factory defaults, and with the extremes of those held in registers."""
     for changed in ({}, *corners(extreme_states(device))):
         yield with_changed(device, variant, changed)
@@ -147,7 +147,7 @@ def with_registers(device: Device, variant: Variant, register_bytes: Mapping[int
     return replace(variant, parameters=with_changed(device, variant, parameters))
 
 
-def decided(device: Device, variant: Variant, answers: Mapping[str, str]) -> Variant:
+def with_answers(device: Device, variant: Variant, answers: Mapping[str, str]) -> Variant:
     """Return the variant with these answers, keyed by the name of the alternative.
 
     Raises:
