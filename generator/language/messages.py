@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from .hints import TO_ADD, foreign_key_hint, key_hint, number_hint, value_hint, word_hint
-from .problems import WORDS_ONLY, Path, listed, meant, missing, quoted, suggestion
-from .second_reading import is_left_out
+from .problems import WORDS_ONLY, Path, listed, missing, nearest_choice, quoted, suggestion
+from .second_reading import is_only_in_device_files
 
 _TYPES = {
     "integer": "a whole number",
@@ -157,7 +157,7 @@ def _unknown_keys(error: Any, path: Path, kind: str) -> Iterator[Finding]:
     for key in error.instance:
         if key in error.schema["properties"]:
             continue
-        is_absent_prose = kind == "second" and is_left_out(key)
+        is_absent_prose = kind == "second" and is_only_in_device_files(key)
         hint = _NO_PROSE if is_absent_prose else _key_hint(error, path, key)
         message = f"unknown key {quoted(key)}{hint or _suggest_key(error, key)}"
         yield Finding("unknown-key", (*path, key), message, at_key=True, alone=hint in ("", _NO_PROSE))
@@ -170,7 +170,7 @@ def _key_hint(error: Any, path: Path, key: str) -> str:
         return f"; it is now called '{RENAMED[key]}' (codewheel migrate renames it)"
     if foreign := foreign_key_hint(key, error.instance[key], known_keys, error.instance):
         return foreign
-    near = meant(key, list(known_keys))
+    near = nearest_choice(key, list(known_keys))
     if near:
         return f"; did you mean '{near}'?"
     if path and path[-1] in _ALL_THERE_IS:
@@ -211,7 +211,7 @@ def _stands_for(unknown_key: str, key: str, instance: Any, known_keys: Any) -> b
         key_hint(unknown_key, instance[unknown_key], known_keys),
         foreign_key_hint(unknown_key, instance[unknown_key], known_keys, instance),
     )
-    return meant(unknown_key, list(known_keys)) == key or any(f"'{key}" in hint for hint in hints)
+    return nearest_choice(unknown_key, list(known_keys)) == key or any(f"'{key}" in hint for hint in hints)
 
 
 def _owner(error: Any, path: Path, kind: str) -> str:

@@ -219,7 +219,7 @@ def suggestion(word: str, known_words: Iterable[str], otherwise: str = "known") 
         otherwise: The text before the list of all known words.
     """
     choices = [known_word for known_word in dict.fromkeys(known_words) if known_word != word]
-    near = meant(word, choices)
+    near = nearest_choice(word, choices)
     if near:
         return f"; did you mean '{near}'?"
     if choices and len(choices) <= _FEW_CHOICES:
@@ -227,11 +227,11 @@ def suggestion(word: str, known_words: Iterable[str], otherwise: str = "known") 
     return ""
 
 
-def meant(word: str, choices: Sequence[str]) -> str:
+def nearest_choice(word: str, choices: Sequence[str]) -> str:
     """Return the one choice that ``word`` misspells or abbreviates, or an empty string."""
     if len(word) > LONGEST_QUOTE:
         return ""
-    for is_alike in (_is_spelling, is_slip, _is_abbreviation):
+    for is_alike in (_is_spelling, is_typo, _is_abbreviation):
         matching = [choice for choice in choices if is_alike(word, choice)]
         if matching:
             return matching[0] if len(matching) == 1 else ""
@@ -257,7 +257,7 @@ def _common_prefix_length(word: str, other_word: str) -> int:
     return sum(1 for _ in pairs)
 
 
-def is_slip(word: str, known_word: str) -> bool:
+def is_typo(word: str, known_word: str) -> bool:
     """Return True for one extra, missing or wrong letter, or two swapped ones, unless it is likely a different word.
 
     Differences in short words, first letters, digits and units are rarely typos: spi is not ssi, reset not preset,

@@ -80,7 +80,7 @@ def second_reading_schema(schema: Mapping[str, Any]) -> dict[str, Any]:
     return derived
 
 
-def is_left_out(key: str) -> bool:
+def is_only_in_device_files(key: str) -> bool:
     """Return True if device files have this key and second readings do not."""
     return key in NO_FACTS
 

@@ -26,8 +26,8 @@ class PositionRange(NamedTuple):
     highest: Expression
 
 
-def narrower(measurement: Measurement, layout: Layout, sets: Sequence[Mapping[str, int]]) -> PositionRange | None:
-    """Return the range of a position if it is narrower than the width of its field for some order code.
+def narrower_range(measurement: Measurement, layout: Layout, sets: Sequence[Mapping[str, int]]) -> PositionRange | None:
+    """Return the range of a position if it is narrower_range than the width of its field for some order code.
 
     Parts of one revolution in several fields have no range, and signed positions have none without ``highest``.
     """

@@ -119,7 +119,7 @@ def test_repeated_keys_are_cut_in_the_reader(tmp_path: Path, capsys: pytest.Capt
 
 def test_no_rule_is_checked_after_many_problems(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     compared: list[str] = []
-    monkeypatch.setattr(problems, "is_slip", lambda word, known: bool(compared.append(word)))
+    monkeypatch.setattr(problems, "is_typo", lambda word, known: bool(compared.append(word)))
     errata = (
         f"  - {{name: e{index}, source: '1', printed: a, used: b, why: c, status: open, severity: wording,"
         f" affects: [crcs.other{index}]}}\n"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..hints import POLYNOMIAL, polynomial_powers
-from ..problems import DocumentReport, Path, is_slip, quoted
+from ..problems import DocumentReport, Path, is_typo, quoted
 from .walk import Has, Spec, by_name, explained, field_lists, items, leaves, leaves_of, mapping
 
 #: A hexadecimal number in a text.
@@ -79,7 +79,7 @@ def _misspells(name: str, correct_name: str) -> bool:
     if len(different_words) != 1:
         return False
     word, correct_word = different_words[0]
-    return len(correct_word) >= _LONG and word.rstrip("s") != correct_word.rstrip("s") and is_slip(word, correct_word)
+    return len(correct_word) >= _LONG and word.rstrip("s") != correct_word.rstrip("s") and is_typo(word, correct_word)
 
 
 def _names_of(owner: Spec) -> Iterator[tuple[Path, str]]:
