@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 from .document import Document
 from .messages import RENAMED, Finding, explain
 from .problems import MAX_PROBLEMS, TOO_MANY, WORDS_ONLY, Path, Report
+from .quick_validation import follows, matches
 from .schema_files import load_schema
 from .second_reading import is_second
-from .sound import follows, matches
 
 if TYPE_CHECKING:
     from jsonschema import ValidationError
