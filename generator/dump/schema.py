@@ -56,17 +56,18 @@ def show_schema() -> Shape:
 
 
 def _object(part: Part) -> Shape:
+    """Return the schema of an object with the members of a part."""
     members = [member for member in part.members if member.shape]
     sources = [_SOURCE, _SOURCES] if part.is_sourced else []
-    required = [member.name for member in (*members, *sources[:1])]
+    properties = {}
+    for member in (*members, *sources):
+        properties[member.name] = {"description": member.about} | _shape(member.shape)
     return {
         "description": part.about,
         "type": "object",
         "additionalProperties": False,
-        "required": required,
-        "properties": {
-            member.name: {"description": member.about} | _shape(member.shape) for member in (*members, *sources)
-        },
+        "required": [member.name for member in (*members, *sources[:1])],
+        "properties": properties,
     }
 
 

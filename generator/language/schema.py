@@ -84,11 +84,11 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
         return None
     if not findings and not broken:
         return Checked(without(document, frozenset()), kind, complete=True)
-    faults = [
-        finding for finding in findings if not _can_be_incomplete(finding.path) and not _is_missing_prose(finding)
-    ]
-    faulty_places = {finding.path if finding.alone else place_to_remove(finding.path) for finding in faults}
-    return _cut_out(validator, document, faulty_places | set(map(place_to_remove, broken)), kind)
+    removed_places = set(map(place_to_remove, broken))
+    for finding in findings:
+        if not _can_be_incomplete(finding.path) and not _is_missing_prose(finding):
+            removed_places.add(finding.path if finding.alone else place_to_remove(finding.path))
+    return _cut_out(validator, document, removed_places, kind)
 
 
 def _report_findings(findings: Sequence[Finding], document: Document, report: Report) -> None:

@@ -16,9 +16,8 @@ def edition_before(device: Device, revision: str) -> str:
 
 def edition_by_label(device: Device, match: Match) -> str:
     """Return the edition whose labels are written like this one, or an empty string if the label does not show it."""
-    patterns = {
-        spelling.pattern for spelling in device.order_code.also_written if spelling.where == match.written_as_in
-    }
+    spellings = device.order_code.also_written
+    patterns = {spelling.pattern for spelling in spellings if spelling.where == match.written_as_in}
     revisions = (edition.revision for edition in device.editions if not patterns.isdisjoint(edition.labels))
     return next(revisions, "")
 

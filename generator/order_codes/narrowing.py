@@ -9,9 +9,11 @@ from typing import Protocol
 from ..model import (
     Biss,
     CodePart,
+    Connector,
     CrcExample,
     CrcValue,
     Device,
+    Erratum,
     Example,
     FrameExample,
     Input,
@@ -72,31 +74,28 @@ def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
         "alternatives": _names(reduced.alternatives),
     }
     layouts = {layout.name for interface in reduced.interfaces for layout in interface.layouts}
-    examples = tuple(
-        example
-        for example in device.examples
-        if _holds_for(example, kinds, device, remaining_names | {"layouts": layouts})
-    )
+    names_in_examples = remaining_names | {"layouts": layouts}
+    examples = [example for example in device.examples if _holds_for(example, kinds, device, names_in_examples)]
     affects_remaining = _leads_to(remaining_names | {"examples": _names(examples)})
-    errata = tuple(
-        erratum for erratum in device.errata if not erratum.affects or any(map(affects_remaining, erratum.affects))
-    )
-    return replace(reduced, examples=examples, errata=errata)
+
+    def concerns_remaining(erratum: Erratum) -> bool:
+        return not erratum.affects or any(map(affects_remaining, erratum.affects))
+
+    return replace(reduced, examples=tuple(examples), errata=tuple(filter(concerns_remaining, device.errata)))
 
 
 def _with_interfaces(device: Device, kinds: Collection[str]) -> Device:
     """Return the device with only those parts that refer to one of these interfaces or to none."""
-    connectors = [
-        connector
-        for connector in device.connectors
-        if not connector.interfaces or not set(kinds).isdisjoint(connector.interfaces)
-    ]
+
+    def is_wired(connector: Connector) -> bool:
+        return not connector.interfaces or not set(kinds).isdisjoint(connector.interfaces)
+
     return replace(
         device,
         interfaces=tuple(interface for interface in device.interfaces if interface.name in kinds),
         registers=tuple(register for register in device.registers if register.interface in kinds),
         procedures=tuple(procedure for procedure in device.procedures if procedure.interface in kinds),
-        connectors=tuple(connectors),
+        connectors=tuple(filter(is_wired, device.connectors)),
     )
 
 
@@ -104,12 +103,10 @@ def sent_crcs(interfaces: Collection[Interface]) -> set[str]:
     """Return the names of the CRCs that are in a frame of one of the interfaces."""
     sent_fields = (field for interface in interfaces for layout in interface.layouts for field in layout.fields)
     crcs = {field.kind.crc for field in sent_fields if isinstance(field.kind, CrcValue)}
-    return crcs | {
-        control_field.crc
-        for interface in interfaces
-        if isinstance(interface, Biss)
-        for control_field in interface.control_data
-    }
+    for interface in interfaces:
+        if isinstance(interface, Biss):
+            crcs |= {control_field.crc for control_field in interface.control_data}
+    return crcs
 
 
 def _with_used_parts(device: Device, crcs_sent: Collection[str]) -> Device:

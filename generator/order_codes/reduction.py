@@ -24,11 +24,7 @@ def reduced_to_codes(device: Device, codes: Collection[str]) -> Device:
     Facts that apply to none of these codes are omitted, and such flags are unexplained. Facts that apply to all of them
     lose their ``only``.
     """
-    manual_steps = {
-        characteristic.name
-        for characteristic in device.characteristics
-        if not _applies_to_others(characteristic, codes)
-    }
+    manual_steps = {step.name for step in device.characteristics if not _applies_to_others(step, codes)}
     return replace(device, **{name: _reduced(getattr(device, name), codes, manual_steps) for name in _PARTS})
 
 
@@ -42,11 +38,11 @@ def _reduced(part: Any, codes: Collection[str], manual_steps: Collection[str]) -
         return part.unexplained
     if not names_of_members(part.__class__):
         return part
-    changed = {
-        member_name: new
-        for member_name, old in parts_of(part)
-        if (new := _reduced(old, codes, manual_steps)) is not old
-    }
+    changed: dict[str, Any] = {}
+    for member_name, member in parts_of(part):
+        reduced_member = _reduced(member, codes, manual_steps)
+        if reduced_member is not member:
+            changed[member_name] = reduced_member
     only = getattr(part, "only", "")
     if only and all(fits(only, code) for code in codes):
         changed["only"] = ""
@@ -60,9 +56,8 @@ def _reduced_values(values: tuple[Any, ...], codes: Collection[str], manual_step
     """Return the values for these order codes. If nothing changes, the result is the same object."""
     if all(isinstance(value, _ALWAYS) for value in values):
         return values
-    reduced_values = tuple(
-        [_reduced(value, codes, manual_steps) for value in values if not _applies_to_others(value, codes)]
-    )
+    applying = [value for value in values if not _applies_to_others(value, codes)]
+    reduced_values = tuple([_reduced(value, codes, manual_steps) for value in applying])
     is_unchanged = len(reduced_values) == len(values) and all(map(is_, reduced_values, values))
     return values if is_unchanged else reduced_values
 

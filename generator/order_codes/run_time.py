@@ -51,7 +51,7 @@ def corners(states_by_field: Sequence[Sequence[State]]) -> Iterator[State]:
     If there are too many, yield those of each pair with the others unchanged, and those with all at the same extreme.
 
     Args:
-        fields: The states of each field, from the one with the lowest values to the one with the highest.
+        states_by_field: The states of each field, from the one with the lowest values to the one with the highest.
     """
     changing_fields = [states for states in states_by_field if states]
     if prod(map(len, changing_fields)) <= _MOST_CORNERS:
@@ -59,7 +59,8 @@ def corners(states_by_field: Sequence[Sequence[State]]) -> Iterator[State]:
         return
     for pair in combinations(changing_fields, 2):
         yield from _combined_states(pair)
-    yield from (ChainMap(*(dict(states[end]) for states in changing_fields)) for end in (0, -1))
+    for end in (0, -1):
+        yield ChainMap(*(dict(states[end]) for states in changing_fields))
 
 
 def _combined_states(states_by_field: Sequence[Sequence[State]]) -> Iterator[State]:
@@ -163,16 +164,14 @@ def with_answers(device: Device, variant: Variant, answers: Mapping[str, str]) -
 
 def after_write(device: Device, variant: Variant, register: Register, number: int) -> Variant:
     """Return the variant after writing ``number`` to ``register``."""
-    held_parameters = {
-        parameter.name: parameter for parameter in device.run_time_parameters if parameter.register == register.name
-    }
+    held_parameters = [parameter for parameter in device.run_time_parameters if parameter.register == register.name]
     if not held_parameters:
         return variant
     parameters: dict[str, int] = {}
-    for name, parameter in held_parameters.items():
+    for parameter in held_parameters:
         value = _value_in_content(register, parameter, number)
         if value is not None:  # With an invalid code, the encoder keeps its frame format.
-            parameters[name] = value
+            parameters[parameter.name] = value
     return replace(variant, parameters=with_changed(device, variant, parameters))
 
 

@@ -23,27 +23,24 @@ def with_quantities(device: Device, variant: Variant) -> Device:
     open_parameters = {parameter.name for parameter in device.parameters if parameter.alternative}
     known_parameters = {name: value for name, value in variant.parameters.items() if name not in open_parameters}
     parts = {name: _with_numbers(getattr(device, name), known_parameters) for name in _PARTS}
-    return replace(
-        device,
-        **{**parts, "interfaces": tuple(with_output_code(interface, variant) for interface in parts["interfaces"])},
-    )
+    parts["interfaces"] = tuple(with_output_code(interface, variant) for interface in parts["interfaces"])
+    return replace(device, **parts)
 
 
 def with_output_code(interface: Interface, variant: Variant) -> Interface:
     """Return the interface with the code that an order code has, if the manual says that it depends on it."""
     if not isinstance(interface, Ssi) or interface.output_code is None or interface.name != variant.interface:
         return interface
-    gray_settings = {
-        layout.place(variant.parameters).gray for layout in interface.layouts if layout.sender == "encoder"
-    }
+    sent_layouts = [layout for layout in interface.layouts if layout.sender == "encoder"]
+    gray_settings = {layout.place(variant.parameters).gray for layout in sent_layouts}
     if interface.output_code.code != "by_order_code" or len(gray_settings) != 1:
         return interface
-    return replace(
-        interface, output_code=replace(interface.output_code, code="gray" if True in gray_settings else "binary")
-    )
+    code = "gray" if True in gray_settings else "binary"
+    return replace(interface, output_code=replace(interface.output_code, code=code))
 
 
 def _with_numbers(part: Any, known_parameters: Mapping[str, int]) -> Any:
+    """Return the part with known parameters replaced by numbers. If nothing changes, it is the same object."""
     if isinstance(part, Expression):
         return _number(part, known_parameters)
     if isinstance(part, tuple):
@@ -51,17 +48,15 @@ def _with_numbers(part: Any, known_parameters: Mapping[str, int]) -> Any:
         return part if all(map(is_, filled_values, part)) else filled_values
     if not names_of_members(part.__class__):
         return part
-    changed = {
-        member_name: new
-        for member_name, old in parts_of(part)
-        if (new := _with_numbers(old, known_parameters)) is not old
-    }
+    changed: dict[str, Any] = {}
+    for member_name, member in parts_of(part):
+        filled_member = _with_numbers(member, known_parameters)
+        if filled_member is not member:
+            changed[member_name] = filled_member
     filled_part = replace(part, **changed) if changed else part
-    return (
-        _without_empty_fields(_with_fixed_code(filled_part, known_parameters))
-        if isinstance(filled_part, Layout)
-        else filled_part
-    )
+    if not isinstance(filled_part, Layout):
+        return filled_part
+    return _without_empty_fields(_with_fixed_code(filled_part, known_parameters))
 
 
 def _with_fixed_code(layout: Layout, known_parameters: Mapping[str, int]) -> Layout:

@@ -127,7 +127,7 @@ def _ambiguity(spec: Spec, parts: Sequence[Spec], pattern: str) -> str:
     # Blanks on a label are ignored.
     pieces = [piece if index % 2 else _without_blanks(piece) for index, piece in enumerate(_BRACES.split(pattern))]
     # With parts of fixed length each code splits at fixed places, so it can only be read as it was composed.
-    has_fixed_lengths = all("open" not in part and len(set(map(len, part["values"]))) == 1 for part in parts)
+    has_fixed_lengths = all(map(_has_fixed_length, parts))
     fits = {part["name"]: _value_test(part) for part in parts}
     codes_by_text: dict[str, _Code] = {}
     for code in _codes(spec) or ():
@@ -144,6 +144,10 @@ def _ambiguity(spec: Spec, parts: Sequence[Spec], pattern: str) -> str:
             first, second = (_reading_text(pieces[1::2], reading) for reading in two_readings)
             return f"the code {quoted(code.text)} can be read as {first}, and as {second}"
     return ""
+
+
+def _has_fixed_length(part: Spec) -> bool:
+    return "open" not in part and len(set(map(len, part["values"]))) == 1
 
 
 def _reading_text(names: Sequence[str], reading: Sequence[str]) -> str:
