@@ -251,10 +251,8 @@ def _letters(word: str) -> str:
 
 def _common_prefix_length(word: str, other_word: str) -> int:
     """Return the length of the common prefix of two words."""
-    pairs = takewhile(
-        lambda pair: pair[0] == pair[1], zip(word, other_word, strict=False)
-    )  # up to the end of the shorter
-    return sum(1 for _ in pairs)
+    pairs = zip(word, other_word, strict=False)  # up to the end of the shorter
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
 
 
 def is_typo(word: str, known_word: str) -> bool:
@@ -276,7 +274,8 @@ def is_typo(word: str, known_word: str) -> bool:
     is_plural = not end and "s" in (differing, known_differing)
     if is_plural:
         return shortest >= 3
-    return shortest >= (4 if len(differing) != len(known_differing) else 5)
+    is_same_length = len(differing) == len(known_differing)
+    return shortest >= (5 if is_same_length else 4)
 
 
 def _has_same_meaning(word: str, known_word: str) -> bool:
