@@ -14,11 +14,11 @@ READERS = {
     "keeps those of the order code, with applying or fits": {
         "masters/cable.py",
         "masters/record.py",
-        "order_codes/holding_only.py",
+        "order_codes/reduction.py",
         "order_codes/narrowing.py",
         "targets/python/readme.py",
     },
-    "reads a device that held_by has reduced to the order codes": {
+    "reads a device that reduced_to_codes has reduced to the order codes": {
         "commands/show.py",
         "targets/docs/order_code_page.py",
     },

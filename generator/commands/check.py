@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..cache import Cache, content_of
 from ..language.problems import Report
-from ..language.second_reading import beside
+from ..language.second_reading import second_reading_path
 from ..loading.family_files import family_files
 from ..loading.library import Family, contents, is_clean, load_families
 from ..readings.coverage import Coverage
@@ -59,7 +59,7 @@ def _read(new: Sequence[str], cache: Cache, family: Family, report: Report) -> S
     """Read the second reading of a family if it is new. Otherwise only list it as read."""
     if family.document.file in new:
         return read_beside(family, report, cache)
-    second = beside(Path(family.document.file))
+    second = second_reading_path(Path(family.document.file))
     report.files += [str(second)] if second.is_file() else []
     return None
 

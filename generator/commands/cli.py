@@ -298,8 +298,8 @@ def _master(chosen: argparse.Namespace) -> int:
 
 
 def _decode(chosen: argparse.Namespace) -> int:
-    from ..order_codes.holding_only import held_by
-    from ..order_codes.run_time import RegisterError, decided, with_registers
+    from ..order_codes.reduction import reduced_to_codes
+    from ..order_codes.run_time import RegisterError, with_answers, with_registers
     from ..reference.findings import compare_held, fixed_addresses
     from .choose import answers_of
     from .decode_run import Decoding, Request, frames
@@ -316,12 +316,12 @@ def _decode(chosen: argparse.Namespace) -> int:
     fixed = fixed_addresses(device, match.variant)
     changing = {address: value for address, value in held.items() if address not in fixed}
     try:
-        variant = decided(device, with_registers(device, match.variant, changing), answers)
+        variant = with_answers(device, with_registers(device, match.variant, changing), answers)
     except RegisterError as error:
         raise Stop(str(error), 2) from None
     others = compare_held(device, match.variant, held)
     match = replace(match, variant=variant)
-    device = held_by(device, [variant.code])
+    device = reduced_to_codes(device, [variant.code])
     asked = Request(device, match, chosen.sender, chosen.layout, chosen.register_name, chosen.json, others, answers)
     decoding = Decoding(asked)
     try:

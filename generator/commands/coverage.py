@@ -10,7 +10,7 @@ from typing import Any
 
 from ..cache import Cache, content_of
 from ..language.problems import Report
-from ..language.second_reading import counts_beside
+from ..language.second_reading import coverage_path
 from ..loading.family_files import family_files
 from ..loading.library import Family
 from ..loading.reading_counts import RULE, counts_text
@@ -31,7 +31,7 @@ _OLD = "the counts do not match the readings; update them with codewheel check -
 def cover(found: Checked, write: bool) -> Sequence[Coverage]:
     """Return the coverage. Write the counts next to the specs, or report those that are out of date."""
     for item in found.readings:
-        place = counts_beside(Path(item.spec.file))
+        place = coverage_path(Path(item.spec.file))
         if write:
             place.write_text(counts_text(item.total), encoding="utf-8")
         elif place.is_file() and place.read_text(encoding="utf-8") != counts_text(item.total):

@@ -9,7 +9,7 @@ from ..language.problems import Report
 from ..loading.editions import UnknownEdition, chosen
 from ..loading.library import Family, in_edition, load_families
 from ..model import Device
-from ..order_codes.editions import told_by_label
+from ..order_codes.editions import edition_by_label
 from ..order_codes.labels import Match, UnknownOrderCode, find
 from ..reference.editions import told_by_registers, without_tests
 from . import look_up
@@ -55,7 +55,7 @@ def _revision(device: Device, match: Match | None, wanted: str, held: Mapping[in
         return told_by_registers(device, match, held)
     if wanted != BY_LABEL:
         return chosen(device, wanted)
-    revision = told_by_label(device, match) if match is not None else ""
+    revision = edition_by_label(device, match) if match is not None else ""
     if not revision:
         raise UnknownEdition(
             f"cannot infer the edition from this label; give its revision, such as {device.manual.revision}"

@@ -10,7 +10,7 @@ from ..language.files import below, is_folder
 from ..language.migrate import edited, migrate
 from ..language.problems import Report
 from ..language.read import read_document
-from ..language.second_reading import beside
+from ..language.second_reading import second_reading_path
 from ..say.numbers import counted
 from . import check
 from .outputs import targets_named
@@ -38,7 +38,7 @@ def run(paths: Sequence[Path], only_check: bool) -> int:
 def _files(paths: Iterable[Path]) -> Iterator[Path]:
     for given in paths:
         for spec in below(given).specs if is_folder(given) else (given,):
-            yield from (path for path in (spec, beside(spec)) if path == spec or path.is_file())
+            yield from (path for path in (spec, second_reading_path(spec)) if path == spec or path.is_file())
 
 
 def _migrate(path: Path, only_check: bool) -> int:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ..model import Device, Measurement, Parameter, Sources, Variant, cite
-from ..order_codes.holding_only import held_by
 from ..order_codes.labels import Match
 from ..order_codes.narrowing import for_interface
 from ..order_codes.parameters import parameters_of, run_time_names
-from ..order_codes.with_numbers import with_code
+from ..order_codes.reduction import reduced_to_codes
+from ..order_codes.with_numbers import with_output_code
 from ..say.erratum import erratum
 from ..say.evidence import grade
 from ..say.lines import WIDTH, pairs, wrapped
@@ -55,14 +55,14 @@ def device_text(device: Device) -> str:
 def variant_text(device: Device, match: Match) -> str:
     """Return the text about an order code: its interface, widths, frames, registers and limits."""
     variant = match.variant
-    here = held_by(for_interface(device, variant.interface), [variant.code])
+    here = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
     lines = [wrapped(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, "  ", "")]
     lines += [*label_differences(device, match), *_manual(device), *_parameters(device, variant)]
     lines += alternative_lines(here)
     lines += _position([("", device.measurement_of(variant.interface))], variant.parameters)
     lines += _own_ranges(here, variant.interface, variant.parameters)
     interface = here.interface(variant.interface)
-    lines += ["", *interface_lines(here, with_code(interface, variant))]
+    lines += ["", *interface_lines(here, with_output_code(interface, variant))]
     for layout in interface.layouts:
         lines += ["", *frame_lines(here, layout, variant)]
     return "\n".join([*lines, *register_lines(here, variant), *_inputs_and_procedures(here), *_errata(here)])

@@ -44,9 +44,9 @@ from ..model import (
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, Member
 from ..model.record import dataclass
-from ..order_codes.holding_only import held_by
 from ..order_codes.labels import Match
 from ..order_codes.narrowing import for_interface
+from ..order_codes.reduction import reduced_to_codes
 from .shape import filled
 
 VERSION = 1
@@ -71,7 +71,7 @@ def variant_dump(device: Device, match: Match) -> Item:
         "special": match.special,
         "written_as_in": match.written_as_in,
     }
-    here = held_by(for_interface(device, variant.interface), [variant.code])
+    here = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
     parameters = tuple(item for item in here.parameters if item.interface in ("", variant.interface))
     here = replace(here, parameters=parameters, measurement=here.measurement_of(variant.interface))
     own = replace(variant, parameters=_own_parameters(device, variant))

@@ -56,15 +56,18 @@ def show_schema() -> Shape:
 
 
 def _object(part: Part) -> Shape:
-    members = [item for item in part.members if item.shape]
+    """Return the schema of an object with the members of a part."""
+    members = [member for member in part.members if member.shape]
     sources = [_SOURCE, _SOURCES] if part.is_sourced else []
-    required = [item.name for item in (*members, *sources[:1])]
+    properties = {}
+    for member in (*members, *sources):
+        properties[member.name] = {"description": member.about} | _shape(member.shape)
     return {
         "description": part.about,
         "type": "object",
         "additionalProperties": False,
-        "required": required,
-        "properties": {item.name: {"description": item.about} | _shape(item.shape) for item in (*members, *sources)},
+        "required": [member.name for member in (*members, *sources[:1])],
+        "properties": properties,
     }
 
 
@@ -82,7 +85,8 @@ def _without_default(notation: str) -> Shape:
         return {"type": "array", "items": _shape(notation[1:-1])}
     if notation.startswith("{"):
         key, colon, inner = notation[1:-1].rpartition(":")
-        return {"type": "object"} | ({"x-key": key} if colon else {}) | {"additionalProperties": _shape(inner)}
+        key_member = {"x-key": key} if colon else {}
+        return {"type": "object"} | key_member | {"additionalProperties": _shape(inner)}
     if notation.endswith("?"):
         return _or_null(notation[:-1])
     if "|" in notation:
@@ -94,7 +98,9 @@ def _or_null(notation: str) -> Shape:
     if notation == "expression":
         return {"type": ["integer", "string", "null"]}
     shape = _without_default(notation)
-    return shape | {"type": [shape["type"], "null"]} if "type" in shape else {"anyOf": [shape, _NULL]}
+    if "type" not in shape:
+        return {"anyOf": [shape, _NULL]}
+    return shape | {"type": [shape["type"], "null"]}
 
 
 def schema_text() -> str:
@@ -104,13 +110,16 @@ def schema_text() -> str:
 
 def _lines(value: Any, indent: str) -> Iterator[str]:
     """Yield the text of a schema, in which only objects and maps of schemas take several lines."""
-    if not isinstance(value, dict) or not ("properties" in value or all(isinstance(x, dict) for x in value.values())):
+    takes_several_lines = isinstance(value, dict) and (
+        "properties" in value or all(isinstance(member, dict) for member in value.values())
+    )
+    if not takes_several_lines:
         yield json.dumps(value, ensure_ascii=False)
         return
     yield "{\n"
-    for index, (key, item) in enumerate(value.items()):
+    for index, (key, member) in enumerate(value.items()):
         yield f"{indent}  {json.dumps(key)}: "
-        yield from _lines(item, f"{indent}  ")
+        yield from _lines(member, f"{indent}  ")
         yield ",\n" if index < len(value) - 1 else "\n"
     yield indent + "}"
 

@@ -51,11 +51,11 @@ class Member:
         return self.shape.get("default", "")
 
 
-def filled(item: Mapping[str, Any], type_name: str) -> dict[str, Any]:
+def filled(dumped: Mapping[str, Any], type_name: str) -> dict[str, Any]:
     """Return an object with every member of its type, in schema order. Missing members are empty."""
     shape = show_schema()["$defs"][type_name]
-    made = {member.name: item.get(member.name, member.empty) for member in members(shape)}
-    return made | {name: item[name] for name in ("source", "sources") if name in item}
+    filled_members = {member.name: dumped.get(member.name, member.empty) for member in members(shape)}
+    return filled_members | {name: dumped[name] for name in ("source", "sources") if name in dumped}
 
 
 def members(shape: Shape) -> Iterator[Member]:
@@ -70,33 +70,40 @@ def resolved(shape: Shape) -> tuple[Shape, str]:
 
     The null alternative of an optional object is dropped.
     """
-    reference = shape.get("$ref") or next((item["$ref"] for item in shape.get("anyOf", ()) if "$ref" in item), "")
+    reference = shape.get("$ref") or next(
+        (alternative["$ref"] for alternative in shape.get("anyOf", ()) if "$ref" in alternative), ""
+    )
     name = reference.rpartition("/")[2]
     return (show_schema()["$defs"][name], name) if name else (shape, "")
 
 
-def _member(name: str, shape: Shape) -> Member:
-    found, type_name = resolved(shape)
+def _member(name: str, unresolved: Shape) -> Member:
+    shape, type_name = resolved(unresolved)
     if type_name == "text":
-        return Member(name, Kind.TEXT, found)
-    if found.get("type") == "array":
-        items, item_type = resolved(found["items"])
-        kind = Kind.TEXTS if item_type == "text" else Kind.OBJECTS if "properties" in items else Kind.LIST
-        return Member(name, kind, items, item_type)
-    if "properties" in found:
-        return Member(name, Kind.OBJECT, found, type_name)
-    if "additionalProperties" in found:
-        if "x-key" in found:
-            items, item_type = resolved(found["additionalProperties"])
-            return Member(name, Kind.KEYED, {**items, "x-key": found["x-key"]}, item_type)
-        return Member(name, Kind.MAP, found["additionalProperties"])
-    return Member(name, Kind.ATTRIBUTE, found, type_name)
+        return Member(name, Kind.TEXT, shape)
+    if shape.get("type") == "array":
+        items, item_type = resolved(shape["items"])
+        return Member(name, _kind_of_list(items, item_type), items, item_type)
+    if "properties" in shape:
+        return Member(name, Kind.OBJECT, shape, type_name)
+    if "additionalProperties" in shape:
+        if "x-key" in shape:
+            items, item_type = resolved(shape["additionalProperties"])
+            return Member(name, Kind.KEYED, {**items, "x-key": shape["x-key"]}, item_type)
+        return Member(name, Kind.MAP, shape["additionalProperties"])
+    return Member(name, Kind.ATTRIBUTE, shape, type_name)
+
+
+def _kind_of_list(items: Shape, item_type: str) -> Kind:
+    if item_type == "text":
+        return Kind.TEXTS
+    return Kind.OBJECTS if "properties" in items else Kind.LIST
 
 
 def types_of(shape: Shape) -> tuple[str, ...]:
     """Return the JSON types of a value of this shape."""
-    found = shape.get("type", "integer" if isinstance(shape.get("const"), int) else "string")
-    return tuple(found) if isinstance(found, list) else (found,)
+    json_types = shape.get("type", "integer" if isinstance(shape.get("const"), int) else "string")
+    return tuple(json_types) if isinstance(json_types, list) else (json_types,)
 
 
 def is_hexadecimal(shape: Shape) -> bool:

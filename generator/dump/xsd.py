@@ -67,23 +67,23 @@ def _add_word_types(root: Any) -> None:
 
 
 def _add_type(root: Any, name: str, shape: Shape, description: str) -> None:
-    made = _add(root, "complexType", name=name)
-    _document(made, description)
-    inside = _add(made, "sequence")
+    complex_type = _add(root, "complexType", name=name)
+    _document(complex_type, description)
+    sequence = _add(complex_type, "sequence")
     if "source" in shape["properties"]:
-        _add(inside, "element", name="source", type="source", minOccurs="0", maxOccurs="unbounded")
+        _add(sequence, "element", name="source", type="source", minOccurs="0", maxOccurs="unbounded")
     for member in members(shape):
         description = shape["properties"][member.name]["description"]
         if member.kind in (Kind.ATTRIBUTE, Kind.LIST):
-            _add_attribute(made, member, description)
+            _add_attribute(complex_type, member, description)
         else:
-            _add_element(inside, member, description)
-    if not len(inside):
-        made.remove(inside)
+            _add_element(sequence, member, description)
+    if not len(sequence):
+        complex_type.remove(sequence)
 
 
-def _add_element(inside: Any, member: Member, description: str) -> None:
-    element = _add(inside, "element", name=member.name, minOccurs="0")
+def _add_element(sequence: Any, member: Member, description: str) -> None:
+    element = _add(sequence, "element", name=member.name, minOccurs="0")
     _document(element, description)
     if member.kind in (Kind.TEXT, Kind.OBJECT):
         element.set("type", "xs:string" if member.kind is Kind.TEXT else member.type_name)
@@ -97,8 +97,9 @@ def _add_element(inside: Any, member: Member, description: str) -> None:
             kind = _add(extended, "attribute", name="type", use="required")
             _enumerate(kind, member.types)
     else:
-        kind_of_item = ("text", "xs:string") if member.kind is Kind.TEXTS else (member.type_name, member.type_name)
-        _add(items, "element", name=kind_of_item[0], type=kind_of_item[1], maxOccurs="unbounded")
+        element_name = "text" if member.kind is Kind.TEXTS else member.type_name
+        type_name = "xs:string" if member.kind is Kind.TEXTS else member.type_name
+        _add(items, "element", name=element_name, type=type_name, maxOccurs="unbounded")
 
 
 def _entry_type(member: Member) -> str:
@@ -113,16 +114,16 @@ def _enumerate(parent: Any, values: Any) -> None:
         _add(restriction, "enumeration", value=value)
 
 
-def _add_attribute(made: Any, member: Member, description: str) -> None:
-    attribute = _add(made, "attribute", name=member.name)
+def _add_attribute(complex_type: Any, member: Member, description: str) -> None:
+    attribute = _add(complex_type, "attribute", name=member.name)
     values = [value for value in member.shape.get("enum", ()) if value]
     types = [name for name in member.types if name != "null"]
-    always = "null" not in member.types and (
+    is_always_present = "null" not in member.types and (
         types[0] in ("integer", "boolean") or len(values) == len(member.shape.get("enum", ())) > 0
     )
     if "default" in member.shape:
         attribute.set("default", str(member.shape["default"]).lower())
-    elif member.kind is Kind.ATTRIBUTE and (always or member.name == "name"):
+    elif member.kind is Kind.ATTRIBUTE and (is_always_present or member.name == "name"):
         attribute.set("use", "required")
     if member.kind is Kind.LIST:
         attribute.set("type", "numbers" if types == ["integer"] else "words")

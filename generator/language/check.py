@@ -10,8 +10,8 @@ from .rules import FOUNDATIONS, RULES, SHAPES
 from .rules.bases import number_base
 from .rules.master import check_master
 from .rules.order_code import is_whole
-from .schema import Checked, FileKind, check_schema, holder, shape_of, without
-from .second_reading import family_of, filled
+from .schema import Checked, FileKind, check_schema, place_to_remove, shape_of, without
+from .second_reading import family_of, with_stand_ins
 
 #: Stand-ins for missing keys at the top level, so that the rest can be built and checked.
 _STAND_INS: dict[str, Any] = {
@@ -36,11 +36,11 @@ def check_document(document: Document, report: Report) -> dict[str, Any] | None:
         return None
     if checked.kind is FileKind.DEVICE:
         return _device(checked, document, report)
-    before = len(report)
+    problems_before = len(report)
     if checked.kind is FileKind.MASTER:
         check_master(checked.data, report.for_document(document))
     number_base(checked.data, document.data, report.for_document(document))
-    return checked.data if checked.complete and len(report) == before else None
+    return checked.data if checked.complete and len(report) == problems_before else None
 
 
 def check_overlay(document: Document, report: Report) -> bool:
@@ -59,11 +59,11 @@ def check_second(document: Document, report: Report) -> dict[str, Any] | None:
     return _device(checked, document, report) if checked is not None else None
 
 
-class _Enough(Exception):
+class _TooManyProblems(Exception):
     """A document has the largest number of problems, so no further rule is checked."""
 
 
-class _Noting(DocumentReport):
+class _RecordingReport(DocumentReport):
     """A report that records the places mentioned by a rule."""
 
     def __init__(self, report: Report, document: Document) -> None:
@@ -75,11 +75,11 @@ class _Noting(DocumentReport):
         """Add a problem at ``path``.
 
         Raises:
-            _Enough: The document already has the largest number of problems.
+            _TooManyProblems: The document already has the largest number of problems.
         """
         if len(self) - self._before >= MAX_FOUND:
             super().add(TOO_MANY, path, "there are more problems; they are reported once these are fixed")
-            raise _Enough
+            raise _TooManyProblems
         self.noted.append(self.document.original(path))
         super().add(rule, path, message, at_key=at_key)
 
@@ -92,7 +92,7 @@ def _device(checked: Checked, document: Document, report: Report) -> dict[str, A
     """Return the data of a device without the broken parts, or None if it has too many problems."""
     try:
         return _check_device(checked, document, report)
-    except _Enough:
+    except _TooManyProblems:
         return None
 
 
@@ -100,39 +100,38 @@ def _check_device(checked: Checked, document: Document, report: Report) -> dict[
     """Return the data of a device without the broken parts.
 
     Raises:
-        _Enough: It has too many problems.
+        _TooManyProblems: It has too many problems.
     """
-    codes = is_whole(checked.data, document.data)
+    are_codes_whole = is_whole(checked.data, document.data)
     report.mark(document, checked.cut)
-    cut = set(checked.cut)
-    given = _with_words(checked.data, checked.kind)
-    about = _Noting(report, document)
+    cut_paths = set(checked.cut)
+    completed_data = _with_prose(checked.data, checked.kind)
+    noting_report = _RecordingReport(report, document)
     for rule in RULES:
-        about.noted = []
-        rule(given, document.data, about)
+        noting_report.noted = []
+        rule(completed_data, document.data, noting_report)
         if rule in FOUNDATIONS:
-            codes = codes and not any(path[0] in _NO_CODES for path in about.noted)
+            are_codes_whole = are_codes_whole and not any(path[0] in _NO_CODES for path in noting_report.noted)
         if rule in SHAPES:
-            cut |= set(map(holder, about.noted))
-    data = _with_words(without(document, cut, checked.given), checked.kind) if cut != checked.cut else given
-    return _whole(data, codes, document)
+            cut_paths |= set(map(place_to_remove, noting_report.noted))
+    if cut_paths != checked.cut:
+        completed_data = _with_prose(without(document, cut_paths, checked.stand_ins), checked.kind)
+    return _with_stand_ins(completed_data, are_codes_whole, document)
 
 
-def _with_words(data: dict[str, Any], kind: FileKind) -> dict[str, Any]:
+def _with_prose(data: dict[str, Any], kind: FileKind) -> dict[str, Any]:
     """Return the data with stand-ins for the prose that a second reading lacks."""
     if kind is not FileKind.SECOND:
         return data
-    made: dict[str, Any] = filled(data, shape_of(FileKind.DEVICE.value))
-    return made
+    completed_data: dict[str, Any] = with_stand_ins(data, shape_of(FileKind.DEVICE.value))
+    return completed_data
 
 
-def _whole(data: dict[str, Any], codes: bool, document: Document) -> dict[str, Any]:
+def _with_stand_ins(data: dict[str, Any], are_codes_whole: bool, document: Document) -> dict[str, Any]:
     """Return the data with stand-ins for missing keys at the top level and at the top level of an interface."""
-    whole = {
-        "device": document.family or family_of(document.file),
-        **_STAND_INS,
-        **data,
-        **({} if codes else _NO_CODES),
-    }
-    whole["interfaces"] = {kind: {"layouts": [], **item} for kind, item in whole["interfaces"].items()}
+    family = document.family or family_of(document.file)
+    whole = {"device": family, **_STAND_INS, **data}
+    if not are_codes_whole:
+        whole |= _NO_CODES
+    whole["interfaces"] = {kind: {"layouts": [], **interface} for kind, interface in whole["interfaces"].items()}
     return whole

@@ -37,10 +37,10 @@ class Document:
 
     ``data`` consists of dict, list, str, int, float, bool and None. ``broken`` lists the places that the reader has
     already reported. Their values are only stand-ins. ``doubtful`` lists places where something was omitted, such as a
-    duplicate key. ``kept`` is filled by the schema check: for a list that lost items, it contains the original index
-    of each remaining item, so that paths into the pruned data still find their lines. ``others`` contains the lines of
-    other files from which changes came. ``family`` is the name of a family derived from the one in the file, such as an
-    older edition. It is empty for the family in the file.
+    duplicate key. ``kept_indices`` is filled by the schema check: for a list that lost items, it contains the original
+    index of each remaining item, so that paths into the pruned data still find their lines. ``other_files`` contains
+    the lines of other files from which changes came. ``family`` is the name of a family derived from the one in the
+    file, such as an older edition. It is empty for the family in the file.
     """
 
     file: str
@@ -49,8 +49,8 @@ class Document:
     marks: Mark
     broken: tuple[Path, ...] = ()
     doubtful: tuple[Path, ...] = ()
-    kept: dict[Path, tuple[int, ...]] = field(default_factory=dict)
-    others: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    kept_indices: dict[Path, tuple[int, ...]] = field(default_factory=dict)
+    other_files: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     family: str = ""
     _indices: dict[int, dict[str, int]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
@@ -60,14 +60,14 @@ class Document:
         return f"{self.file}\0{self.family}" if self.family else self.file
 
     def line(self, number: int, file: str = "") -> str:
-        """Return a line, counted from 1, of the document's file or one of ``others``. Empty after the last line."""
-        lines = self.others.get(file, ()) if file else self.lines
+        """Return a line, counted from 1, of the document's file or of one of the others. Empty after the last line."""
+        lines = self.other_files.get(file, ()) if file else self.lines
         return lines[number - 1] if 0 < number <= len(lines) else ""
 
     def file_of(self, path: Path) -> str:
         """Return the file to which the line from ``position`` belongs, or an empty string for the document's file."""
-        found = [mark.file for _, mark in self._walk(path)]
-        return found[-1] if found else ""
+        files = [mark.file for _, mark in self._walk(path)]
+        return files[-1] if files else ""
 
     def position(self, path: Path, at_key: bool = False) -> tuple[int, int]:
         """Return line and column, both from 1, of the value at ``path``, or of its nearest ancestor if there is none.
@@ -75,12 +75,13 @@ class Document:
         A str instead of a list index selects the item of that name. With ``at_key``, the position is that of the key.
         The position of an ancestor is always that of its key, where a reader would look for a missing value.
         """
-        mark, found = self.marks, 0
-        for _, child in self._walk(path):
-            mark, found = child, found + 1
-        if found == 0:
-            return (1, 1) if path else (mark.line, mark.column)
-        if at_key or found < len(path):
+        marks = [mark for _, mark in self._walk(path)]
+        if not path:
+            return self.marks.line, self.marks.column
+        if not marks:
+            return 1, 1
+        mark = marks[-1]
+        if at_key or len(marks) < len(path):
             return mark.key_line, mark.key_column
         return mark.line, mark.column
 
@@ -90,8 +91,8 @@ class Document:
         The result is empty if no number is written there, such as at an alias.
         """
         line, column = self.position(path)
-        found = _WRITTEN.match(self.line(line, self.file_of(path)), column - 1)
-        return found[1] if found is not None else ""
+        number = _WRITTEN.match(self.line(line, self.file_of(path)), column - 1)
+        return number[1] if number is not None else ""
 
     def has(self, path: Path) -> bool:
         """Return True if there is a value at ``path``."""
@@ -131,35 +132,39 @@ class Document:
     def original(self, path: Path) -> Path:
         """Return the path in the data as read, with indices for names and original indices for pruned lists."""
         node: Any = self.data
-        result: Path = ()
-        for given in path:
-            step = given
+        original_path: Path = ()
+        for asked_step in path:
+            step = asked_step
             if isinstance(node, list):
-                if isinstance(given, int):
-                    kept = self.kept.get(result)
-                    step = given if kept is None or given >= len(kept) else kept[given]
+                if isinstance(asked_step, int):
+                    original_indices = self.kept_indices.get(original_path)
+                    step = (
+                        asked_step
+                        if original_indices is None or asked_step >= len(original_indices)
+                        else original_indices[asked_step]
+                    )
                 else:
-                    step = self._index(node, given)
+                    step = self._index(node, asked_step)
                 node = node[step] if isinstance(step, int) and 0 <= step < len(node) else None
             else:
                 node = node.get(step) if isinstance(node, dict) else None
-            result += (step,)
-        return result
+            original_path += (step,)
+        return original_path
 
     def _index(self, node: list[Any], label: str) -> str | int:
         """Return the index of the first item of a list with this label, or the label if there is none."""
-        found = self._indices.get(id(node))
-        if found is None:
-            labels = ((label_of(item), index) for index, item in reversed(list(enumerate(node))))
-            found = self._indices[id(node)] = {label: index for label, index in labels if label is not None}
-        return found.get(label, label)
+        index_by_label = self._indices.get(id(node))
+        if index_by_label is None:
+            labels = ((label_of(node_item), index) for index, node_item in reversed(list(enumerate(node))))
+            index_by_label = self._indices[id(node)] = {label: index for label, index in labels if label is not None}
+        return index_by_label.get(label, label)
 
 
-def label_of(item: Any) -> str | None:
+def label_of(value: Any) -> str | None:
     """Return the label of a list item, or None if it has none."""
-    if not isinstance(item, dict):
+    if not isinstance(value, dict):
         return None
     for key in _ITEM_KEYS:
-        if key in item:
-            return None if isinstance(item[key], (dict, list)) else str(item[key])
+        if key in value:
+            return None if isinstance(value[key], (dict, list)) else str(value[key])
     return None

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Mapping
 from fractions import Fraction
 from typing import Any
 
-from .problems import meant
+from .problems import nearest_choice
 
 #: Base unit and power of ten of each unit.
 _UNITS = {
@@ -222,7 +222,7 @@ def key_hint(key: str, value: Any, known: Iterable[str]) -> str:
     kind = _UNITS[unit.lower()][0]
     others = {item: _unit(item) for item in known if _UNITS.get(_unit(item), ("", 0))[0] == kind}
     stems = {item.rpartition("_")[0] for item in others}
-    meant_stem = stem if stem in stems else meant(stem, [other for other in stems if other != stem])
+    meant_stem = stem if stem in stems else nearest_choice(stem, [other for other in stems if other != stem])
     fitting = [item for item in others if meant_stem and item.rpartition("_")[0] == meant_stem]
     if not fitting or key in fitting:
         return ""

@@ -85,7 +85,7 @@ def spec_page() -> str:
         _properties(device, device["$defs"]),
         "",
     ]
-    for name in _in_order(device):
+    for name in _definitions_in_order(device):
         lines += _definition(name, device["$defs"][name], device["$defs"])
     lines += _other_files(maker, overlay)
     return "\n".join(lines).rstrip() + "\n"
@@ -112,29 +112,29 @@ def _other_files(maker: Mapping[str, Any], overlay: Mapping[str, Any]) -> list[s
         "",
         "## The second reading",
         "",
-        _SECOND.format(prose=_coded(PROSE), lists=_coded(NO_FACTS), only=_only_second()),
+        _SECOND.format(prose=_as_code(PROSE), lists=_as_code(NO_FACTS), only=_keys_of_second_readings()),
         "",
     ]
 
 
-def _only_second() -> str:
-    return "\n".join(f"- `{key}`: {item['description']}" for key, item in ONLY_SECOND.items())
+def _keys_of_second_readings() -> str:
+    return "\n".join(f"- `{key}`: {member['description']}" for key, member in ONLY_SECOND.items())
 
 
-def _coded(words: Iterable[str]) -> str:
+def _as_code(words: Iterable[str]) -> str:
     lines = textwrap.wrap(", ".join(f"`{word}`" for word in sorted(words)), 110)
     return "\n".join(lines)
 
 
-def _in_order(schema: Shape) -> list[str]:
+def _definitions_in_order(schema: Shape) -> list[str]:
     """Return the definitions, each once, in the order of their first use on the page."""
-    found: list[str] = []
+    names: list[str] = []
 
     def visit(shape: Any) -> None:
         if isinstance(shape, Mapping):
-            name = _referred(shape)
-            if name and name not in found:
-                found.append(name)
+            name = _definition_name(shape)
+            if name and name not in names:
+                names.append(name)
                 visit(schema["$defs"][name])
             for key, inner in shape.items():
                 if key != "$defs":
@@ -144,7 +144,7 @@ def _in_order(schema: Shape) -> list[str]:
                 visit(inner)
 
     visit(schema)
-    return found
+    return names
 
 
 def _definition(name: str, shape: Shape, definitions: Shape) -> list[str]:
@@ -160,7 +160,7 @@ def _properties(shape: Shape, definitions: Shape) -> str:
     return table(["Key", "", "Value", "Meaning"], _members(shape, definitions))
 
 
-def _referred(shape: Shape) -> str:
+def _definition_name(shape: Shape) -> str:
     """Return the name of the definition that a shape refers to, or an empty string."""
     return str(shape.get("$ref", "")).removeprefix("#/$defs/")
 
@@ -171,19 +171,19 @@ def _members(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[tup
     for name, inner in shape.get("properties", {}).items():
         limits = _limits(inner)
         value = _kind(inner) + (f", {limits}" if limits else "")
-        meaning = inner.get("description") or definitions.get(_referred(inner), {}).get("description", "")
+        meaning = inner.get("description") or definitions.get(_definition_name(inner), {}).get("description", "")
         yield code(prefix + name), "required" if name in required else "", value, text(meaning)
         items = inner.get("items", {})
         yield from _members(inner, definitions, f"{prefix}{name}.")
         yield from _members(items, definitions, f"{prefix}{name}[].")
-    other = shape.get("additionalProperties")
-    if isinstance(other, Mapping) and "properties" in other:
-        yield from _members(other, definitions, f"{prefix}<name>.")
+    value_shape = shape.get("additionalProperties")
+    if isinstance(value_shape, Mapping) and "properties" in value_shape:
+        yield from _members(value_shape, definitions, f"{prefix}<name>.")
 
 
 def _kind(shape: Shape, plural: bool = False) -> str:
     """Return the type of a value in words, with a link if it has its own section."""
-    reference = _referred(shape)
+    reference = _definition_name(shape)
     if reference:
         return link(code(reference), f"#{reference}")
     if "const" in shape:
@@ -194,12 +194,13 @@ def _kind(shape: Shape, plural: bool = False) -> str:
         return "any value"
     types = shape.get("type", "string")
     if "items" in shape:
-        one = "" if types == "array" else f"{_kind(shape['items'])}, or "
-        return f"{one}list{'s' * plural} of {_kind(shape['items'], True)}"
-    other = shape.get("additionalProperties")
-    if isinstance(other, Mapping):
-        return f"mapping{'s' * plural} of names to {_kind(other, True)}"
-    return listed([_NOUNS[item][plural] for item in ([types] if isinstance(types, str) else types)], "or")
+        scalar_prefix = "" if types == "array" else f"{_kind(shape['items'])}, or "
+        return f"{scalar_prefix}list{'s' * plural} of {_kind(shape['items'], True)}"
+    value_shape = shape.get("additionalProperties")
+    if isinstance(value_shape, Mapping):
+        return f"mapping{'s' * plural} of names to {_kind(value_shape, True)}"
+    type_names = [types] if isinstance(types, str) else types
+    return listed([_NOUNS[type_name][plural] for type_name in type_names], "or")
 
 
 def _limits(shape: Shape) -> str:
@@ -216,9 +217,9 @@ def _limits(shape: Shape) -> str:
         parts.append(f"at most {shape['maxLength']} characters")
     if shape.get("minItems", 0) > 0:
         parts.append("not empty")
-    most = shape.get("maxItems", shape.get("maxProperties", _MOST_ENTRIES))
-    if most != _MOST_ENTRIES:
-        parts.append(f"at most {most} entr{'y' if most == 1 else 'ies'}")
+    max_entries = shape.get("maxItems", shape.get("maxProperties", _MOST_ENTRIES))
+    if max_entries != _MOST_ENTRIES:
+        parts.append(f"at most {max_entries} entr{'y' if max_entries == 1 else 'ies'}")
     return ", ".join(parts)
 
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from .hints import TO_ADD, foreign_key_hint, key_hint, number_hint, value_hint, word_hint
-from .problems import WORDS_ONLY, Path, listed, meant, missing, quoted, suggestion
-from .second_reading import is_left_out
+from .problems import WORDS_ONLY, Path, listed, missing, nearest_choice, quoted, suggestion
+from .second_reading import is_only_in_device_files
 
 _TYPES = {
     "integer": "a whole number",
@@ -128,77 +128,90 @@ def explain(error: Any, kind: str) -> Iterator[Finding]:
     """
     path: Path = tuple(error.absolute_path)
     if "propertyNames" in error.relative_schema_path:
-        words = PATTERNS.get(error.schema.get("pattern", ""), "")
-        if error.validator == "maxLength":
-            yield Finding(
-                "too-long",
-                (*path, error.instance),
-                f"the key {quoted(error.instance)} is longer than {error.validator_value} characters",
-                True,
-            )
-        else:
-            hint = ""
-            if path[-1:] == ("values",) and error.instance.isdigit():
-                hint = "; the name comes first, as in 'save: {value: 1}'"
-            wrong = f"the key {quoted(error.instance)} is not valid: {words}{hint}"
-            yield Finding("bad-pattern", (*path, error.instance), wrong, True)
+        yield _invalid_key(error, path)
     elif error.validator == "additionalProperties":
-        for key in error.instance:
-            if key not in error.schema["properties"]:
-                hint = _NO_PROSE if kind == "second" and is_left_out(key) else _key_hint(error, path, key)
-                yield Finding(
-                    "unknown-key",
-                    (*path, key),
-                    f"unknown key {quoted(key)}{hint or _all_known(error, key)}",
-                    True,
-                    alone=hint in ("", _NO_PROSE),
-                )
+        yield from _unknown_keys(error, path, kind)
     elif error.validator == "required":
-        yield from _missing(error, path, kind)
+        yield from _missing_keys(error, path, kind)
     else:
         rule, message = _MESSAGES[error.validator](error, _subject(path))
         yield Finding(rule, path, message)
 
 
+def _invalid_key(error: Any, path: Path) -> Finding:
+    """Return the finding for a key that is too long or does not match the pattern of names."""
+    key = error.instance
+    if error.validator == "maxLength":
+        message = f"the key {quoted(key)} is longer than {error.validator_value} characters"
+        return Finding("too-long", (*path, key), message, at_key=True)
+    hint = ""
+    if path[-1:] == ("values",) and key.isdigit():
+        hint = "; the name comes first, as in 'save: {value: 1}'"
+    pattern_in_words = PATTERNS.get(error.schema.get("pattern", ""), "")
+    message = f"the key {quoted(key)} is not valid: {pattern_in_words}{hint}"
+    return Finding("bad-pattern", (*path, key), message, at_key=True)
+
+
+def _unknown_keys(error: Any, path: Path, kind: str) -> Iterator[Finding]:
+    """Yield a finding for each key that the schema does not have."""
+    for key in error.instance:
+        if key in error.schema["properties"]:
+            continue
+        is_absent_prose = kind == "second" and is_only_in_device_files(key)
+        hint = _NO_PROSE if is_absent_prose else _key_hint(error, path, key)
+        message = f"unknown key {quoted(key)}{hint or _suggest_key(error, key)}"
+        yield Finding("unknown-key", (*path, key), message, at_key=True, alone=hint in ("", _NO_PROSE))
+
+
 def _key_hint(error: Any, path: Path, key: str) -> str:
-    known = error.schema["properties"]
-    if RENAMED.get(key) in known:
+    """Return the hint after an unknown key, or an empty string."""
+    known_keys = error.schema["properties"]
+    if RENAMED.get(key) in known_keys:
         return f"; it is now called '{RENAMED[key]}' (codewheel migrate renames it)"
-    if foreign := foreign_key_hint(key, error.instance[key], known, error.instance):
+    if foreign := foreign_key_hint(key, error.instance[key], known_keys, error.instance):
         return foreign
-    near = meant(key, list(known))
+    near = nearest_choice(key, list(known_keys))
     if near:
         return f"; did you mean '{near}'?"
     if path and path[-1] in _ALL_THERE_IS:
         return f"; {_ALL_THERE_IS[path[-1]]}"
-    if key in _OF_FIELDS and "fields" in known:
+    if key in _OF_FIELDS and "fields" in known_keys:
         return f"; it is a key of a field: add 'fields: [{{name: all, at: 7:0, {key}: ...}}]', with your name and bits"
     if " " in key.strip():
         return "; keys have no spaces: if this is part of a string, put the whole string in quotes"
-    return key_hint(key, error.instance[key], known)
+    return key_hint(key, error.instance[key], known_keys)
 
 
-def _all_known(error: Any, key: str) -> str:
+def _suggest_key(error: Any, key: str) -> str:
     return suggestion(key, error.schema["properties"], "known keys")
 
 
-def _missing(error: Any, path: Path, kind: str) -> Iterator[Finding]:
+def _missing_keys(error: Any, path: Path, kind: str) -> Iterator[Finding]:
     """Yield one finding for all missing keys, except those of which an unknown key is a misspelling."""
-    known = error.schema["properties"]
-    unknown = [key for key in error.instance if key not in known]
-    misspelt = [
-        key for key in error.validator_value if any(_stands_for(word, key, error.instance, known) for word in unknown)
-    ]
-    gone = [key for key in error.validator_value if key not in error.instance and key not in misspelt]
-    if gone:
-        needs = "; ".join([missing(gone, _owner(error, path, kind)), *(TO_ADD[key] for key in gone if key in TO_ADD)])
-        only_words = not misspelt and WORDS_ONLY.issuperset(gone)
-        yield Finding("missing-key", path, needs, bool(path) and isinstance(path[-1], str), alone=only_words)
+    misspelt_keys = [key for key in error.validator_value if _is_misspelt(error, key)]
+    missing_keys = [key for key in error.validator_value if key not in error.instance and key not in misspelt_keys]
+    if not missing_keys:
+        return
+    hints = [TO_ADD[key] for key in missing_keys if key in TO_ADD]
+    message = "; ".join([missing(missing_keys, _owner(error, path, kind)), *hints])
+    is_only_prose = not misspelt_keys and WORDS_ONLY.issuperset(missing_keys)
+    is_at_key = bool(path) and isinstance(path[-1], str)
+    yield Finding("missing-key", path, message, at_key=is_at_key, alone=is_only_prose)
 
 
-def _stands_for(word: str, key: str, instance: Any, known: Any) -> bool:
-    hints = key_hint(word, instance[word], known), foreign_key_hint(word, instance[word], known, instance)
-    return meant(word, list(known)) == key or any(f"'{key}" in hint for hint in hints)
+def _is_misspelt(error: Any, required_key: str) -> bool:
+    """Return True if an unknown key is a misspelling of a required one."""
+    known_keys = error.schema["properties"]
+    unknown_keys = [key for key in error.instance if key not in known_keys]
+    return any(_stands_for(key, required_key, error.instance, known_keys) for key in unknown_keys)
+
+
+def _stands_for(unknown_key: str, key: str, instance: Any, known_keys: Any) -> bool:
+    hints = (
+        key_hint(unknown_key, instance[unknown_key], known_keys),
+        foreign_key_hint(unknown_key, instance[unknown_key], known_keys, instance),
+    )
+    return nearest_choice(unknown_key, list(known_keys)) == key or any(f"'{key}" in hint for hint in hints)
 
 
 def _owner(error: Any, path: Path, kind: str) -> str:
@@ -227,14 +240,14 @@ def _type(error: Any, subject: str) -> tuple[str, str]:
     types = [error.validator_value] if isinstance(error.validator_value, str) else error.validator_value
     key = str(error.absolute_path[-1]) if error.absolute_path else ""
     sums = _NUMBER_OR_TEXT.get(key) if len(types) > 1 else None
-    wanted = sums or listed([_TYPES[name] for name in types], "or")
+    accepted = sums or listed([_TYPES[name] for name in types], "or")
     if error.instance is None:
-        return "wrong-type", f"{subject} has no value; it must be {wanted}"
+        return "wrong-type", f"{subject} has no value; it must be {accepted}"
     hint = _text_hint(error) if "string" in types and isinstance(error.instance, (int, float)) else ""
     if sums or types == ["integer"]:
         hint = number_hint(key, error.instance)
     hint = hint or value_hint(key, error.instance, error.schema)
-    return "wrong-type", f"{subject} must be {wanted}, not {quoted(error.instance)}{hint}"
+    return "wrong-type", f"{subject} must be {accepted}, not {quoted(error.instance)}{hint}"
 
 
 def _text_hint(error: Any) -> str:
@@ -257,8 +270,10 @@ def _enum(error: Any, subject: str) -> tuple[str, str]:
 
 
 def _const(error: Any, subject: str) -> tuple[str, str]:
-    later = type(error.instance) is int and subject == "'codewheel'" and error.instance > error.validator_value
-    hint = "; a later version of codewheel can read this file" if later else ""
+    is_later_version = (
+        type(error.instance) is int and subject == "'codewheel'" and error.instance > error.validator_value
+    )
+    hint = "; a later version of codewheel can read this file" if is_later_version else ""
     return "not-allowed", f"{subject} must be {quoted(error.validator_value)}, not {quoted(error.instance)}{hint}"
 
 
@@ -269,9 +284,12 @@ def _pattern(error: Any, subject: str) -> tuple[str, str]:
 
 def _range(error: Any, subject: str) -> tuple[str, str]:
     low, high = error.schema.get("minimum"), error.schema.get("maximum")
-    bounds = (
-        f"from {low} to {high}" if None not in (low, high) else f"at least {low}" if high is None else f"at most {high}"
-    )
+    if low is None:
+        bounds = f"at most {high}"
+    elif high is None:
+        bounds = f"at least {low}"
+    else:
+        bounds = f"from {low} to {high}"
     return "out-of-range", f"{subject} is {quoted(error.instance)}; it must be {bounds}"
 
 
@@ -284,12 +302,10 @@ def _empty(error: Any, subject: str) -> tuple[str, str]:
 
 
 def _few(error: Any, subject: str) -> tuple[str, str]:
-    count, least = len(error.instance), error.validator_value
-    if least > 1:
-        return (
-            "too-short",
-            f"{subject} has {count or 'no'} {'entry' if count == 1 else 'entries'}; it needs at least {least}",
-        )
+    count, min_count = len(error.instance), error.validator_value
+    if min_count > 1:
+        noun = "entry" if count == 1 else "entries"
+        return "too-short", f"{subject} has {count or 'no'} {noun}; it needs at least {min_count}"
     return "too-short", f"{subject} is empty; it needs at least one entry"
 
 

@@ -24,24 +24,24 @@ def migrate(document: Document) -> tuple[Edit, ...]:
     """Give the keys of a document their current names, and return the same edits for its text."""
     edits = []
     for path, new in renamed_keys(document):
-        *above, old = path
-        holder = value_at(document.data, tuple(above))
+        *parent, old = path
+        holder = value_at(document.data, tuple(parent))
         line, column = document.position(path, at_key=True)
         if old not in holder:
             continue  # An alias repeats a map that has been migrated.
         edits.append(Edit(line, column, str(old), new))
-        marks = document.mark(tuple(above)).children
-        for found in (holder, marks):
-            items = [(new if key == old else key, value) for key, value in found.items()]
-            found.clear()
-            found.update(items)
+        marks = document.mark(tuple(parent)).children
+        for mapping in (holder, marks):
+            renamed_items = [(new if key == old else key, value) for key, value in mapping.items()]
+            mapping.clear()
+            mapping.update(renamed_items)
     return tuple(edits)
 
 
 def edited(text: str, edits: Iterable[Edit]) -> str:
     """Return the text of a file after these edits. A key may be in quotes."""
-    starts = [0, *(found.end() for found in LINE_BREAK.finditer(text))]
-    for edit in sorted(edits, key=lambda item: (item.line, item.column), reverse=True):
+    starts = [0, *(line_break.end() for line_break in LINE_BREAK.finditer(text))]
+    for edit in sorted(edits, key=lambda edit: (edit.line, edit.column), reverse=True):
         start = text.index(edit.old, starts[edit.line - 1] + edit.column - 1)
         text = text[:start] + edit.new + text[start + len(edit.old) :]
     return text

@@ -58,12 +58,12 @@ class Layer:
 
     @property
     def changes(self) -> Sequence[Mapping[str, Any]]:
-        found: Sequence[Mapping[str, Any]] = value_at(self.document.data, self.path)
-        return found
+        changes: Sequence[Mapping[str, Any]] = value_at(self.document.data, self.path)
+        return changes
 
 
 @dataclass(frozen=True, slots=True)
-class Laid:
+class AppliedChange:
     """One applied change: the old value, the new value, and the affected paths as in an erratum."""
 
     layer: Layer
@@ -78,174 +78,184 @@ class Laid:
         return self.layer.changes[self.number]
 
 
-class Laying:
+class LayeredSpec:
     """A spec to which layers are applied one after the other."""
 
     def __init__(self, base: Document, report: Report) -> None:
         self._base, self._report = base, report
         self._data, self._marks = base.data, base.marks
-        self._others: dict[str, tuple[str, ...]] = dict(base.others)
+        self._other_files: dict[str, tuple[str, ...]] = dict(base.other_files)
         self._set: dict[Path, tuple[Layer, int]] = {}
-        self.laid: list[Laid] = []
+        self.applied: list[AppliedChange] = []
 
     def document(self, family: str = "") -> Document:
         """Return the spec in its current state, renamed to ``family`` if given."""
         data, marks = self._data, self._marks
-        if self.laid:
-            data = _with_affected(data, self._base.data)
-            gone = _characteristics(self._base.data) - _characteristics(data)
-            data = _without_steps(data, gone) if gone else data
+        if self.applied:
+            data = _with_existing_affects(data, self._base.data)
+            removed_names = _characteristics(self._base.data) - _characteristics(data)
+            data = _without_steps(data, removed_names) if removed_names else data
         if family:
             data = {**data, "device": family}
         return replace(
-            self._base, data=data, marks=marks, others=self._others, family=family or self._base.family, kept={}
+            self._base,
+            data=data,
+            marks=marks,
+            other_files=self._other_files,
+            family=family or self._base.family,
+            kept_indices={},
         )
 
-    def lay(self, layers: Sequence[Layer]) -> None:
+    def apply(self, layers: Sequence[Layer]) -> None:
         """Apply the changes of layers to the spec. Two of them must not change the same place."""
         self._set = {}
         for layer in layers:
             if layer.document.file != self._base.file:
-                self._others[layer.document.file] = layer.document.lines
-            self._documents(layer)
+                self._other_files[layer.document.file] = layer.document.lines
+            self._add_documents(layer)
             for number, change in enumerate(layer.changes):
                 kinds = [kind for kind in KINDS if kind in change]
                 if len(kinds) == 1 and self._has_value(layer, number, kinds[0]):
-                    self._change(layer, number, kinds[0], change)
+                    self._apply_change(layer, number, kinds[0], change)
                 elif len(kinds) != 1:
-                    said = "has " + " and ".join(map(quoted, kinds)) if kinds else "does nothing"
-                    wrong = f"this change {said}; use 'set', 'add', 'remove', 'unknown' or 'also'"
-                    self._tell("overlay-change", layer, (number,), wrong)
+                    fault = "has " + " and ".join(map(quoted, kinds)) if kinds else "does nothing"
+                    message = f"this change {fault}; use 'set', 'add', 'remove', 'unknown' or 'also'"
+                    self._report_problem("overlay-change", layer, (number,), message)
 
     def _has_value(self, layer: Layer, number: int, kind: str) -> bool:
         change = layer.changes[number]
-        needed = _VALUE_OF.get(kind)
+        needed_key = _VALUE_OF.get(kind)
         for key in _VALUE_OF.values():
-            if (key in change) != (key == needed):
-                verb = "needs" if key == needed else "cannot have"
-                self._tell("overlay-change", layer, (number,), f"a change with {quoted(kind)} {verb} {quoted(key)}")
+            if (key in change) != (key == needed_key):
+                verb = "needs" if key == needed_key else "cannot have"
+                self._report_problem(
+                    "overlay-change", layer, (number,), f"a change with {quoted(kind)} {verb} {quoted(key)}"
+                )
                 return False
         return True
 
-    def _documents(self, layer: Layer) -> None:
+    def _add_documents(self, layer: Layer) -> None:
         """Add the documents that a layer cites."""
-        for key, item in (layer.document.data.get("documents", {}) if layer.kind is LayerKind.OVERLAY else {}).items():
-            known = self._data.get("documents", {})
-            if key in known and known[key] != item:
-                wrong = f"{quoted(key)} is a different document in the spec; rename this one"
-                self._report.add("overlay-conflict", layer.document, ("documents", key), wrong, at_key=True)
+        for key, cited in (layer.document.data.get("documents", {}) if layer.kind is LayerKind.OVERLAY else {}).items():
+            documents = self._data.get("documents", {})
+            if key in documents and documents[key] != cited:
+                message = f"{quoted(key)} is a different document in the spec; rename this one"
+                self._report.add("overlay-conflict", layer.document, ("documents", key), message, at_key=True)
                 continue
             marks = from_file(layer.document.marks.children["documents"], layer.document.file)
-            if not known:
-                self._data, self._marks = put(self._data, self._marks, ("documents",), {key: item}, marks)
+            if not documents:
+                self._data, self._marks = put(self._data, self._marks, ("documents",), {key: cited}, marks)
             else:
                 mark = marks.children[key]
-                self._data, self._marks = put(self._data, self._marks, ("documents", key), item, mark)
+                self._data, self._marks = put(self._data, self._marks, ("documents", key), cited, mark)
         if layer.kind is LayerKind.OVERLAY:
             bad_source(layer.document.data, self._data, self._report.for_document(layer.document))
 
-    def _change(self, layer: Layer, number: int, kind: str, change: Mapping[str, Any]) -> None:
+    def _apply_change(self, layer: Layer, number: int, kind: str, change: Mapping[str, Any]) -> None:
         if kind == "also":
-            self._note(layer, (number, kind), change[kind], "", "", False)
+            self._record_change(layer, (number, kind), was=change[kind], now="", affects="", is_known=False)
             return
         texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
         for index, text in enumerate(texts):
             place: Path = (number, kind, index) if isinstance(change[kind], list) else (number, kind)
             if text.partition(".")[0] in _FIXED:
-                wrong = f"an overlay cannot change {quoted(text)}, only facts about the encoder"
-                self._tell("overlay-change", layer, place, wrong)
+                message = f"an overlay cannot change {quoted(text)}, only facts about the encoder"
+                self._report_problem("overlay-change", layer, place, message)
             elif kind == "add":
-                self._added(layer, place, text, change)
+                self._add_value(layer, place, text, change)
             else:
-                self._changed(layer, place, text, kind)
+                self._set_or_remove(layer, place, text, kind)
 
-    def _added(self, layer: Layer, place: Path, text: str, change: Mapping[str, Any]) -> None:
+    def _add_value(self, layer: Layer, place: Path, text: str, change: Mapping[str, Any]) -> None:
         value = change["value"]
         try:
             path = resolve(self._data, text)
         except NothingThere as nothing:
             if nothing.step == text.rpartition(".")[2] and isinstance(value_at(self._data, nothing.found), dict):
                 if self._is_free(layer, place, (*nothing.found, nothing.step)):
-                    self._put(layer, place, (*nothing.found, nothing.step), f"no {_short(text)}")
+                    self._put_value(layer, place, (*nothing.found, nothing.step), f"no {_short(text)}")
                 return
-            self._tell_nothing(layer, place, text, nothing)
+            self._report_missing_place(layer, place, text, nothing)
             return
-        there = value_at(self._data, path)
+        current = value_at(self._data, path)
         name = label_of(value)
-        if not isinstance(there, list):
-            self._tell("overlay-unused", layer, place, f"{quoted(text)} already exists; change it with 'set'")
-        elif name is not None and name in map(label_of, there):
-            wrong = f"{quoted(text)} already has {quoted(name)}; change it with 'set'"
-            self._tell("overlay-unused", layer, place, wrong)
+        if not isinstance(current, list):
+            self._report_problem("overlay-unused", layer, place, f"{quoted(text)} already exists; change it with 'set'")
+        elif name is not None and name in map(label_of, current):
+            message = f"{quoted(text)} already has {quoted(name)}; change it with 'set'"
+            self._report_problem("overlay-unused", layer, place, message)
         else:
-            self._put(layer, place, (*path, len(there)), f"{_short(text)} without this item")
+            self._put_value(layer, place, (*path, len(current)), f"{_short(text)} without this item")
 
-    def _changed(self, layer: Layer, place: Path, text: str, kind: str) -> None:
+    def _set_or_remove(self, layer: Layer, place: Path, text: str, kind: str) -> None:
         try:
             path = resolve(self._data, text)
         except NothingThere as nothing:
-            self._tell_nothing(layer, place, text, nothing)
+            self._report_missing_place(layer, place, text, nothing)
             return
         if not self._is_free(layer, place, path):
             return
-        there = value_at(self._data, path)
-        if kind == "set" and _same(layer.changes[place_number(place)]["to"], there):
-            wrong = f"the spec already has {_shown(there, self._written(path))} here; leave the change out"
-            self._tell("overlay-unused", layer, place, wrong)
+        current = value_at(self._data, path)
+        if kind == "set" and _is_equal(layer.changes[place_number(place)]["to"], current):
+            message = f"the spec already has {_shown(current, self._text_from(path))} here; leave the change out"
+            self._report_problem("overlay-unused", layer, place, message)
         elif kind == "set":
-            self._put(layer, place, path, f"{_short(text)}: {_shown(there, self._written(path))}")
+            self._put_value(layer, place, path, f"{_short(text)}: {_shown(current, self._text_from(path))}")
         else:
             affects, above = as_affected(self._data, path), as_affected(self._data, path[:-1])
             self._data, self._marks = taken_away(self._data, self._marks, path)
-            touched = affects if leads_somewhere(self._data, affects) else above
-            self._note(layer, place, _short(text), "", touched, kind != "unknown")
+            affected = affects if leads_somewhere(self._data, affects) else above
+            self._record_change(layer, place, was=_short(text), now="", affects=affected, is_known=kind != "unknown")
 
-    def _put(self, layer: Layer, place: Path, path: Path, was: str) -> None:
+    def _put_value(self, layer: Layer, place: Path, path: Path, was: str) -> None:
         """Put the value of a change at a path."""
         number = place_number(place)
         key = _VALUE_OF[str(place[1])]
         value = layer.changes[number][key]
         mark = mark_at(layer.document.marks, (*layer.path, number, key))
-        own = "" if layer.document.file == self._base.file else layer.document.file
-        self._data, self._marks = put(self._data, self._marks, path, value, from_file(mark, own))
+        overlay_file = "" if layer.document.file == self._base.file else layer.document.file
+        self._data, self._marks = put(self._data, self._marks, path, value, from_file(mark, overlay_file))
         now = _shown(value, layer.document.line(mark.line)[mark.column - 1 :])
-        self._note(layer, place, was, now, as_affected(self._data, path), True)
+        self._record_change(layer, place, was=was, now=now, affects=as_affected(self._data, path), is_known=True)
 
-    def _note(self, layer: Layer, place: Path, was: str, now: str, affects: str, is_known: bool) -> None:
-        self.laid.append(Laid(layer, place_number(place), was, now, (affects,) if affects else (), is_known))
+    def _record_change(self, layer: Layer, place: Path, *, was: str, now: str, affects: str, is_known: bool) -> None:
+        paths = (affects,) if affects else ()
+        self.applied.append(
+            AppliedChange(layer, place_number(place), was=was, now=now, affects=paths, is_known=is_known)
+        )
 
     def _is_free(self, layer: Layer, place: Path, at: Path) -> bool:
         """Return True if no other change touches the place, its parents or its children."""
         path = named(self._data, at)  # Indices change when an item is removed.
-        for other, (first, number) in self._set.items():
-            shared = min(len(other), len(path))
-            if other[:shared] == path[:shared]:
-                mark = mark_at(first.document.marks, (*first.path, number))
-                where = f"{File(first.document.file).name}:{mark.line}"
-                wrong = f"{where} changes the same location; keep one of the two"
-                self._tell("overlay-conflict", layer, place, wrong)
+        for changed_path, (first_layer, number) in self._set.items():
+            shared_length = min(len(changed_path), len(path))
+            if changed_path[:shared_length] == path[:shared_length]:
+                mark = mark_at(first_layer.document.marks, (*first_layer.path, number))
+                where = f"{File(first_layer.document.file).name}:{mark.line}"
+                message = f"{where} changes the same location; keep one of the two"
+                self._report_problem("overlay-conflict", layer, place, message)
                 return False
         self._set[path] = (layer, place_number(place))
         return True
 
-    def _written(self, path: Path) -> str:
+    def _text_from(self, path: Path) -> str:
         """Return the line of the spec, starting at the value."""
         mark = mark_at(self._marks, path)
-        lines = self._others[mark.file] if mark.file else self._base.lines
+        lines = self._other_files[mark.file] if mark.file else self._base.lines
         return lines[mark.line - 1][mark.column - 1 :]
 
-    def _tell_nothing(self, layer: Layer, place: Path, text: str, nothing: NothingThere) -> None:
-        below = self._base.name_path(nothing.found) or "the spec"
+    def _report_missing_place(self, layer: Layer, place: Path, text: str, nothing: NothingThere) -> None:
+        parent_name = self._base.name_path(nothing.found) or "the spec"
         hint = suggestion(nothing.step, nothing.known, "known")
-        wrong = f"there is nothing at {quoted(text)}: {quoted(below)} has no {quoted(nothing.step)}{hint}"
-        self._tell("overlay-unused", layer, place, wrong.replace("'the spec'", "the spec"))
+        message = f"there is nothing at {quoted(text)}: {quoted(parent_name)} has no {quoted(nothing.step)}{hint}"
+        self._report_problem("overlay-unused", layer, place, message.replace("'the spec'", "the spec"))
 
-    def _tell(self, rule: str, layer: Layer, place: Path, message: str) -> None:
+    def _report_problem(self, rule: str, layer: Layer, place: Path, message: str) -> None:
         self._report.add(rule, layer.document, (*layer.path, *place), message)
 
 
-def _same(one: Any, other: Any) -> bool:
-    return type(one) is type(other) and bool(one == other)
+def _is_equal(new: Any, current: Any) -> bool:
+    return type(new) is type(current) and bool(new == current)
 
 
 def place_number(place: Path) -> int:
@@ -262,48 +272,55 @@ def _shown(value: Any, written: str) -> str:
     if isinstance(value, int) and not isinstance(value, bool):
         word = written.split(maxsplit=1)[0].rstrip(",}]") if written.split() else ""
         return word if word.startswith("0x") else str(value)
-    shown = _plain(value)
-    return shown if len(shown) <= _LONGEST_SHOWN else shown[: _LONGEST_SHOWN - 3] + "..."
+    text = _plain(value)
+    return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
 
 
 def _plain(value: Any) -> str:
     if isinstance(value, dict):
-        return f"{{{', '.join(f'{key}: {_plain(item)}' for key, item in value.items())}}}"
+        return f"{{{', '.join(f'{key}: {_plain(inner)}' for key, inner in value.items())}}}"
     if isinstance(value, list):
         return f"[{', '.join(map(_plain, value))}]"
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _characteristics(data: Mapping[str, Any]) -> set[str]:
-    found = data.get("characteristics")
-    items = found if isinstance(found, list) else []
-    return {item["name"] for item in items if isinstance(item, dict) and isinstance(item.get("name"), str)}
+    characteristics = data.get("characteristics")
+    if not isinstance(characteristics, list):
+        return set()
+    names = [entry.get("name") for entry in characteristics if isinstance(entry, dict)]
+    return {name for name in names if isinstance(name, str)}
 
 
-def _without_steps(node: Any, gone: Collection[str]) -> Any:
+def _without_steps(node: Any, removed_names: Collection[str]) -> Any:
     """Return the data without references from remedies to manual steps that were removed."""
     if isinstance(node, list):
-        return [_without_steps(item, gone) for item in node]
+        return [_without_steps(inner, removed_names) for inner in node]
     if not isinstance(node, dict):
         return node
-    # These contain field names, not keys of the language.
-    made = {key: item if key in ("join", "when") else _without_steps(item, gone) for key, item in node.items()}
-    if isinstance(made.get("by_hand"), list):
-        made["by_hand"] = [name for name in made["by_hand"] if name not in gone]
-    return {key: item for key, item in made.items() if key != "by_hand" or item != []}
+    cleaned = {}
+    for key, inner in node.items():
+        contains_field_names = key in ("join", "when")  # These are not keys of the language.
+        cleaned[key] = inner if contains_field_names else _without_steps(inner, removed_names)
+    if isinstance(cleaned.get("by_hand"), list):
+        cleaned["by_hand"] = [name for name in cleaned["by_hand"] if name not in removed_names]
+    return {key: inner for key, inner in cleaned.items() if key != "by_hand" or inner != []}
 
 
-def _with_affected(data: dict[str, Any], before: dict[str, Any]) -> dict[str, Any]:
+def _with_existing_affects(data: dict[str, Any], before: dict[str, Any]) -> dict[str, Any]:
     """Return the data with errata that refer only to existing places, not to those removed by a layer."""
     errata = data.get("errata")
     if not isinstance(errata, list):
         return data
-    made = []
-    for item in errata:
-        affects = item.get("affects") if isinstance(item, dict) else None
-        if not isinstance(affects, list):
-            made.append(item)
-            continue
-        gone = {path for path in affects if not leads_somewhere(data, path) and leads_somewhere(before, path)}
-        made.append({**item, "affects": [path for path in affects if path not in gone]} if gone else item)
-    return {**data, "errata": made}
+    return {**data, "errata": [_affects_existing(erratum, data, before) for erratum in errata]}
+
+
+def _affects_existing(erratum: Any, data: dict[str, Any], before: dict[str, Any]) -> Any:
+    """Return an erratum without the affected paths that exist in ``before`` and no longer in ``data``."""
+    affects = erratum.get("affects") if isinstance(erratum, dict) else None
+    if not isinstance(affects, list):
+        return erratum
+    removed_paths = {path for path in affects if not leads_somewhere(data, path) and leads_somewhere(before, path)}
+    if not removed_paths:
+        return erratum
+    return {**erratum, "affects": [path for path in affects if path not in removed_paths]}

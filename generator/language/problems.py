@@ -57,8 +57,8 @@ class Problem:
             path = self.path if len(self.path) <= _LONGEST_PATH else f"{self.path[: _LONGEST_PATH - 3]}..."
             lines.append(f"  in {visible(path)}")
         if self.text.strip():
-            shown, caret = _window(self.text, self.column, max(width, 20) - 4)
-            lines += [f"    {shown}", f"    {' ' * caret}^"]
+            excerpt, caret = _window(self.text, self.column, max(width, 20) - 4)
+            lines += [f"    {excerpt}", f"    {' ' * caret}^"]
         return "\n".join(lines)
 
     def to_json(self) -> dict[str, str | int]:
@@ -106,9 +106,8 @@ class Report:
 
     def mark(self, document: Document, paths: Iterable[Path]) -> None:
         """Mark places of a document as faulty without a message, such as parts that were cut out with others."""
-        self._faults.setdefault(document.key, set()).update(
-            path for path in paths if path and path[-1] not in WORDS_ONLY
-        )
+        faulty_paths = [path for path in paths if path and path[-1] not in WORDS_ONLY]
+        self._faults.setdefault(document.key, set()).update(faulty_paths)
 
     def faults(self, document: Document) -> frozenset[Path]:
         """Return the faulty places of a document so far, as paths into the data as read, without those in prose."""
@@ -132,7 +131,7 @@ class Report:
     def shown(self) -> tuple[Problem, ...]:
         """The problems to list: the first ones of each file, and then one that counts the others."""
         by_file = groupby(self.problems, key=lambda problem: problem.file)
-        return tuple(problem for _, found in by_file for problem in _first(list(found)))
+        return tuple(problem for _, file_problems in by_file for problem in _first_problems(list(file_problems)))
 
     def __len__(self) -> int:
         return len(self._problems)
@@ -141,18 +140,20 @@ class Report:
         return bool(self._problems)
 
 
-def _first(found: Sequence[Problem]) -> Iterator[Problem]:
+def _first_problems(file_problems: Sequence[Problem]) -> Iterator[Problem]:
     """Yield the first problems of one file, and one that counts the others if there are more."""
-    counted = [problem for problem in found if problem.rule != TOO_MANY]
-    more = len(counted) - MAX_PROBLEMS
-    if more <= 0:
-        yield from found
+    listed_problems = [problem for problem in file_problems if problem.rule != TOO_MANY]
+    unlisted = len(listed_problems) - MAX_PROBLEMS
+    if unlisted <= 0:
+        yield from file_problems
         return
-    yield from counted[:MAX_PROBLEMS]
-    number = f"at least {more}" if len(counted) < len(found) else str(more)
-    are, they = ("is", "problem from here on; it is") if more == 1 else ("are", "problems from here on; they are")
-    message = f"there {are} {number} more {they} reported once these are fixed"
-    yield replace(counted[MAX_PROBLEMS], rule=TOO_MANY, path="", message=message)
+    yield from listed_problems[:MAX_PROBLEMS]
+    number = f"at least {unlisted}" if len(listed_problems) < len(file_problems) else str(unlisted)
+    if unlisted == 1:
+        message = f"there is {number} more problem from here on; it is reported once these are fixed"
+    else:
+        message = f"there are {number} more problems from here on; they are reported once these are fixed"
+    yield replace(listed_problems[MAX_PROBLEMS], rule=TOO_MANY, path="", message=message)
 
 
 class DocumentReport:
@@ -197,17 +198,19 @@ def quoted(value: Any) -> str:
 def listed(words: Iterable[str], last: str = "and") -> str:
     """Join words as ``a``, ``a and b`` or ``a, b and c``."""
     items = list(words)
-    return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} {last} {items[-1]}" if items else ""
+    if len(items) < 2:
+        return "".join(items)
+    return f"{', '.join(items[:-1])} {last} {items[-1]}"
 
 
 def missing(keys: Iterable[str], owner: str) -> str:
     """Return the message about missing keys and the item that needs them."""
-    named = [quoted(key) for key in keys]
-    are, them = ("is", "it") if len(named) == 1 else ("are", "them")
-    return f"{listed(named)} {are} missing; {owner} needs {them}"
+    quoted_keys = [quoted(key) for key in keys]
+    are, them = ("is", "it") if len(quoted_keys) == 1 else ("are", "them")
+    return f"{listed(quoted_keys)} {are} missing; {owner} needs {them}"
 
 
-def suggestion(word: str, known: Iterable[str], otherwise: str = "known") -> str:
+def suggestion(word: str, known_words: Iterable[str], otherwise: str = "known") -> str:
     """Return the hint after an unknown word: the likely known word, a short list of all known words, or nothing.
 
     Args:
@@ -215,8 +218,8 @@ def suggestion(word: str, known: Iterable[str], otherwise: str = "known") -> str
         known: The known words.
         otherwise: The text before the list of all known words.
     """
-    choices = [item for item in dict.fromkeys(known) if item != word]
-    near = meant(word, choices)
+    choices = [known_word for known_word in dict.fromkeys(known_words) if known_word != word]
+    near = nearest_choice(word, choices)
     if near:
         return f"; did you mean '{near}'?"
     if choices and len(choices) <= _FEW_CHOICES:
@@ -224,20 +227,20 @@ def suggestion(word: str, known: Iterable[str], otherwise: str = "known") -> str
     return ""
 
 
-def meant(word: str, choices: Sequence[str]) -> str:
+def nearest_choice(word: str, choices: Sequence[str]) -> str:
     """Return the one choice that ``word`` misspells or abbreviates, or an empty string."""
     if len(word) > LONGEST_QUOTE:
         return ""
-    for alike in (_is_spelling, is_slip, _is_abbreviation):
-        found = [item for item in choices if alike(word, item)]
-        if found:
-            return found[0] if len(found) == 1 else ""
+    for is_alike in (_is_spelling, is_typo, _is_abbreviation):
+        matching = [choice for choice in choices if is_alike(word, choice)]
+        if matching:
+            return matching[0] if len(matching) == 1 else ""
     return ""
 
 
-def _is_spelling(word: str, known: str) -> bool:
+def _is_spelling(word: str, known_word: str) -> bool:
     """Return True if two words differ only in capitals, underscores, hyphens and spaces."""
-    return _letters(word) == _letters(known)
+    return _letters(word) == _letters(known_word)
 
 
 # A name is compared with each unknown word of a spec.
@@ -246,39 +249,42 @@ def _letters(word: str) -> str:
     return _BETWEEN.sub("", word).lower()
 
 
-def _alike(one: str, other: str) -> int:
+def _common_prefix_length(word: str, other_word: str) -> int:
     """Return the length of the common prefix of two words."""
-    pairs = takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False))  # up to the end of the shorter
-    return sum(1 for _ in pairs)
+    pairs = zip(word, other_word, strict=False)  # up to the end of the shorter
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
 
 
-def is_slip(word: str, known: str) -> bool:
+def is_typo(word: str, known_word: str) -> bool:
     """Return True for one extra, missing or wrong letter, or two swapped ones, unless it is likely a different word.
 
     Differences in short words, first letters, digits and units are rarely typos: spi is not ssi, reset not preset,
     biss_4 not biss_6, min_khz not min_hz.
     """
-    if abs(len(word) - len(known)) > 1 or not _same_sense(word, known):
+    if abs(len(word) - len(known_word)) > 1 or not _has_same_meaning(word, known_word):
         return False
-    start = _alike(word, known)
-    end = _alike(word[start:][::-1], known[start:][::-1])
-    here, there = word[start : len(word) - end], known[start : len(known) - end]
-    shortest = min(len(word), len(known))
-    if len(here) == len(there) == 2:
-        return shortest >= 4 and here == there[::-1]
-    if not start or len(here) > 1 or len(there) > 1:
+    start = _common_prefix_length(word, known_word)
+    end = _common_prefix_length(word[start:][::-1], known_word[start:][::-1])
+    differing, known_differing = word[start : len(word) - end], known_word[start : len(known_word) - end]
+    shortest = min(len(word), len(known_word))
+    if len(differing) == len(known_differing) == 2:
+        return shortest >= 4 and differing == known_differing[::-1]
+    if not start or len(differing) > 1 or len(known_differing) > 1:
         return False
-    plural = not end and "s" in (here, there)
-    return shortest >= (3 if plural else 4 if len(here) != len(there) else 5)
+    is_plural = not end and "s" in (differing, known_differing)
+    if is_plural:
+        return shortest >= 3
+    is_same_length = len(differing) == len(known_differing)
+    return shortest >= (5 if is_same_length else 4)
 
 
-def _same_sense(word: str, known: str) -> bool:
-    units = {text.rpartition("_")[2] for text in (word, known)}
-    return _DIGITS.findall(word) == _DIGITS.findall(known) and not (len(units) == 2 and units <= UNITS)
+def _has_same_meaning(word: str, known_word: str) -> bool:
+    units = {text.rpartition("_")[2] for text in (word, known_word)}
+    return _DIGITS.findall(word) == _DIGITS.findall(known_word) and not (len(units) == 2 and units <= UNITS)
 
 
-def _is_abbreviation(word: str, known: str) -> bool:
-    return len(word) >= 4 and known.startswith(word) and _same_sense(word, known)
+def _is_abbreviation(word: str, known_word: str) -> bool:
+    return len(word) >= 4 and known_word.startswith(word) and _has_same_meaning(word, known_word)
 
 
 def visible(text: str) -> str:
@@ -292,7 +298,9 @@ def _visible_character(character: str) -> str:
     if character == "\t":
         return "\\t"
     code = ord(character)
-    return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
+    if code < 0x100:
+        return f"\\x{code:02x}"
+    return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
 
 
 def _columns(text: str) -> int:
@@ -315,8 +323,8 @@ def _window(text: str, column: int, width: int) -> tuple[str, int]:
     after = [_visible_character(character) for character in stripped[caret : caret + width + 1]]
     if first or _columns("".join(before + after)) > width:
         start = _fitting(before[::-1], width * 2 // 3)
-        cut = first > 0 or start < len(before)
-        before = ["...", *before[len(before) - start :]] if cut else before
+        is_cut = first > 0 or start < len(before)
+        before = ["...", *before[len(before) - start :]] if is_cut else before
         room = width - _columns("".join(before))
         if _columns("".join(after)) > room:
             after = [*after[: _fitting(after, room - 3)], "..."]

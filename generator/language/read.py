@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import pathlib
 import stat
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -53,13 +53,13 @@ def read_document(
     if forbidden is not None:
         before = LINE_BREAK.split(text[: forbidden.start()])
         message = _not_text(content, f"the character U+{ord(forbidden[0]):04X} is not allowed in text; remove it")
-        shown = "" if "\0" in text else lines[len(before) - 1]
-        report.add_at(file, len(before), len(before[-1]) + 1, "not-text", message, text=shown)
+        excerpt = "" if "\0" in text else lines[len(before) - 1]
+        report.add_at(file, len(before), len(before[-1]) + 1, "not-text", message, text=excerpt)
         return None
-    return _kept(file, text, lines, cache) or _document(file, text, lines, report, cache)
+    return _cached_document(file, text, lines, cache) or _parsed_document(file, text, lines, report, cache)
 
 
-def _document(file: str, text: str, lines: tuple[str, ...], report: Report, cache: Cache) -> Document | None:
+def _parsed_document(file: str, text: str, lines: tuple[str, ...], report: Report, cache: Cache) -> Document | None:
     findings: list[Refused] = []
     broken: list[Path] = []
     try:
@@ -67,16 +67,16 @@ def _document(file: str, text: str, lines: tuple[str, ...], report: Report, cach
     except Refused as refusal:
         findings.append(refusal)
         data = None
-    for item in findings:
-        shown = lines[item.line - 1] if item.line <= len(lines) else ""
-        report.add_at(file, item.line, item.column, item.rule, item.message, text=shown)
+    for finding in findings:
+        excerpt = lines[finding.line - 1] if finding.line <= len(lines) else ""
+        report.add_at(file, finding.line, finding.column, finding.rule, finding.message, text=excerpt)
     if data is not None and not findings and not broken:
         cache.put(_PARSED, [text], [data, list(_places(marks))])
-    doubtful = tuple(item.path for item in findings if item.path)
+    doubtful = tuple(finding.path for finding in findings if finding.path)
     return None if data is None else Document(file, lines, data, marks, tuple(broken), doubtful)
 
 
-def _kept(file: str, text: str, lines: tuple[str, ...], cache: Cache) -> Document | None:
+def _cached_document(file: str, text: str, lines: tuple[str, ...], cache: Cache) -> Document | None:
     """Return the document that was kept for the same text, or None if there is none."""
     with suppress(ValueError, TypeError, AttributeError):
         data, places = cache.get(_PARSED, [text])
@@ -102,14 +102,14 @@ def _marks(data: Any, numbers: Iterator[tuple[int, int, int, int]]) -> Mark:
     Raises:
         ValueError: There are too few numbers.
     """
-    found = next(numbers, None)
-    if found is None:
+    positions = next(numbers, None)
+    if positions is None:
         raise ValueError
-    mark = Mark(*found)
+    mark = Mark(*positions)
     if isinstance(data, dict):
-        mark.children = {key: _marks(item, numbers) for key, item in data.items()}
+        mark.children = {key: _marks(value, numbers) for key, value in data.items()}
     elif isinstance(data, list):
-        mark.children = {index: _marks(item, numbers) for index, item in enumerate(data)}
+        mark.children = {index: _marks(value, numbers) for index, value in enumerate(data)}
     return mark
 
 
@@ -120,30 +120,38 @@ def read_specs(paths: Iterable[pathlib.Path], report: Report, cache: Cache = NOT
     is always read, except for a second reading, which belongs to a spec.
     """
     documents = []
-    seen: set[str] = set()
-    asked = tuple(paths)
-    for given in asked:
-        if is_second(given) and not files.is_folder(given):
-            spec = given.with_name(f"{family_of(str(given))}{given.suffix}")
-            if spec not in asked:
+    read_paths: set[str] = set()
+    requested_paths = tuple(paths)
+    for requested_path in requested_paths:
+        if is_second(requested_path) and not files.is_folder(requested_path):
+            spec = requested_path.with_name(f"{family_of(str(requested_path))}{requested_path.suffix}")
+            if spec not in requested_paths:
                 message = f"this is a second reading; give {spec.name}, the spec that it belongs to"
-                report.add_at(str(given), 1, 1, "second-reading", message)
+                report.add_at(str(requested_path), 1, 1, "second-reading", message)
             continue
-        found = files.below(given) if files.is_folder(given) else files.Found((given,), ())
-        report.passed_over += map(str, found.passed_over)
-        if not found.specs:
-            count = len(found.passed_over)
-            others = f"; {count} other YAML file{'s were' if count > 1 else ' was'} skipped" if count else ""
-            message = "no spec (a .yaml file with the key 'device', 'manufacturer' or 'master') in this folder"
-            report.add_at(str(given), 1, 1, "no-specs", message + others)
-        for path in found.specs:
-            real = os.path.realpath(path) if "\0" not in str(path) else str(path)
-            if real not in seen:
-                seen.add(real)
+        for path in _specs_at(requested_path, report):
+            real_path = os.path.realpath(path) if "\0" not in str(path) else str(path)
+            if real_path not in read_paths:
+                read_paths.add(real_path)
                 document = read_document(path, report, cache=cache)
                 if document is not None:
                     documents.append(document)
     return documents
+
+
+def _specs_at(path: pathlib.Path, report: Report) -> Sequence[pathlib.Path]:
+    """Return the specs in a folder, or the file itself. Report a folder without specs."""
+    if not files.is_folder(path):
+        return (path,)
+    found_files = files.below(path)
+    report.passed_over += map(str, found_files.passed_over)
+    if not found_files.specs:
+        message = "no spec (a .yaml file with the key 'device', 'manufacturer' or 'master') in this folder"
+        count = len(found_files.passed_over)
+        if count:
+            message += f"; {count} other YAML file{'s were' if count > 1 else ' was'} skipped"
+        report.add_at(str(path), 1, 1, "no-specs", message)
+    return found_files.specs
 
 
 def _content(path: pathlib.Path) -> bytes:
@@ -180,9 +188,9 @@ def _text(content: bytes) -> str:
         return content.decode("utf-8").removeprefix("\ufeff")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        wrong = f"byte 0x{content[error.start]:02X} is not UTF-8; save the file as UTF-8"
-        raise Refused(line, 1, "not-text", _not_text(content, wrong)) from None
+        problem = f"byte 0x{content[error.start]:02X} is not UTF-8; save the file as UTF-8"
+        raise Refused(line, 1, "not-text", _not_text(content, problem)) from None
 
 
-def _not_text(content: bytes, otherwise: str) -> str:
-    return "this is a binary file; a spec is UTF-8 text" if b"\0" in content[:65536] else otherwise
+def _not_text(content: bytes, problem: str) -> str:
+    return "this is a binary file; a spec is UTF-8 text" if b"\0" in content[:65536] else problem

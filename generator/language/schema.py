@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 from .document import Document
 from .messages import RENAMED, Finding, explain
 from .problems import MAX_PROBLEMS, TOO_MANY, WORDS_ONLY, Path, Report
+from .quick_validation import follows, matches
 from .schema_files import load_schema
 from .second_reading import is_second
-from .sound import follows, matches
 
 if TYPE_CHECKING:
     from jsonschema import ValidationError
@@ -43,7 +43,7 @@ class Checked:
 
     ``data`` is a deep copy without the broken parts. It follows the schema, except that keys may be missing at the top
     level or at the top level of an interface. ``complete`` is set if none is missing. ``cut`` contains the places that
-    were removed, and ``given`` the stand-ins for missing prose, keyed by the place of the item. The document records
+    were removed, and ``stand_ins`` those for missing prose, keyed by the place of the item. The document records
     which list items were removed, so that paths into ``data`` still find their lines.
     """
 
@@ -51,7 +51,7 @@ class Checked:
     kind: FileKind
     complete: bool
     cut: frozenset[Path] = frozenset()
-    given: Mapping[Path, Mapping[str, str]] = field(default_factory=dict)
+    stand_ins: Mapping[Path, Mapping[str, str]] = field(default_factory=dict)
 
 
 def check_schema(document: Document, report: Report, kind: FileKind | None = None) -> Checked | None:
@@ -66,52 +66,56 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
         The remaining data, or None if the document is not a device, manufacturer or master file, or has too many
         errors.
     """
-    kind = kind or _kind(document.data)
+    kind = kind or _kind_of(document.data)
     if kind is None:
         message = (
             "'device' is missing; it names the family of a device file. A manufacturer file has only 'manufacturer'"
         )
         report.add("missing-key", document, (), message)
         return None
-    document.kept.clear()
-    cut = set(document.broken)
-    if not cut and follows(document.data, shape_of(kind.value)):
+    document.kept_indices.clear()
+    broken = set(document.broken)
+    if not broken and follows(document.data, shape_of(kind.value)):
         return Checked(without(document, frozenset()), kind, complete=True)
     validator = _validator(kind.value)
-    findings = _findings(validator, document.data, cut, kind.value)
-    for finding in (item for item in findings[:MAX_PROBLEMS] if not _follows(item, findings, document.data)):
-        report.add(
-            finding.rule, document, finding.path, finding.message, at_key=finding.at_key, in_words=_is_of_words(finding)
-        )
+    findings = _findings(validator, document.data, broken, kind.value)
+    _report_findings(findings, document, report)
     if len(findings) > MAX_PROBLEMS:
-        report.add(
-            TOO_MANY,
-            document,
-            findings[MAX_PROBLEMS].path,
-            "there are more problems from here on; they are reported once these are fixed",
-        )
         return None
-    if not findings and not cut:
+    if not findings and not broken:
         return Checked(without(document, frozenset()), kind, complete=True)
-    faults = [finding for finding in findings if not _can_be_incomplete(finding.path) and not _is_of_words(finding)]
-    places = {finding.path if finding.alone else holder(finding.path) for finding in faults}
-    return _cut_out(validator, document, places | set(map(holder, cut)), kind)
+    removed_places = set(map(place_to_remove, broken))
+    for finding in findings:
+        if not _can_be_incomplete(finding.path) and not _is_missing_prose(finding):
+            removed_places.add(finding.path if finding.alone else place_to_remove(finding.path))
+    return _cut_out(validator, document, removed_places, kind)
+
+
+def _report_findings(findings: Sequence[Finding], document: Document, report: Report) -> None:
+    """Report each finding that no other one explains, up to the largest number of problems."""
+    for finding in findings[:MAX_PROBLEMS]:
+        if not _is_explained(finding, findings, document.data):
+            in_words = _is_missing_prose(finding)
+            report.add(finding.rule, document, finding.path, finding.message, at_key=finding.at_key, in_words=in_words)
+    if len(findings) > MAX_PROBLEMS:
+        message = "there are more problems from here on; they are reported once these are fixed"
+        report.add(TOO_MANY, document, findings[MAX_PROBLEMS].path, message)
 
 
 def renamed_keys(document: Document) -> list[tuple[Path, str]]:
     """Return the keys that had another name in earlier versions of the language, each with its current name."""
-    kind = FileKind.SECOND if is_second(document.file) else _kind(document.data)
-    found: dict[Path, str] = {}
+    kind = FileKind.SECOND if is_second(document.file) else _kind_of(document.data)
+    new_names: dict[Path, str] = {}
     for error in _validator(kind.value).iter_errors(document.data) if kind is not None else ():
         if error.validator == "additionalProperties" and isinstance(error.schema.get("properties"), dict):
             for key in RENAMED.keys() & error.instance.keys() - error.schema["properties"].keys():
-                new = RENAMED[key]
-                if new in error.schema["properties"] and new not in error.instance:
-                    found[(*error.absolute_path, key)] = new
-    return sorted(found.items(), key=lambda item: document.position(item[0], at_key=True))
+                new_name = RENAMED[key]
+                if new_name in error.schema["properties"] and new_name not in error.instance:
+                    new_names[(*error.absolute_path, key)] = new_name
+    return sorted(new_names.items(), key=lambda renamed: document.position(renamed[0], at_key=True))
 
 
-def _kind(data: dict[str, Any]) -> FileKind | None:
+def _kind_of(data: dict[str, Any]) -> FileKind | None:
     """Return the kind of a file. A key that only device files have makes it a device file, even without ``device``."""
     shared = set(load_schema("manufacturer")["properties"])
     if "master" in data or "takes" in data:
@@ -124,48 +128,49 @@ def _kind(data: dict[str, Any]) -> FileKind | None:
 
 
 def without(
-    document: Document, cut: Collection[Path], given: Mapping[Path, Mapping[str, str]] = MappingProxyType({})
+    document: Document, cut: Collection[Path], stand_ins: Mapping[Path, Mapping[str, str]] = MappingProxyType({})
 ) -> dict[str, Any]:
     """Return the data without these places and with these stand-ins. The document records the removed list items."""
-    document.kept.clear()
-    data: dict[str, Any] = _without(document.data, cut, (), document.kept)
-    for path, words in given.items():
-        item = value_at(data, path, document.kept)
-        if isinstance(item, dict):
-            item.update(words)
+    document.kept_indices.clear()
+    data: dict[str, Any] = _without(document.data, cut, (), document.kept_indices)
+    for path, words in stand_ins.items():
+        holder_data = value_at(data, path, document.kept_indices)
+        if isinstance(holder_data, dict):
+            holder_data.update(words)
     return data
 
 
 def _cut_out(validator: Any, document: Document, cut: set[Path], kind: FileKind) -> Checked:
     """Remove the items with broken places, and all that depend on them, until the rest follows the schema."""
-    given: dict[Path, Mapping[str, str]] = {}
+    stand_ins: dict[Path, Mapping[str, str]] = {}
     while True:
-        data = without(document, cut, given)
-        complete, more = True, set()
-        before = len(given)
+        data = without(document, cut, stand_ins)
+        is_complete, new_paths = True, set()
+        stand_ins_before = len(stand_ins)
         for error in validator.iter_errors(data):
-            path = _original(tuple(error.absolute_path), document.kept)
-            if kind is FileKind.DEVICE and path and error.validator == "required" and _lacks_words(error):
-                given[path] = {
-                    key: _SOME_SOURCE if key == "source" else "?"
-                    for key in error.validator_value
-                    if key not in error.instance
-                }
-                continue
-            if _can_be_incomplete(path) and error.validator == "required":
-                complete = False
+            path = _original(tuple(error.absolute_path), document.kept_indices)
+            if kind is FileKind.DEVICE and path and error.validator == "required" and _lacks_only_prose(error):
+                stand_ins[path] = _stand_ins(error)
+            elif _can_be_incomplete(path) and error.validator == "required":
+                is_complete = False
             elif path:
-                more.add(path)
-        if more <= cut and len(given) == before:
-            return Checked(data, kind, complete, frozenset(cut), given)
-        cut |= more
+                new_paths.add(path)
+        if new_paths <= cut and len(stand_ins) == stand_ins_before:
+            return Checked(data, kind, is_complete, cut=frozenset(cut), stand_ins=stand_ins)
+        cut |= new_paths
 
 
-def _is_of_words(finding: Finding) -> bool:
+def _stand_ins(error: Any) -> dict[str, str]:
+    """Return a stand-in for each missing key of an error."""
+    missing_keys = [key for key in error.validator_value if key not in error.instance]
+    return {key: _SOME_SOURCE if key == "source" else "?" for key in missing_keys}
+
+
+def _is_missing_prose(finding: Finding) -> bool:
     return finding.alone and finding.rule == "missing-key"
 
 
-def _lacks_words(error: Any) -> bool:
+def _lacks_only_prose(error: Any) -> bool:
     """Return True if only prose is missing. With stand-ins for it, the rest of the item can be checked."""
     return WORDS_ONLY.issuperset(key for key in error.validator_value if key not in error.instance)
 
@@ -175,7 +180,7 @@ def _can_be_incomplete(path: Path) -> bool:
     return not path or (len(path) == 2 and path[0] == "interfaces")
 
 
-def holder(path: Path) -> Path:
+def place_to_remove(path: Path) -> Path:
     """Return what to remove for an error at ``path``: the nearest list item, the parent of a field, or the place.
 
     Removing only a width or a key would cause further errors, such as a missing key or bits without a field. Prose
@@ -188,55 +193,61 @@ def holder(path: Path) -> Path:
     return next((path[:end] for end in range(len(path), 0, -1) if isinstance(path[end - 1], int)), path)
 
 
-def _without(value: Any, cut: Collection[Path], path: Path, kept: dict[Path, tuple[int, ...]]) -> Any:
+def _without(value: Any, cut: Collection[Path], path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Any:
+    """Return a copy of the value without the places in ``cut``. ``kept_indices`` records the remaining list items."""
     if isinstance(value, dict):
-        return {key: _without(item, cut, (*path, key), kept) for key, item in value.items() if (*path, key) not in cut}
+        keys = [key for key in value if (*path, key) not in cut]
+        return {key: _without(value[key], cut, (*path, key), kept_indices) for key in keys}
     if isinstance(value, list):
         indices = tuple(index for index in range(len(value)) if (*path, index) not in cut)
         if len(indices) < len(value):
-            kept[path] = indices
-        return [_without(value[index], cut, (*path, index), kept) for index in indices]
+            kept_indices[path] = indices
+        return [_without(value[index], cut, (*path, index), kept_indices) for index in indices]
     return value
 
 
-def value_at(data: Any, path: Path, kept: Mapping[Path, Sequence[int]] = MappingProxyType({})) -> Any:
+def value_at(data: Any, path: Path, kept_indices: Mapping[Path, Sequence[int]] = MappingProxyType({})) -> Any:
     """Return the value in pruned data at a path into the data as read, or None if it was removed."""
     for end, step in enumerate(path):
         if isinstance(data, list) and isinstance(step, int):
-            places = kept.get(path[:end], range(len(data)))
+            places = kept_indices.get(path[:end], range(len(data)))
             data = data[places.index(step)] if step in places else None
         else:
             data = data.get(step) if isinstance(data, dict) else None
     return data
 
 
-def _original(path: Path, kept: dict[Path, tuple[int, ...]]) -> Path:
-    result: Path = ()
+def _original(path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Path:
+    """Return the path in the data as read of a path into pruned data."""
+    original_path: Path = ()
     for step in path:
-        result += (kept[result][step] if isinstance(step, int) and result in kept else step,)
-    return result
+        if isinstance(step, int) and original_path in kept_indices:
+            original_path += (kept_indices[original_path][step],)
+        else:
+            original_path += (step,)
+    return original_path
 
 
 def _findings(validator: Any, data: dict[str, Any], broken: set[Path], kind: str) -> list[Finding]:
     """Return one finding for each place, except places that the reader reported, and limit their number."""
-    found: dict[tuple[Path, bool], Finding] = {}
+    findings: dict[tuple[Path, bool], Finding] = {}
     for error in validator.iter_errors(data):
         for finding in explain(error, kind):
             if not any(finding.path[:end] in broken for end in range(len(finding.path) + 1)):
-                found.setdefault((finding.path, finding.at_key), finding)
-            if len(found) > MAX_PROBLEMS:  # One error can have a finding for each of thousands of keys.
-                return list(found.values())
-    return list(found.values())
+                findings.setdefault((finding.path, finding.at_key), finding)
+            if len(findings) > MAX_PROBLEMS:  # One error can have a finding for each of thousands of keys.
+                return list(findings.values())
+    return list(findings.values())
 
 
-def _follows(finding: Finding, findings: Sequence[Finding], data: dict[str, Any]) -> bool:
+def _is_explained(finding: Finding, findings: Sequence[Finding], data: dict[str, Any]) -> bool:
     """Return True if another finding explains this one: a value under a wrong key, or an unknown interface by name."""
-    found = {item.path for item in findings if item.at_key}
-    if not finding.at_key and finding.path in found and finding.rule != "missing-key":
+    wrong_key_paths = {key_finding.path for key_finding in findings if key_finding.at_key}
+    if not finding.at_key and finding.path in wrong_key_paths and finding.rule != "missing-key":
         return True
-    named = finding.rule == "not-allowed" and {"interface", "interfaces"} & set(finding.path[-2:])
+    is_interface_name = finding.rule == "not-allowed" and {"interface", "interfaces"} & set(finding.path[-2:])
     value = value_at(data, finding.path)
-    return bool(named) and isinstance(value, str) and ("interfaces", value) in found
+    return bool(is_interface_name) and isinstance(value, str) and ("interfaces", value) in wrong_key_paths
 
 
 @functools.cache
@@ -261,16 +272,16 @@ def _validator(kind: str) -> Any:
 def shape_of(kind: str) -> dict[str, Any]:
     """Return the JSON Schema of a kind of file without references. Do not modify the result."""
     schema = load_schema(kind)
-    made: dict[str, Any] = _inlined(schema, schema.get("$defs", {}))
-    return made
+    inlined: dict[str, Any] = _inlined(schema, schema.get("$defs", {}))
+    return inlined
 
 
 def _inlined(schema: Any, definitions: dict[str, Any]) -> Any:
     """Return the schema with each reference replaced by its definition, which halves the time. No definition recurs."""
     if isinstance(schema, list):
-        return [_inlined(item, definitions) for item in schema]
+        return [_inlined(inner, definitions) for inner in schema]
     if not isinstance(schema, dict):
         return schema
     target = definitions[schema["$ref"].removeprefix("#/$defs/")] if "$ref" in schema else {}
-    whole = {**schema, **target}
-    return {key: _inlined(value, definitions) for key, value in whole.items() if key not in ("$ref", "$defs")}
+    members = {**schema, **target}
+    return {key: _inlined(value, definitions) for key, value in members.items() if key not in ("$ref", "$defs")}

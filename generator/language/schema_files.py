@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from .second_reading import facts_only
+from .second_reading import second_reading_schema
 
 
 @functools.cache
@@ -17,7 +17,7 @@ def load_schema(kind: str) -> dict[str, Any]:
     The schema of second readings, ``second``, is derived from ``device``.
     """
     if kind == "second":
-        return facts_only(load_schema("device"))
+        return second_reading_schema(load_schema("device"))
     text = (Path(__file__).parent / f"{kind}.schema.json").read_text(encoding="utf-8")
     schema: dict[str, Any] = json.loads(text)
     return schema

@@ -1,7 +1,7 @@
 """The language of second readings: the keys of a device file. Those for prose are optional.
 
 It is derived from the schema of device files, so that each key is described only once. Other required keys of a device
-file are filled in with stand-ins, so that rules and build can treat a second reading like a device file.
+file are with_stand_ins in with stand-ins, so that rules and build can treat a second reading like a device file.
 """
 
 from __future__ import annotations
@@ -56,12 +56,12 @@ def is_second(file: Path | str) -> bool:
     return PurePath(file).stem.endswith(SUFFIX)
 
 
-def beside(spec: Path) -> Path:
+def second_reading_path(spec: Path) -> Path:
     """Return the path of the second reading of a spec."""
     return spec.with_name(f"{spec.stem}{SUFFIX}{spec.suffix}")
 
 
-def counts_beside(spec: Path) -> Path:
+def coverage_path(spec: Path) -> Path:
     """Return the path of the file that counts the readings of the facts of a spec."""
     return spec.with_name(f"{spec.stem}.coverage.json")
 
@@ -71,16 +71,16 @@ def family_of(file: str) -> str:
     return PurePath(file).stem.removesuffix(SUFFIX)
 
 
-def facts_only(schema: Mapping[str, Any]) -> dict[str, Any]:
+def second_reading_schema(schema: Mapping[str, Any]) -> dict[str, Any]:
     """Derive the schema of second readings from that of device files."""
-    made: dict[str, Any] = _prose_optional(schema)
-    made["properties"] = {key: item for key, item in made["properties"].items() if key not in NO_FACTS}
-    made["properties"] |= ONLY_SECOND
-    made["required"] = [key for key in made["required"] if key not in _NOT_NEEDED | NO_FACTS]
-    return made
+    derived: dict[str, Any] = _prose_optional(schema)
+    derived["properties"] = {key: shape for key, shape in derived["properties"].items() if key not in NO_FACTS}
+    derived["properties"] |= ONLY_SECOND
+    derived["required"] = [key for key in derived["required"] if key not in _NOT_NEEDED | NO_FACTS]
+    return derived
 
 
-def is_left_out(key: str) -> bool:
+def is_only_in_device_files(key: str) -> bool:
     """Return True if device files have this key and second readings do not."""
     return key in NO_FACTS
 
@@ -88,27 +88,27 @@ def is_left_out(key: str) -> bool:
 def _prose_optional(schema: Any) -> Any:
     """Return a part of the schema in which no key for prose is required."""
     if isinstance(schema, list):
-        return [_prose_optional(item) for item in schema]
+        return [_prose_optional(inner) for inner in schema]
     if not isinstance(schema, dict):
         return schema
-    return {
-        key: [word for word in item if word not in PROSE] if key == "required" else _prose_optional(item)
-        for key, item in schema.items()
-    }
+    derived = {key: _prose_optional(inner) for key, inner in schema.items()}
+    if "required" in schema:
+        derived["required"] = [key for key in schema["required"] if key not in PROSE]
+    return derived
 
 
-def filled(data: Any, schema: Mapping[str, Any]) -> Any:
+def with_stand_ins(data: Any, schema: Mapping[str, Any]) -> Any:
     """Return checked data of a second reading, with a stand-in for each key required by ``schema`` of device files."""
     if isinstance(data, list):
-        return [filled(item, schema.get("items", {})) for item in data]
+        return [with_stand_ins(inner, schema.get("items", {})) for inner in data]
     if not isinstance(data, dict):
         return data
-    inside = schema.get("properties", {})
-    others = schema.get("additionalProperties", {})
-    made = {
-        key: filled(item, inside.get(key) or (others if isinstance(others, dict) else {})) for key, item in data.items()
-    }
+    shapes = schema.get("properties", {})
+    other_shape = schema.get("additionalProperties", {})
+    if not isinstance(other_shape, dict):
+        other_shape = {}
+    completed = {key: with_stand_ins(value, shapes.get(key) or other_shape) for key, value in data.items()}
     for key in schema.get("required", ()):
-        if key not in made and key in PROSE:
-            made[key] = _SOME_SOURCE if key == "source" else "?"
-    return made
+        if key not in completed and key in PROSE:
+            completed[key] = _SOME_SOURCE if key == "source" else "?"
+    return completed

@@ -25,25 +25,38 @@ def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, int, str, str]
     mark: Any = error.problem_mark or error.context_mark
     problem, context = error.problem or "not understood", error.context or ""
     opened: Any = error.context_mark
-    for line in (place.line - back for place in (opened, mark) if place is not None for back in (0, 1)):
-        spaced = _ODD_SPACE.search(lines[line]) if 0 <= line < len(lines) else None
-        if spaced is not None:
-            wrong = f"the space U+{ord(spaced[0]):04X} is not an ordinary space, so YAML reads it as text"
-            return line + 1, spaced.start() + 1, _RULE, f"{wrong}; replace it with one"
+    odd_space = _odd_space(lines, [position.line for position in (opened, mark) if position is not None])
+    if odd_space is not None:
+        return odd_space
     # The mark of this problem is where the search for the colon ended.
     if opened is not None and problem == "could not find expected ':'":
-        return *_place(opened), _RULE, _keyless(_character(lines, opened))
+        return *_place(opened), _RULE, _missing_colon(_character(lines, opened))
     if opened is not None and "quoted scalar" in context and "end of stream" in problem:
         return *_place(opened), _RULE, "the quote that opens here is never closed; close it on this line"
     quote = _last_quoted(text, mark)
     if quote is not None:
         return *_place(quote.start_mark), _RULE, _about_quote(quote)
     if opened is not None and "flow" in context and "expected ','" in problem:
-        comma = mark.line == opened.line and not _COMMENT.search(lines[opened.line], opened.column)
-        return *_place(mark if comma else opened), _RULE, _NO_COMMA if comma else _about_bracket(lines, opened, mark)
+        if mark.line == opened.line and not _COMMENT.search(lines[opened.line], opened.column):
+            return *_place(mark), _RULE, _NO_COMMA
+        return *_place(opened), _RULE, _about_bracket(lines, opened, mark)
     line, column = (1, 1) if mark is None else _place(mark)
     character = _character(lines, mark)
     return line, column, _RULE, _message(problem, character, line >= len(lines) and not character)
+
+
+def _odd_space(lines: list[str], positions: list[int]) -> tuple[int, int, str, str] | None:
+    """Return the error for an unusual space in one of these lines, counted from 0, or in the line before."""
+    for position in positions:
+        for line in (position, position - 1):
+            match = _ODD_SPACE.search(lines[line]) if 0 <= line < len(lines) else None
+            if match is not None:
+                character = f"U+{ord(match[0]):04X}"
+                message = (
+                    f"the space {character} is not an ordinary space, so YAML reads it as text; replace it with one"
+                )
+                return line + 1, match.start() + 1, _RULE, message
+    return None
 
 
 def _place(mark: Any) -> tuple[int, int]:
@@ -54,7 +67,7 @@ def _character(lines: list[str], mark: Any) -> str:
     return lines[mark.line][mark.column : mark.column + 1] if mark is not None and mark.line < len(lines) else ""
 
 
-def _keyless(character: str) -> str:
+def _missing_colon(character: str) -> str:
     if character in ("'", '"'):
         return "the quote that opens here is not closed on this line; close it"
     return "a key has no colon, or the text of a value continues without indentation"
@@ -88,13 +101,13 @@ def _about_bracket(lines: list[str], opened: Any, mark: Any) -> str:
     bracket = _character(lines, opened)
     closing = {"{": "}", "[": "]"}.get(bracket, "bracket")
     at_end = mark.line >= len(lines) - 1 and not _character(lines, mark)
-    wrong = (
+    problem = (
         f"the '{bracket}' that opens here is not closed by "
         f"{'the end of the file' if at_end else f'line {mark.line + 1}'}"
     )
     if _COMMENT.search(lines[opened.line], opened.column):
-        return f"{wrong}: a '#' after a space begins a comment; put the text in quotes"
-    return f"{wrong}; close it with '{closing}', or add the missing comma"
+        return f"{problem}: a '#' after a space begins a comment; put the text in quotes"
+    return f"{problem}; close it with '{closing}', or add the missing comma"
 
 
 def _message(problem: str, character: str, at_end: bool) -> str:

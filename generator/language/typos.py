@@ -25,7 +25,7 @@ Complain = Callable[[Any, str, str], None]
 
 
 @dataclass(slots=True)
-class _Open:
+class _Container:
     """An open map or list. ``nodes`` counts its keys and values so far."""
 
     is_map: bool
@@ -39,7 +39,7 @@ class _Open:
         return self.is_map and self.nodes % 2 == 0
 
 
-class Mended:
+class CorrectedEvents:
     """The events of a parser with mistakes fixed.
 
     Args:
@@ -57,24 +57,26 @@ class Mended:
         self._lines = lines
         self._is_text = is_text
         self._complain = complain
-        self._open: list[_Open] = []
+        self._open: list[_Container] = []
 
     def __iter__(self) -> Iterator[Any]:
         while (event := self._next()) is not None:
-            around = self._open[-1] if self._open else None
+            container = self._open[-1] if self._open else None
             if isinstance(event, (yaml.MappingEndEvent, yaml.SequenceEndEvent)):
                 self._open.pop()
                 self._count()
             elif isinstance(event, (yaml.MappingStartEvent, yaml.SequenceStartEvent)):
-                in_list = around is not None and not around.is_map
-                self._open.append(_Open(isinstance(event, yaml.MappingStartEvent), bool(event.flow_style), in_list))
-            elif isinstance(event, yaml.ScalarEvent) and around is not None and around.is_map:
-                if around.awaits_key:
-                    yield from self._dash_before(event, around)
-                    around.keys.setdefault(event.value, _line(event))
-                elif around.flow:
-                    self._skip_rest(event)
-                around.nodes += 1
+                in_list = container is not None and not container.is_map
+                self._open.append(
+                    _Container(isinstance(event, yaml.MappingStartEvent), bool(event.flow_style), in_list)
+                )
+            elif isinstance(event, yaml.ScalarEvent) and container is not None and container.is_map:
+                if container.awaits_key:
+                    yield from self._insert_item_end(event, container)
+                    container.keys.setdefault(event.value, _line(event))
+                elif container.flow:
+                    self._skip_text_after_comma(event)
+                container.nodes += 1
             elif isinstance(event, (yaml.ScalarEvent, yaml.AliasEvent)):
                 self._count()
             yield event
@@ -91,16 +93,19 @@ class Mended:
             self._ahead.append(next(self._events, None))
         return self._ahead[index]
 
-    def _dash_before(self, key: Any, item: _Open) -> Iterator[Any]:
+    def _insert_item_end(self, key: Any, container: _Container) -> Iterator[Any]:
         """Yield the end of the item and the start of the next if its keys repeat, beginning with the first one."""
-        if not item.in_list or item.flow or len(item.keys) < 2 or key.value != next(iter(item.keys)):
+        if not container.in_list or container.flow or len(container.keys) < 2:
             return
-        if self._key_after_next() not in item.keys:
+        first_key = next(iter(container.keys))
+        if key.value != first_key or self._key_after_next() not in container.keys:
             return
-        wrong = f"this item has a key twice: {quoted(key.value)} is already on line {item.keys[key.value]}"
-        message = f"{wrong}; put '-' before it if a new item begins here"
+        message = (
+            f"this item has a key twice: {quoted(key.value)} is already on line {container.keys[key.value]}; "
+            "put '-' before it if a new item begins here"
+        )
         self._complain(key, "duplicate-key", message)
-        item.keys.clear()
+        container.keys.clear()
         yield yaml.MappingEndEvent(key.start_mark, key.start_mark)
         yield yaml.MappingStartEvent(None, None, True, key.start_mark, key.start_mark, flow_style=False)
 
@@ -117,40 +122,40 @@ class Mended:
         following = self._peek(index)
         return following.value if isinstance(following, yaml.ScalarEvent) else None
 
-    def _skip_rest(self, value: Any) -> None:
+    def _skip_text_after_comma(self, value: Any) -> None:
         """Skip the text after a comma in an unquoted text or number in {...}, which would be a key without a value."""
         if value.style or value.tag or value.anchor:
             return
-        first, number = None, _DIGITS.fullmatch(value.value) is not None
-        while self._is_rest(self._peek(0), self._peek(1)):
-            rest = self._ahead[0]
-            if number and _THOUSANDS.fullmatch(rest.value):
-                value.value += rest.value
-            elif number or not self._is_text(value.value):
+        first_skipped, is_number = None, _DIGITS.fullmatch(value.value) is not None
+        while self._is_key_without_colon(self._peek(0), self._peek(1)):
+            skipped = self._ahead[0]
+            if is_number and _THOUSANDS.fullmatch(skipped.value):
+                value.value += skipped.value
+            elif is_number or not self._is_text(value.value):
                 break  # As in {12: , 16}, where keys may come alone.
-            first = first or rest
+            first_skipped = first_skipped or skipped
             self._ahead.popleft()
             self._ahead.popleft()
-        if first is not None:
-            self._complain(first, "yaml-syntax", _about_comma(first, value.value if number else ""))
+        if first_skipped is not None:
+            self._complain(first_skipped, "yaml-syntax", _about_comma(first_skipped, value.value if is_number else ""))
 
-    def _is_rest(self, key: Any, value: Any) -> bool:
+    def _is_key_without_colon(self, key: Any, value: Any) -> bool:
         """Return True for a key without a colon and without a value."""
         if not isinstance(key, yaml.ScalarEvent) or not isinstance(value, yaml.ScalarEvent):
             return False
         if key.style or value.style or value.value:
             return False
         end: Any = key.end_mark
-        after = self._lines[end.line][end.column :]
-        return key.value != "" and not after.lstrip().startswith(":")
+        text_after = self._lines[end.line][end.column :]
+        return key.value != "" and not text_after.lstrip().startswith(":")
 
 
 def _line(event: Any) -> int:
     return int(event.start_mark.line) + 1
 
 
-def _about_comma(rest: Any, number: str) -> str:
+def _about_comma(skipped: Any, number: str) -> str:
     if number:
         return f"numbers are written without commas; write {number}"
     rule = "A comma ends an unquoted string inside {...}: if this is part of the string, quote the whole string"
-    return f"{quoted(rest.value)} has no colon. {rule}"
+    return f"{quoted(skipped.value)} has no colon. {rule}"

@@ -16,7 +16,7 @@ import yaml
 from .document import Mark, Path
 from .problems import quoted
 from .syntax import explain
-from .typos import Mended
+from .typos import CorrectedEvents
 
 MAX_BYTES = 4 * 2**20
 #: Largest number of values in a spec, including repetitions by aliases. The largest manuals need about 20,000.
@@ -98,7 +98,7 @@ class _Parser:
         self._complain = complain
         lines = LINE_BREAK.split(text)
         self._events = iter(
-            Mended(
+            CorrectedEvents(
                 iter(yaml.parse(text, Loader=_LOADER)),
                 lines,
                 lambda scalar: isinstance(_resolved(scalar), str),
@@ -185,17 +185,17 @@ class _Parser:
             )
 
     def _list(self, mark: Mark, path: Path, depth: int) -> _Value:
-        result: list[Any] = []
+        list_data: list[Any] = []
         count, deepest = 1, 0
         while not isinstance(event := next(self._events), yaml.SequenceEndEvent):
-            value = self._value(event, (*path, len(result)), depth + 1)
-            mark.children[len(result)] = value.mark
-            result.append(value.data)
+            value = self._value(event, (*path, len(list_data)), depth + 1)
+            mark.children[len(list_data)] = value.mark
+            list_data.append(value.data)
             count, deepest = count + value.count, max(deepest, value.depth)
-        return _Value(result, mark, count, deepest + 1)
+        return _Value(list_data, mark, count, deepest + 1)
 
     def _map(self, mark: Mark, path: Path, depth: int) -> _Value:
-        result: dict[str, Any] = {}
+        map_data: dict[str, Any] = {}
         count, deepest = 1, 0
         while not isinstance(event := next(self._events), yaml.MappingEndEvent):
             key = self._key(event, path, depth)
@@ -203,7 +203,7 @@ class _Parser:
             count, deepest = count + value.count, max(deepest, value.depth)
             if key is None:
                 continue
-            if key in result:
+            if key in map_data:
                 first = mark.children[key].key_line
                 self._refuse(
                     event,
@@ -214,8 +214,8 @@ class _Parser:
                 continue
             value.mark.key_line, value.mark.key_column = event.start_mark.line + 1, event.start_mark.column + 1
             mark.children[key] = value.mark
-            result[key] = value.data
-        return _Value(result, mark, count, deepest + 1)
+            map_data[key] = value.data
+        return _Value(map_data, mark, count, deepest + 1)
 
     def _key(self, event: Any, path: Path, depth: int) -> str | None:
         """Return the key as written, or None if it is not usable.

@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..language.document import Path
-from ..language.overlay import KINDS, Layer, LayerKind, Laying
+from ..language.overlay import KINDS, Layer, LayeredSpec, LayerKind
 from ..language.places import NothingThere, as_affected, resolve
 from ..language.problems import DocumentReport, Report, listed, quoted
 from ..language.rules.walk import leaves
@@ -76,10 +76,10 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
         build: Builds the family of a document.
         report: Receives changes that cannot be applied, and problems of the result.
     """
-    laying = Laying(family.document, report)
+    laying = LayeredSpec(family.document, report)
     before = len(report)
     for index, key, name in _steps(family, revision):
-        laying.lay([Layer(family.document, ("editions", index, key), LayerKind.EDITION, name)])
+        laying.apply([Layer(family.document, ("editions", index, key), LayerKind.EDITION, name)])
     name = f"{family.device.name}_{re.sub('[^a-z0-9]+', '_', revision.lower()).strip('_')}"
     document = laying.document(name)
     document = replace(document, data={key: item for key, item in document.data.items() if key != "editions"})
@@ -98,7 +98,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
         device,
         title=f"{device.title}, edition {revision}",
         manual=replace(device.manual, revision=revision, date=date, editions=()),
-        errata=(*device.errata, *errata_of(laying.laid)),
+        errata=(*device.errata, *errata_of(laying.applied)),
         overlays=family.device.overlays,
         editions=(),
         base=family.device.name,

@@ -21,7 +21,7 @@ from ..model import (
     number_from_bytes,
 )
 from ..order_codes.labels import UnknownOrderCode, find
-from ..order_codes.run_time import decided
+from ..order_codes.run_time import with_answers
 from ..reference import codec
 from ..reference.crc import compute_bytes, in_order, start_for
 from ..reference.procedures import register_writes
@@ -90,7 +90,7 @@ def example_variant(device: Device, example: Example) -> Variant:
         return device.variants[0]
     listed = (item for item in device.variants if item.code == example.order_code)
     found = next(listed, None) or find(device, example.order_code).variant
-    return decided(device, found, example.alternatives) if isinstance(example, FrameExample) else found
+    return with_answers(device, found, example.alternatives) if isinstance(example, FrameExample) else found
 
 
 def _check(device: Device, example: Example) -> Iterator[Wrong]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ..language.problems import meant
+from ..language.problems import nearest_choice
 from ..model import Device, Variant
 from ..order_codes.narrowing import for_codes
 
@@ -51,7 +51,7 @@ def _unknown(devices: Sequence[Device], word: str) -> str:
     """Return the message, with the order codes of the family if the word begins like one of them."""
     families = [device for device in devices if word.upper().startswith(device.name.upper())]
     codes = [item.code for device in families for item in device.variants]
-    near = meant(word, [*_words(devices), *codes, *map(str.lower, codes)])
+    near = nearest_choice(word, [*_words(devices), *codes, *map(str.lower, codes)])
     first = next((item.code for device in devices for item in device.variants), "")
     others = codes or [f"order codes, such as {first}", *_words(devices)]
     hint = f"did you mean '{near}'?" if near else f"valid are {', '.join(others)}"

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from ..language.check import check_overlay
 from ..language.document import Document
-from ..language.overlay import SUFFIX, Laid, Layer, LayerKind, Laying
+from ..language.overlay import SUFFIX, AppliedChange, Layer, LayeredSpec, LayerKind
 from ..language.problems import Problem, Report, quoted, suggestion
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, Overlay
 from ..order_codes.narrowing import for_codes
@@ -106,9 +106,9 @@ def _refuse_same_names(overlays: Sequence[Document], report: Report) -> None:
 
 def _laid(family: Family, overlays: Sequence[Document], special: str, build: Build, report: Report) -> Family | None:
     """Return the family that results from applying overlays to another."""
-    laying = Laying(family.document, report)
+    laying = LayeredSpec(family.document, report)
     before = len(report)
-    laying.lay([Layer(item, ("changes",), LayerKind.OVERLAY, item.data["overlay"]) for item in overlays])
+    laying.apply([Layer(item, ("changes",), LayerKind.OVERLAY, item.data["overlay"]) for item in overlays])
     document = laying.document(f"{family.device.name}_{special.lower()}" if special else "")
     inside = Report()
     device = build(document, inside)
@@ -118,7 +118,7 @@ def _laid(family: Family, overlays: Sequence[Document], special: str, build: Bui
         return None
     device = replace(
         device,
-        errata=(*device.errata, *(item for item in family.device.errata if item.edition), *errata_of(laying.laid)),
+        errata=(*device.errata, *(item for item in family.device.errata if item.edition), *errata_of(laying.applied)),
         overlays=tuple(_overlay(item) for item in overlays),
         title=f"{device.title}, special models /{special}" if special else device.title,
         base=family.device.name if special else "",
@@ -135,7 +135,7 @@ def _overlay(document: Document) -> Overlay:
     return Overlay(document.data["overlay"], document.data["title"], special)
 
 
-def errata_of(laid: Iterable[Laid]) -> Iterator[Erratum]:
+def errata_of(laid: Iterable[AppliedChange]) -> Iterator[Erratum]:
     """Yield the changes as errata: one by one, or for an edition one for all changes with the same reason."""
     numbers: Counter[str] = Counter()
     for (kind, name, _), found in groupby(laid, key=_one_story):
@@ -154,7 +154,7 @@ def errata_of(laid: Iterable[Laid]) -> Iterator[Erratum]:
         )
 
 
-def _one_story(item: Laid) -> tuple[str, str, object]:
+def _one_story(item: AppliedChange) -> tuple[str, str, object]:
     """Return the key of items that are reported together."""
     layer = item.layer
     return layer.kind.value, layer.name, (layer.path, item.number) if layer.kind is LayerKind.EDITION else item

@@ -7,7 +7,7 @@ from dataclasses import asdict, fields
 from pathlib import Path
 
 from ..language.problems import Report
-from ..language.second_reading import counts_beside
+from ..language.second_reading import coverage_path
 from ..model import TimesRead
 
 RULE = "coverage-file"
@@ -15,7 +15,7 @@ RULE = "coverage-file"
 
 def read_counts(spec: Path, report: Report) -> TimesRead | None:
     """Return the counts stored next to a spec, or None if there are none or the file was changed."""
-    place = counts_beside(spec)
+    place = coverage_path(spec)
     if not place.is_file():
         return None
     names = [item.name for item in fields(TimesRead)]

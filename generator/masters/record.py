@@ -32,7 +32,7 @@ from ..model import (
     Variant,
 )
 from ..model.only import applying
-from ..order_codes.run_time import decided
+from ..order_codes.run_time import with_answers
 from ..say.evidence import document
 from ..say.mentions import Subject, mentions
 from ..say.parameter import initial
@@ -131,7 +131,7 @@ def record(
         only = f"there are masters for {Ssi.title} and {Biss.title} only"
         raise NoRecord(f"{variant.code} has the interface {interface.title}; {only}")
     measurement = device.measurement_of(variant.interface) or _WITHOUT_UNIT
-    placed = _frame(interface, measurement, decided(device, variant, answers))
+    placed = _frame(interface, measurement, with_answers(device, variant, answers))
     measurement = measurement.within(placed.layout.position_range)
     deciding = device.alternatives_of(placed.layout)
     missing = [item.name for item in deciding if item.name not in answers]

@@ -17,9 +17,9 @@ from ..cache import Cache, content_of
 from ..language.check import check_document
 from ..language.master_items import NUMBERS, STEPS
 from ..language.problems import Report, listed
+from ..language.quick_validation import follows
 from ..language.read import read_specs
 from ..language.schema import FileKind, shape_of
-from ..language.sound import follows
 from ..loading.shipped import packaged_masters
 from ..model import INTERFACES, Document
 from ..model.expressions import Expression, ExpressionError

@@ -11,12 +11,12 @@ _FEWEST = 3
 
 def steps_of(value: str) -> tuple[str, ...]:
     """Return the text before the first step, then each step. Without steps numbered from one, return only the value."""
-    places = list(_NUMBER.finditer(value))
-    if [int(item[1]) for item in places] != list(range(1, len(places) + 1)):
+    numbers = list(_NUMBER.finditer(value))
+    if [int(match[1]) for match in numbers] != list(range(1, len(numbers) + 1)):
         return (value,)
-    ends = [*(item.start() for item in places[1:]), len(value)]
-    steps = (value[item.end() : end].strip() for item, end in zip(places, ends, strict=True))
-    return (value[: places[0].start()].strip(), *steps) if places else (value,)
+    ends = [*(match.start() for match in numbers[1:]), len(value)]
+    steps = (value[match.end() : end].strip() for match, end in zip(numbers, ends, strict=True))
+    return (value[: numbers[0].start()].strip(), *steps) if numbers else (value,)
 
 
 def has_steps(value: str) -> bool:

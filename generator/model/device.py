@@ -35,7 +35,7 @@ from .interfaces.biss import Biss
 from .kinds import CrcValue, Value
 from .layout import Crc, Field, Layout, PlacedField, PlacedLayout
 from .measurement import Measurement
-from .positions import PositionRange, narrower
+from .positions import PositionRange, narrower_range
 from .record import dataclass
 from .steps import Procedure
 
@@ -465,7 +465,7 @@ class Device:
                 return None
             measurement = self.measurement_in(interface, layout) if layout.sender == "encoder" else None
             sets = [item.parameters for item in self.variants_over(interface)]
-            self._ranges[id(layout)] = narrower(measurement, layout, sets) if measurement is not None else None
+            self._ranges[id(layout)] = narrower_range(measurement, layout, sets) if measurement is not None else None
         return self._ranges[id(layout)]
 
     @cached_property

@@ -5,6 +5,7 @@ The spec language allows a sum of terms. A term is a number, or a product of par
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Mapping
 from functools import cache
@@ -48,6 +49,9 @@ class Term:
     def is_product(self) -> bool:
         return len(self.factors) > 1
 
+    def __mul__(self, other: Term) -> Term:
+        return Term(self.multiple * other.multiple, (*self.factors, *other.factors))
+
 
 @dataclass(frozen=True, slots=True)
 class Expression:
@@ -66,7 +70,7 @@ class Expression:
         """
         if isinstance(text, int):
             return cls(text)
-        result, factors, position, sign = cls(), cls(1), 0, 1
+        total, factors, position, sign = cls(), cls(1), 0, 1
         if text.startswith("-"):
             sign, position = -1, 1
         while True:
@@ -79,10 +83,10 @@ class Expression:
             if position < len(text) and operator is None:
                 raise ExpressionError(f"'{text}' is not a sum of numbers, parameters and powers of two")
             if operator is None or operator[0] != "*":
-                result = result + factors if sign > 0 else result - factors
+                total = total + factors if sign > 0 else total - factors
                 factors = cls(1)
             if operator is None:
-                return result
+                return total
             sign = {"+": 1, "-": -1, "*": sign}[operator[0]]
             position += 1
 
@@ -96,6 +100,11 @@ class Expression:
     @property
     def is_constant(self) -> bool:
         return not self.terms
+
+    @property
+    def has_product(self) -> bool:
+        """True if one of the terms has several factors."""
+        return any(term.is_product for term in self.terms)
 
     def value(self, parameters: Mapping[str, int]) -> int:
         """Return the value for these parameters.
@@ -120,15 +129,15 @@ class Expression:
         Parameters in powers and products stay, since two to the power of a sum is not a sum. A parameter defined by a
         product also stays, since its name is more readable.
         """
-        result = Expression(self.constant)
+        total = Expression(self.constant)
         for term in self.terms:
-            inner = definitions.get(term.factors[0].parameter)
-            if inner is None or term.is_product or term.is_power or any(item.is_product for item in inner.terms):
-                result += Expression(0, (term,))
+            definition = definitions.get(term.factors[0].parameter)
+            if definition is None or term.is_product or term.is_power or definition.has_product:
+                total += Expression(0, (term,))
             else:
-                inner = inner.substitute(definitions)
-                result = result + inner if term.multiple > 0 else result - inner
-        return result
+                definition = definition.substitute(definitions)
+                total = total + definition if term.multiple > 0 else total - definition
+        return total
 
     def __add__(self, other: Expression) -> Expression:
         return _simplified(self.constant + other.constant, self.terms + other.terms)
@@ -138,9 +147,13 @@ class Expression:
         return _simplified(self.constant - other.constant, self.terms + negated)
 
     def __mul__(self, other: Expression) -> Expression:
-        one, two = ((Term(item.constant, ()), *item.terms) for item in (self, other))
-        found = [Term(a.multiple * b.multiple, (*a.factors, *b.factors)) for a in one for b in two]
-        return _simplified(found[0].multiple, tuple(item for item in found[1:] if item.multiple))
+        products = [term * factor for term, factor in itertools.product(self._all_terms, other._all_terms)]
+        return _simplified(products[0].multiple, tuple(term for term in products[1:] if term.multiple))
+
+    @property
+    def _all_terms(self) -> tuple[Term, ...]:
+        """The constant as a term without factors, then the terms."""
+        return (Term(self.constant, ()), *self.terms)
 
     def render(self, prefix: str = "", power: str = "2^{}", suffix: str = "") -> str:
         """Return the expression as text with the terms first, such as ``variant.singleturn_bits + 8``.
@@ -152,17 +165,15 @@ class Expression:
         """
         text = ""
         for term in self.terms:
-            factors = [
-                power.format(prefix + item.parameter) if item.power else prefix + item.parameter
-                for item in term.factors
-            ]
-            if abs(term.multiple) != 1:
-                factors.insert(0, f"{abs(term.multiple)}{suffix}")
-            atom = " * ".join(factors)
+            factors = [] if abs(term.multiple) == 1 else [f"{abs(term.multiple)}{suffix}"]
+            for factor in term.factors:
+                parameter = prefix + factor.parameter
+                factors.append(power.format(parameter) if factor.power else parameter)
             if text:
-                text += (" + " if term.multiple > 0 else " - ") + atom
-            else:
-                text = ("" if term.multiple > 0 else "-") + atom
+                text += " + " if term.multiple > 0 else " - "
+            elif term.multiple <= 0:
+                text = "-"
+            text += " * ".join(factors)
         if not text:
             return f"{self.constant}{suffix}"
         if text.startswith("-") and self.constant > 0:
@@ -174,14 +185,14 @@ class Expression:
 
 def _simplified(constant: int, terms: tuple[Term, ...]) -> Expression:
     """Return the sum with opposite terms cancelled and positive terms first."""
-    kept: list[Term] = []
+    remaining: list[Term] = []
     for term in terms:
         opposite = Term(-term.multiple, term.factors)
-        if opposite in kept:
-            kept.remove(opposite)
+        if opposite in remaining:
+            remaining.remove(opposite)
         else:
-            kept.append(term)
-    return Expression(constant, tuple(sorted(kept, key=lambda term: term.multiple < 0)))
+            remaining.append(term)
+    return Expression(constant, tuple(sorted(remaining, key=lambda term: term.multiple < 0)))
 
 
 def _atom(match: re.Match[str]) -> Expression:
@@ -190,26 +201,26 @@ def _atom(match: re.Match[str]) -> Expression:
     Raises:
         ExpressionError: The power is out of range.
     """
-    power = match["power"] is not None
+    is_power = match["power"] is not None
     if match["name"] is not None:
-        return Expression(0, (Term(1, (Factor(match["name"], power),)),))
+        return Expression(0, (Term(1, (Factor(match["name"], is_power),)),))
     number = int(match["hex"], 16) if match["hex"] else int(match["number"])
-    if power and number > LARGEST_EXPONENT:
+    if is_power and number > LARGEST_EXPONENT:
         raise ExpressionError(f"2^{number} is larger than any field can hold")
-    return Expression(2**number if power else number)
+    return Expression(2**number if is_power else number)
 
 
-def _times(one: Expression, other: Expression) -> Expression:
+def _times(product: Expression, atom: Expression) -> Expression:
     """Return the product of two atoms or products of atoms.
 
     Raises:
         ExpressionError: A factor is a number.
     """
-    if one == Expression(1):
-        return other
-    if one.is_constant or other.is_constant:
+    if product == Expression(1):
+        return atom
+    if product.is_constant or atom.is_constant:
         raise ExpressionError("a product can contain only parameters and powers of two of parameters, not numbers")
-    return Expression(0, (Term(1, (*one.terms[0].factors, *other.terms[0].factors)),))
+    return Expression(0, (Term(1, (*product.terms[0].factors, *atom.terms[0].factors)),))
 
 
 def _value(factor: Factor, parameters: Mapping[str, int]) -> int:

@@ -24,8 +24,8 @@ def bounded_width(register: Register, placed: PlacedLayout) -> int:
 def representable(register: Register, placed: PlacedLayout) -> tuple[int, int]:
     """Return the lowest and highest number that fit in the limited field, join or register."""
     width = bounded_width(register, placed)
-    item = placed.field(bounded(register))
-    if item is not None and item.field.number.signed:
+    limited_field = placed.field(bounded(register))
+    if limited_field is not None and limited_field.field.number.signed:
         return -(1 << (width - 1)), (1 << (width - 1)) - 1
     return 0, (1 << width) - 1
 
@@ -38,8 +38,12 @@ def bounds(
 ) -> tuple[int, int]:
     """Return the lowest and highest value that may be written, from ``limits`` or otherwise from the width."""
     lowest, highest = representable(register, placed)
-    item = placed.field(bounded(register))
-    if item is not None:
-        highest = max(highest, item.field.number.zero_means)
+    limited_field = placed.field(bounded(register))
+    if limited_field is not None:
+        highest = max(highest, limited_field.field.number.zero_means)
     low, high = limits
-    return low.value(parameters) if low is not None else lowest, high.value(parameters) if high is not None else highest
+    if low is not None:
+        lowest = low.value(parameters)
+    if high is not None:
+        highest = high.value(parameters)
+    return lowest, highest

@@ -38,7 +38,12 @@ def fits(only: str, code: str) -> bool:
 
 @cache
 def _patterns(only: str) -> tuple[re.Pattern[str], ...]:
+    return tuple(_pattern(order_code.strip()) for order_code in only.split(","))
+
+
+def _pattern(order_code: str) -> re.Pattern[str]:
+    """Return the regular expression of an abbreviated order code."""
     # As for file names, where several "..." do not try every way to share the text between them.
-    meant = {"...": "*", "…": "*", "x": "?"}
-    parts = (_PARTS.findall(item.strip()) for item in only.split(","))
-    return tuple(re.compile(translate("".join(meant.get(part) or escape(part) for part in item))) for item in parts)
+    wildcards = {"...": "*", "…": "*", "x": "?"}
+    parts = [wildcards.get(part) or escape(part) for part in _PARTS.findall(order_code)]
+    return re.compile(translate("".join(parts)))

@@ -26,27 +26,27 @@ class PositionRange(NamedTuple):
     highest: Expression
 
 
-def narrower(measurement: Measurement, layout: Layout, sets: Sequence[Mapping[str, int]]) -> PositionRange | None:
-    """Return the range of a position if it is narrower than the width of its field for some order code.
+def narrower_range(measurement: Measurement, layout: Layout, sets: Sequence[Mapping[str, int]]) -> PositionRange | None:
+    """Return the range of a position if it is narrower_range than the width of its field for some order code.
 
     Parts of one revolution in several fields have no range, and signed positions have none without ``highest``.
     """
-    by_name = {item.name: item for item in layout.fields}
+    by_name = {field.name: field for field in layout.fields}
     fields = [by_name[name] for name in layout.names_in(measurement.of) if name in by_name]
-    if any(not isinstance(item.kind, Number) for item in fields):
+    if any(not isinstance(field.kind, Number) for field in fields):
         return None
     if len(fields) == 1 and fields[0].number.signed:
-        found = _signed(measurement, fields[0])
+        position_range = _signed(measurement, fields[0])
     else:
-        found = _unsigned(measurement, fields, sets)
-    if found is None or found.field.number.zero_means:
+        position_range = _unsigned(measurement, fields, sets)
+    if position_range is None or position_range.field.number.zero_means:
         return None
-    return found if any(_is_narrower(found, item) for item in sets) else None
+    return position_range if any(_is_narrower(position_range, parameters) for parameters in sets) else None
 
 
-def _is_narrower(found: PositionRange, parameters: Mapping[str, int]) -> bool:
-    width, highest = found.field.width.value(parameters), found.highest.value(parameters)
-    return bool(width) and 0 <= highest - found.lowest.value(parameters) < (1 << width) - 1
+def _is_narrower(position_range: PositionRange, parameters: Mapping[str, int]) -> bool:
+    width, highest = position_range.field.width.value(parameters), position_range.highest.value(parameters)
+    return bool(width) and 0 <= highest - position_range.lowest.value(parameters) < (1 << width) - 1
 
 
 def _signed(measurement: Measurement, field: Field) -> PositionRange | None:
@@ -60,12 +60,12 @@ def _unsigned(
     measurement: Measurement, fields: Sequence[Field], sets: Sequence[Mapping[str, int]]
 ) -> PositionRange | None:
     total, turns, counts = measurement.total, measurement.turns, measurement.counts_per_turn
-    if total is None or any(item.number.signed for item in fields):
+    if total is None or any(field.number.signed for field in fields):
         return None
     if len(fields) == 1:
         return PositionRange(fields[0], Expression(0), measurement.highest or total - Expression(1))
     if len(fields) == 2 and measurement.highest is None and counts is not None and turns is not None:
         # Both fields can also be parts of one revolution.
-        is_turn = all(counts.value(item) == 1 << fields[1].width.value(item) for item in sets)
+        is_turn = all(counts.value(parameters) == 1 << fields[1].width.value(parameters) for parameters in sets)
         return PositionRange(fields[0], Expression(0), turns - Expression(1)) if is_turn else None
     return None

@@ -23,11 +23,11 @@ else:
         def decorate(kind: type) -> type:
             # Without a text, dataclasses would import the signature of each class to write one.
             kind.__doc__ = kind.__doc__ or kind.__name__
-            made = dataclasses.dataclass(**options, init=False, eq=False, repr=False)(kind)
-            made.__init__ = _late_init(made)
+            decorated = dataclasses.dataclass(**options, init=False, eq=False, repr=False)(kind)
+            decorated.__init__ = _late_init(decorated)
             for name, method in _SHARED.items():
-                setattr(made, name, method)
-            return made
+                setattr(decorated, name, method)
+            return decorated
 
         return decorate
 
@@ -38,7 +38,7 @@ __all__ = ["dataclass"]
 @functools.cache
 def _values_of(kind: type) -> Callable[[Any], Any]:
     """Return a function that returns the values that two equal objects share: one value, or a tuple of several."""
-    names = [item.name for item in fields(kind) if item.compare]
+    names = [field.name for field in fields(kind) if field.compare]
     return attrgetter(*names) if names else lambda _: ()
 
 
@@ -54,8 +54,8 @@ def _hash(self: Any) -> int:
     return hash(_values_of(self.__class__)(self))
 
 
-def _shown(self: Any) -> str:
-    members = ", ".join(f"{item.name}={getattr(self, item.name)!r}" for item in fields(self) if item.repr)
+def _text_of(self: Any) -> str:
+    members = ", ".join(f"{field.name}={getattr(self, field.name)!r}" for field in fields(self) if field.repr)
     return f"{self.__class__.__qualname__}({members})"
 
 
@@ -75,26 +75,27 @@ def _late_init(kind: Any) -> Callable[..., None]:
 
 def _init_of(kind: type) -> Any:
     """Return ``__init__`` of a class, as ``dataclasses`` would compile it."""
-    used: dict[str, Any] = {"_set": object.__setattr__}
+    namespace: dict[str, Any] = {"_set": object.__setattr__}
     positional, by_keyword, lines = ["self"], ["*"], ["pass"]
-    for item in fields(kind):
-        name, value = item.name, item.name
-        if item.default_factory is not MISSING:
-            used[f"_of_{name}"], used[f"_{name}"] = item.default_factory, MISSING
+    for field in fields(kind):
+        name, value = field.name, field.name
+        if field.default_factory is not MISSING:
+            namespace[f"_of_{name}"], namespace[f"_{name}"] = field.default_factory, MISSING
             value = f"_of_{name}() if {name} is _{name} else {name}"
-        elif item.default is not MISSING:
-            used[f"_{name}"] = item.default
-        (by_keyword if item.kw_only else positional).append(f"{name}=_{name}" if f"_{name}" in used else name)
+        elif field.default is not MISSING:
+            namespace[f"_{name}"] = field.default
+        parameter = f"{name}=_{name}" if f"_{name}" in namespace else name
+        (by_keyword if field.kw_only else positional).append(parameter)
         lines.append(f"_set(self, {name!r}, {value})")
     parameters = [*positional, *(by_keyword if len(by_keyword) > 1 else ())]
-    exec(f"def __init__({', '.join(parameters)}): {'; '.join(lines)}", used)
-    return used["__init__"]
+    exec(f"def __init__({', '.join(parameters)}): {'; '.join(lines)}", namespace)
+    return namespace["__init__"]
 
 
 _SHARED: Mapping[str, Callable[..., Any]] = {
     "__eq__": _is_equal,
     "__hash__": _hash,
-    "__repr__": _shown,
+    "__repr__": _text_of,
     "__setattr__": _refuse,
     "__delattr__": _refuse,
 }

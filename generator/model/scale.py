@@ -38,10 +38,14 @@ class Scale:
     @property
     def places(self) -> int:
         """Number of decimals: as many as exact decimals need, otherwise enough for a tenth of a count."""
-        rest = self.denominator // gcd(self.numerator, self.offset, self.denominator)
-        exact = next((places for places in range(rest.bit_length()) if 10**places % rest == 0), None)
-        enough = (places for places in count() if 10**places * self.numerator >= 10 * self.denominator)
-        return exact if exact is not None else next(enough)
+        reduced_denominator = self.denominator // gcd(self.numerator, self.offset, self.denominator)
+        exact_places = next(
+            (places for places in range(reduced_denominator.bit_length()) if 10**places % reduced_denominator == 0),
+            None,
+        )
+        if exact_places is not None:
+            return exact_places
+        return next(places for places in count() if 10**places * self.numerator >= 10 * self.denominator)
 
     def decimal(self, number: int) -> str:
         """Return the quantity for a number as a decimal. If it is not exact, it is rounded."""
@@ -49,7 +53,9 @@ class Scale:
         scaled = (2 * size * 10**self.places + self.denominator) // (2 * self.denominator)
         sign = "-" if scaled and number * self.numerator + self.offset < 0 else ""
         digits = f"{scaled:0{self.places + 1}}"
-        return f"{sign}{digits[: len(digits) - self.places]}" + (f".{digits[-self.places :]}" if self.places else "")
+        if not self.places:
+            return sign + digits
+        return f"{sign}{digits[: -self.places]}.{digits[-self.places :]}"
 
     def is_exact(self, number: int) -> bool:
         """Return True if the decimal is exact."""

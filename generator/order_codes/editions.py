@@ -10,15 +10,16 @@ from .labels import Match
 
 def edition_before(device: Device, revision: str) -> str:
     """Return the revision that precedes this one."""
-    names = [item.revision for item in device.editions]
-    return names[names.index(revision) - 1]
+    revisions = [edition.revision for edition in device.editions]
+    return revisions[revisions.index(revision) - 1]
 
 
-def told_by_label(device: Device, match: Match) -> str:
+def edition_by_label(device: Device, match: Match) -> str:
     """Return the edition whose labels are written like this one, or an empty string if the label does not show it."""
-    patterns = {item.pattern for item in device.order_code.also_written if item.where == match.written_as_in}
-    found = (item.revision for item in device.editions if not patterns.isdisjoint(item.labels))
-    return next(found, "")
+    spellings = device.order_code.also_written
+    patterns = {spelling.pattern for spelling in spellings if spelling.where == match.written_as_in}
+    revisions = (edition.revision for edition in device.editions if not patterns.isdisjoint(edition.labels))
+    return next(revisions, "")
 
 
 def tests_of(device: Device, register: str) -> Iterator[tuple[str, EditionTest]]:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 
-def too_long(start: str, length: str, most: str) -> str:
+def too_long(start: str, length: str, longest: str) -> str:
     """Return the message for text that is longer than any label."""
-    return f"'{start}...' is not an order code: it has {length} characters, more than the {most} of any label"
+    return f"'{start}...' is not an order code: it has {length} characters, more than the {longest} of any label"
 
 
 def cannot_be_combined(code: str, parts: str, nearest: str) -> str:
@@ -17,13 +17,13 @@ def not_of_family(code: str, family: str, nearest: str) -> str:
     return f"'{code}' is not an order code of {family}; the nearest are {nearest}"
 
 
-def wrong_part(code: str, part: str, valid: str, nearest: str) -> str:
-    """Return the message for one wrong or missing part. ``part`` says which: ``has singleturn '19'``."""
-    return f"'{code}' {part}; valid values: {valid}. The nearest codes are {nearest}"
+def wrong_part(code: str, problem: str, valid: str, nearest: str) -> str:
+    """Return the message for one wrong or missing part. ``problem`` says which: ``has singleturn '19'``."""
+    return f"'{code}' {problem}; valid values: {valid}. The nearest codes are {nearest}"
 
 
-def has_part(name: str, given: str) -> str:
-    return f"has {name} '{given}'"
+def has_part(name: str, value: str) -> str:
+    return f"has {name} '{value}'"
 
 
 def has_no_part(name: str) -> str:

@@ -9,9 +9,11 @@ from typing import Protocol
 from ..model import (
     Biss,
     CodePart,
+    Connector,
     CrcExample,
     CrcValue,
     Device,
+    Erratum,
     Example,
     FrameExample,
     Input,
@@ -19,34 +21,37 @@ from ..model import (
     MeasureExample,
     ProcedureExample,
     RegisterExample,
+    Variant,
     assert_never,
 )
-from .holding_only import held_by
 from .parameters import parameters_of
+from .reduction import reduced_to_codes
 
 
 def for_codes(device: Device, codes: Collection[str]) -> Device:
     """Return the device with only these listed order codes, without interfaces and examples of the others."""
-    variants = tuple(item for item in device.variants if item.code in codes)
-    kinds = {item.interface for item in variants}
-    here = for_interfaces(device, kinds) if kinds != {item.name for item in device.interfaces} else device
-    here = held_by(here, [item.code for item in variants])
-    parameters = {item.name for kind in kinds for item in parameters_of(device, kind)}
-    examples = tuple(item for item in here.examples if getattr(item, "order_code", "") in {"", *codes})
+    variants = tuple(variant for variant in device.variants if variant.code in codes)
+    kinds = {variant.interface for variant in variants}
+    has_all_interfaces = kinds == _names(device.interfaces)
+    with_interfaces = device if has_all_interfaces else for_interfaces(device, kinds)
+    reduced = reduced_to_codes(with_interfaces, [variant.code for variant in variants])
+    parameter_names = {parameter.name for kind in kinds for parameter in parameters_of(device, kind)}
+    examples = tuple(example for example in reduced.examples if getattr(example, "order_code", "") in {"", *codes})
     return replace(
-        here,
+        reduced,
         variants=variants,
         examples=examples,
-        parameters=tuple(item for item in here.parameters if item.name in parameters),
+        parameters=tuple(parameter for parameter in reduced.parameters if parameter.name in parameter_names),
         order_code=replace(
-            device.order_code,
-            parts=tuple(_listed(item, {one.parts[item.name] for one in variants}) for item in device.order_code.parts),
+            device.order_code, parts=tuple(_with_used_values(part, variants) for part in device.order_code.parts)
         ),
     )
 
 
-def _listed(part: CodePart, texts: Collection[str]) -> CodePart:
-    return replace(part, values=tuple(item for item in part.values if item.text in texts))
+def _with_used_values(part: CodePart, variants: Collection[Variant]) -> CodePart:
+    """Return the part of the order code with only the values that one of the variants has."""
+    used_texts = {variant.parts[part.name] for variant in variants}
+    return replace(part, values=tuple(value for value in part.values if value.text in used_texts))
 
 
 def for_interface(device: Device, kind: str) -> Device:
@@ -56,73 +61,84 @@ def for_interface(device: Device, kind: str) -> Device:
 
 def for_interfaces(device: Device, kinds: Collection[str]) -> Device:
     """Return the device with only some of its interfaces, and without parts that belong only to the others."""
-    part = _with_used(_with_own(device, kinds), sent_crcs(device.interfaces))
-    kept = {
-        "interfaces": _names(part.interfaces),
-        "registers": _names(part.registers),
-        "procedures": _names(part.procedures),
-        "crcs": _names(part.crcs),
-        "field_groups": _names(part.field_groups),
-        "alarms": _names(part.alarms),
-        "connectors": _names(part.connectors),
-        "parameters": {item.name for kind in kinds for item in parameters_of(device, kind)},
-        "alternatives": _names(part.alternatives),
+    reduced = _with_used_parts(_with_interfaces(device, kinds), sent_crcs(device.interfaces))
+    remaining_names = {
+        "interfaces": _names(reduced.interfaces),
+        "registers": _names(reduced.registers),
+        "procedures": _names(reduced.procedures),
+        "crcs": _names(reduced.crcs),
+        "field_groups": _names(reduced.field_groups),
+        "alarms": _names(reduced.alarms),
+        "connectors": _names(reduced.connectors),
+        "parameters": {parameter.name for kind in kinds for parameter in parameters_of(device, kind)},
+        "alternatives": _names(reduced.alternatives),
     }
-    layouts = {layout.name for item in part.interfaces for layout in item.layouts}
-    examples = tuple(item for item in device.examples if _holds_for(item, kinds, device, kept | {"layouts": layouts}))
-    here = _is_here(kept | {"examples": _names(examples)})
-    errata = tuple(item for item in device.errata if not item.affects or any(map(here, item.affects)))
-    return replace(part, examples=examples, errata=errata)
+    layouts = {layout.name for interface in reduced.interfaces for layout in interface.layouts}
+    names_in_examples = remaining_names | {"layouts": layouts}
+    examples = [example for example in device.examples if _holds_for(example, kinds, device, names_in_examples)]
+    affects_remaining = _leads_to(remaining_names | {"examples": _names(examples)})
+
+    def concerns_remaining(erratum: Erratum) -> bool:
+        return not erratum.affects or any(map(affects_remaining, erratum.affects))
+
+    return replace(reduced, examples=tuple(examples), errata=tuple(filter(concerns_remaining, device.errata)))
 
 
-def _with_own(device: Device, kinds: Collection[str]) -> Device:
+def _with_interfaces(device: Device, kinds: Collection[str]) -> Device:
     """Return the device with only those parts that refer to one of these interfaces or to none."""
+
+    def is_wired(connector: Connector) -> bool:
+        return not connector.interfaces or not set(kinds).isdisjoint(connector.interfaces)
+
     return replace(
         device,
-        interfaces=tuple(item for item in device.interfaces if item.name in kinds),
-        registers=tuple(item for item in device.registers if item.interface in kinds),
-        procedures=tuple(item for item in device.procedures if item.interface in kinds),
-        connectors=tuple(
-            item for item in device.connectors if not item.interfaces or not set(kinds).isdisjoint(item.interfaces)
-        ),
+        interfaces=tuple(interface for interface in device.interfaces if interface.name in kinds),
+        registers=tuple(register for register in device.registers if register.interface in kinds),
+        procedures=tuple(procedure for procedure in device.procedures if procedure.interface in kinds),
+        connectors=tuple(filter(is_wired, device.connectors)),
     )
 
 
 def sent_crcs(interfaces: Collection[Interface]) -> set[str]:
     """Return the names of the CRCs that are in a frame of one of the interfaces."""
-    sent = (field for item in interfaces for layout in item.layouts for field in layout.fields)
-    crcs = {field.kind.crc for field in sent if isinstance(field.kind, CrcValue)}
-    return crcs | {part.crc for item in interfaces if isinstance(item, Biss) for part in item.control_data}
+    sent_fields = (field for interface in interfaces for layout in interface.layouts for field in layout.fields)
+    crcs = {field.kind.crc for field in sent_fields if isinstance(field.kind, CrcValue)}
+    for interface in interfaces:
+        if isinstance(interface, Biss):
+            crcs |= {control_field.crc for control_field in interface.control_data}
+    return crcs
 
 
-def _with_used(device: Device, crcs_sent: Collection[str]) -> Device:
+def _with_used_parts(device: Device, crcs_sent: Collection[str]) -> Device:
     """Return the device with only the CRCs, groups, alarms and alternatives that its frames and registers use.
 
     A CRC that is in no frame, such as that of a memory, belongs to all interfaces. ``crcs_sent`` are the others.
     """
-    sent = [field for item in device.interfaces for layout in item.layouts for field in layout.fields]
+    sent_fields = [field for interface in device.interfaces for layout in interface.layouts for field in layout.fields]
     crcs = sent_crcs(device.interfaces)
-    groups, registers = {"", *(field.group for field in sent)}, {"", *_names(device.registers)}
-    layouts = [layout for item in device.interfaces for layout in item.layouts]
-    layouts += [item.layout for item in device.registers]
-    decisions = {item.name for layout in layouts for item in device.alternatives_of(layout)}
+    groups, registers = {"", *(field.group for field in sent_fields)}, {"", *_names(device.registers)}
+    layouts = [layout for interface in device.interfaces for layout in interface.layouts]
+    layouts += [register.layout for register in device.registers]
+    decisions = {alternative.name for layout in layouts for alternative in device.alternatives_of(layout)}
     return replace(
         device,
-        crcs=tuple(item for item in device.crcs if item.name in crcs or item.name not in crcs_sent),
-        field_groups=tuple(item for item in device.field_groups if item.name in groups),
-        alarms=tuple(item for item in device.alarms if item.group in groups and item.register in registers),
-        alternatives=tuple(item for item in device.alternatives if item.name in decisions),
-        inputs=tuple(_with_registers(item, registers) for item in device.inputs),
+        crcs=tuple(crc for crc in device.crcs if crc.name in crcs or crc.name not in crcs_sent),
+        field_groups=tuple(group for group in device.field_groups if group.name in groups),
+        alarms=tuple(alarm for alarm in device.alarms if alarm.group in groups and alarm.register in registers),
+        alternatives=tuple(alternative for alternative in device.alternatives if alternative.name in decisions),
+        inputs=tuple(_with_registers(device_input, registers) for device_input in device.inputs),
     )
 
 
-def _with_registers(item: Input, registers: Collection[str]) -> Input:
+def _with_registers(device_input: Input, registers: Collection[str]) -> Input:
     """Return the input without the effects of other interfaces' registers."""
 
-    def held(path: str) -> str:
+    def path_if_present(path: str) -> str:
         return path if path.partition(".")[0] in registers else ""
 
-    return replace(item, inverts=held(item.inverts), needs=held(item.needs))
+    return replace(
+        device_input, inverts=path_if_present(device_input.inverts), needs=path_if_present(device_input.needs)
+    )
 
 
 class _Named(Protocol):
@@ -130,37 +146,39 @@ class _Named(Protocol):
     def name(self) -> str: ...
 
 
-def _names(items: Iterable[_Named]) -> set[str]:
-    return {item.name for item in items}
+def _names(named_parts: Iterable[_Named]) -> set[str]:
+    return {part.name for part in named_parts}
 
 
-def _is_here(kept: Mapping[str, set[str]]) -> Callable[[str], bool]:
+def _leads_to(remaining_names: Mapping[str, set[str]]) -> Callable[[str], bool]:
     """Return a function that tests whether a path of an erratum leads to a part of these interfaces.
 
     Paths that belong to no interface pass the test.
     """
 
-    def found(path: str) -> bool:
+    def leads_to_remaining_part(path: str) -> bool:
         parts = path.split(".")
-        return len(parts) == 1 or parts[1] in kept.get(parts[0], {parts[1]})
+        return len(parts) == 1 or parts[1] in remaining_names.get(parts[0], {parts[1]})
 
-    return found
+    return leads_to_remaining_part
 
 
-def _holds_for(example: Example, interfaces: Collection[str], device: Device, kept: Mapping[str, set[str]]) -> bool:
+def _holds_for(
+    example: Example, interfaces: Collection[str], device: Device, remaining_names: Mapping[str, set[str]]
+) -> bool:
     """Return whether an example is about a part of these interfaces, and its order code has one of the interfaces."""
     match example:
         case FrameExample():
-            found = example.layout in {"", *kept["layouts"]}
+            is_about_part = example.layout in {"", *remaining_names["layouts"]}
         case RegisterExample():
-            found = example.register in kept["registers"]
+            is_about_part = example.register in remaining_names["registers"]
         case ProcedureExample():
-            found = example.procedure in kept["procedures"]
+            is_about_part = example.procedure in remaining_names["procedures"]
         case CrcExample():
-            return example.crc in kept["crcs"]
+            return example.crc in remaining_names["crcs"]
         case MeasureExample():
-            found = True
+            is_about_part = True
         case _:
             assert_never(example)
     codes = (variant for variant in device.variants if variant.code == example.order_code)
-    return found and all(variant.interface in interfaces for variant in codes)
+    return is_about_part and all(variant.interface in interfaces for variant in codes)

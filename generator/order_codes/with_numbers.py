@@ -2,80 +2,95 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
+from operator import is_
 from typing import Any
 
-from ..model import Device, Interface, Layout, Ssi, Variant
-from ..model.expressions import Expression, Factor
-from .holding_only import names_of_members, parts_of
+from ..model import Device, Interface, Join, Layout, Ssi, Variant
+from ..model.expressions import Expression, Term
+from .reduction import names_of_members, parts_of
 
 #: The parts of a device that contain expressions.
 _PARTS = ("interfaces", "registers", "procedures", "measurement")
 
 
-def applied(device: Device, variant: Variant) -> Device:
+def with_quantities(device: Device, variant: Variant) -> Device:
     """Return the device with the quantities of an order code filled in. Questions that the manual leaves open remain.
 
     Quantities held in registers have their factory defaults.
     """
-    asked = {item.name for item in device.parameters if item.alternative}
-    known = {name: value for name, value in variant.parameters.items() if name not in asked}
-    parts = {name: _filled(getattr(device, name), known) for name in _PARTS}
-    return replace(device, **{**parts, "interfaces": tuple(with_code(item, variant) for item in parts["interfaces"])})
+    open_parameters = {parameter.name for parameter in device.parameters if parameter.alternative}
+    known_parameters = {name: value for name, value in variant.parameters.items() if name not in open_parameters}
+    parts = {name: _with_numbers(getattr(device, name), known_parameters) for name in _PARTS}
+    parts["interfaces"] = tuple(with_output_code(interface, variant) for interface in parts["interfaces"])
+    return replace(device, **parts)
 
 
-def with_code(interface: Interface, variant: Variant) -> Interface:
+def with_output_code(interface: Interface, variant: Variant) -> Interface:
     """Return the interface with the code that an order code has, if the manual says that it depends on it."""
     if not isinstance(interface, Ssi) or interface.output_code is None or interface.name != variant.interface:
         return interface
-    is_gray = {item.place(variant.parameters).gray for item in interface.layouts if item.sender == "encoder"}
-    if interface.output_code.code != "by_order_code" or len(is_gray) != 1:
+    sent_layouts = [layout for layout in interface.layouts if layout.sender == "encoder"]
+    gray_settings = {layout.place(variant.parameters).gray for layout in sent_layouts}
+    if interface.output_code.code != "by_order_code" or len(gray_settings) != 1:
         return interface
-    return replace(interface, output_code=replace(interface.output_code, code="gray" if True in is_gray else "binary"))
+    code = "gray" if True in gray_settings else "binary"
+    return replace(interface, output_code=replace(interface.output_code, code=code))
 
 
-def _filled(item: Any, known: Mapping[str, int]) -> Any:
-    if isinstance(item, Expression):
-        return _number(item, known)
-    if isinstance(item, tuple):
-        several = tuple(_filled(one, known) for one in item)
-        return several if any(new is not old for new, old in zip(several, item, strict=True)) else item
-    if not names_of_members(item.__class__):
-        return item
-    changed = {name: new for name, old in parts_of(item) if (new := _filled(old, known)) is not old}
-    made = replace(item, **changed) if changed else item
-    return _without_empty(_decoded(made, known)) if isinstance(made, Layout) else made
+def _with_numbers(part: Any, known_parameters: Mapping[str, int]) -> Any:
+    """Return the part with known parameters replaced by numbers. If nothing changes, it is the same object."""
+    if isinstance(part, Expression):
+        return _number(part, known_parameters)
+    if isinstance(part, tuple):
+        filled_values = tuple(_with_numbers(value, known_parameters) for value in part)
+        return part if all(map(is_, filled_values, part)) else filled_values
+    if not names_of_members(part.__class__):
+        return part
+    changed: dict[str, Any] = {}
+    for member_name, member in parts_of(part):
+        filled_member = _with_numbers(member, known_parameters)
+        if filled_member is not member:
+            changed[member_name] = filled_member
+    filled_part = replace(part, **changed) if changed else part
+    if not isinstance(filled_part, Layout):
+        return filled_part
+    return _without_empty_fields(_with_fixed_code(filled_part, known_parameters))
 
 
-def _decoded(layout: Layout, known: Mapping[str, int]) -> Layout:
+def _with_fixed_code(layout: Layout, known_parameters: Mapping[str, int]) -> Layout:
     """Return the layout with a fixed code, which is Gray or binary."""
-    if layout.gray_when not in known:
+    if layout.gray_when not in known_parameters:
         return layout
-    return replace(layout, gray_of=layout.gray_of if known[layout.gray_when] else "", gray_when="")
+    return replace(layout, gray_of=layout.gray_of if known_parameters[layout.gray_when] else "", gray_when="")
 
 
-def _without_empty(layout: Layout) -> Layout:
+def _without_empty_fields(layout: Layout) -> Layout:
     """Return the layout without zero-width fields, in the layout itself and in its joins."""
-    empty = {item.name for item in layout.fields if item.width == Expression(0)}
-    if not empty:
+    empty_fields = {field.name for field in layout.fields if field.width == Expression(0)}
+    if not empty_fields:
         return layout
-    joins = (replace(item, fields=tuple(name for name in item.fields if name not in empty)) for item in layout.joins)
+    joins = [_without_fields(join, empty_fields) for join in layout.joins]
     return replace(
         layout,
-        fields=tuple(item for item in layout.fields if item.name not in empty),
-        joins=tuple(item for item in joins if len(item.fields) > 1),
+        fields=tuple(field for field in layout.fields if field.name not in empty_fields),
+        joins=tuple(join for join in joins if len(join.fields) > 1),
     )
 
 
-def _number(item: Expression, known: Mapping[str, int]) -> Expression:
+def _without_fields(join: Join, removed: Collection[str]) -> Join:
+    return replace(join, fields=tuple(name for name in join.fields if name not in removed))
+
+
+def _number(expression: Expression, known_parameters: Mapping[str, int]) -> Expression:
     """Return the expression with known terms replaced by numbers."""
-    if item.is_constant:
-        return item
-    open_terms = tuple(term for term in item.terms if not all(_is_known(factor, known) for factor in term.factors))
-    rest = Expression(item.constant, tuple(term for term in item.terms if term not in open_terms))
-    return Expression(rest.value(known), open_terms)
+    if expression.is_constant:
+        return expression
+    open_terms = tuple(term for term in expression.terms if not _is_known(term, known_parameters))
+    known_sum = Expression(expression.constant, tuple(term for term in expression.terms if term not in open_terms))
+    return Expression(known_sum.value(known_parameters), open_terms)
 
 
-def _is_known(factor: Factor, known: Mapping[str, int]) -> bool:
-    return factor.parameter in known
+def _is_known(term: Term, known_parameters: Mapping[str, int]) -> bool:
+    return all(factor.parameter in known_parameters for factor in term.factors)

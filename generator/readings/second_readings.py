@@ -12,7 +12,7 @@ from ..language.check import check_second
 from ..language.document import Document
 from ..language.problems import Path, Report, quoted
 from ..language.read import NOTHING_KEPT, read_document
-from ..language.second_reading import beside
+from ..language.second_reading import second_reading_path
 from ..loading.device import build_device
 from ..loading.library import Family
 from ..model import Manufacturer
@@ -44,7 +44,7 @@ Reader = Callable[[Family, Report], Second | None]
 
 def read_beside(family: Family, report: Report, cache: Cache = NOTHING_KEPT) -> Second | None:
     """Read the second reading next to the spec of a family."""
-    place = beside(File(family.document.file))
+    place = second_reading_path(File(family.document.file))
     document = read_document(place, report, cache=cache) if place.is_file() else None
     return second_of(document, family.device.manufacturer, report) if document is not None else None
 

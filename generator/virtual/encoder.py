@@ -31,7 +31,7 @@ from ..model import (
     assert_never,
 )
 from ..order_codes.labels import Match, UnknownOrderCode, find
-from ..order_codes.run_time import decided
+from ..order_codes.run_time import with_answers
 from ..reference import codec
 from .faults import Faults
 from .memory import Memory
@@ -85,7 +85,7 @@ class VirtualEncoder:
         self.device, match = _found(order_code, tuple(specs), edition)
         self.answers = dict(choose or {})
         self._check_answers(match.variant)
-        self.variant = decided(self.device, match.variant, self.answers)
+        self.variant = with_answers(self.device, match.variant, self.answers)
         self._placed: tuple[Variant, dict[str, PlacedLayout]] = (self.variant, {})
         self.position = position
         self.faults = Faults(self.variant.interface, faults, seed)

@@ -25,7 +25,7 @@ from codewheel.model import (
     Variant,
     number_to_bytes,
 )
-from codewheel.order_codes.run_time import decided, with_registers
+from codewheel.order_codes.run_time import with_answers, with_registers
 from codewheel.plan.crcs import crc_functions
 from codewheel.reference import codec
 from codewheel.reference.crc import compute_bits, compute_bytes
@@ -115,7 +115,7 @@ def answered(device: Device) -> Iterator[Variant]:
         for index, answer in enumerate(alternative.answers):
             for variant in variants[-2:]:
                 code = f"{variant.code};{alternative.name}={index:02X}"
-                yield replace(decided(device, variant, {alternative.name: answer.name}), code=code)
+                yield replace(with_answers(device, variant, {alternative.name: answer.name}), code=code)
 
 
 def register_bytes(device: Device, register: Register, random_: random.Random) -> bytes:

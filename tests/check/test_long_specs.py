@@ -119,7 +119,7 @@ def test_repeated_keys_are_cut_in_the_reader(tmp_path: Path, capsys: pytest.Capt
 
 def test_no_rule_is_checked_after_many_problems(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     compared: list[str] = []
-    monkeypatch.setattr(problems, "is_slip", lambda word, known: bool(compared.append(word)))
+    monkeypatch.setattr(problems, "is_typo", lambda word, known: bool(compared.append(word)))
     errata = (
         f"  - {{name: e{index}, source: '1', printed: a, used: b, why: c, status: open, severity: wording,"
         f" affects: [crcs.other{index}]}}\n"
@@ -149,8 +149,8 @@ def test_hints_for_unknown_keys_end(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 def test_values_of_a_part_are_collected_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[str] = []
-    fits = order_code._fits
-    monkeypatch.setattr(order_code, "_fits", lambda part: asked.append(part["name"]) or fits(part))
+    fits = order_code._value_test
+    monkeypatch.setattr(order_code, "_value_test", lambda part: asked.append(part["name"]) or fits(part))
     values = ", ".join(f"A{index}: {{}}" for index in range(300))
     _, report = loaded(tmp_path, with_codes(f"{{name: part, meaning: Part, values: {{{values}}}}}"))
     assert not report

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands.outputs import load_for, targets_named
 from codewheel.model import Device, Unused, Verdict
-from codewheel.order_codes.run_time import decided, with_registers
+from codewheel.order_codes.run_time import with_answers, with_registers
 from codewheel.reference import codec
 
 HERE = Path(__file__).parent
@@ -234,6 +234,6 @@ def test_an_alternative_moves_fields(tmp_path: Path) -> None:
     layout = device.register("access").layout
     assert [item.name for item in device.alternatives_of(layout)] == ["place"]
     for answer, number in (("above", 0x0B), ("below", 0x85)):
-        placed = layout.place(decided(device, variant, {"place": answer}).parameters)
+        placed = layout.place(with_answers(device, variant, {"place": answer}).parameters)
         values = {item.name: item.value for item in codec.decode(device, placed, number).fields}
         assert values == {"address": 5, "busy": True}

@@ -12,7 +12,7 @@ from codewheel.commands.outputs import targets_named
 from codewheel.loading.library import load_library, load_sound
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
-from codewheel.order_codes.with_numbers import applied
+from codewheel.order_codes.with_numbers import with_quantities
 from codewheel.targets import Library
 from codewheel.targets.docs.order_code_page import TAKEN
 from codewheel.targets.docs.order_code_patterns import patterns
@@ -189,7 +189,7 @@ def device(name: str) -> Device:
 def test_what_an_order_code_does_not_decide_stays_open() -> None:
     """AMM5 7.3: the user must decide the position of the address in an EEPROM request."""
     amm5 = device("amm5")
-    here = applied(amm5, amm5.variant("AMM5A21/65KJP1"))
+    here = with_quantities(amm5, amm5.variant("AMM5A21/65KJP1"))
     request = here.layout("eeprom_read_request")
     assert {name for item in request.fields for name in item.low.parameters} != set()
     assert here.layout("multiturn_reply").fields[0].low.is_constant
@@ -198,10 +198,10 @@ def test_what_an_order_code_does_not_decide_stays_open() -> None:
 def test_the_device_itself_is_as_it_was() -> None:
     amm5 = device("amm5")
     before = amm5.layout("single_cycle_data").bits
-    applied(amm5, amm5.variant("AMM5A21/65KSC1"))
+    with_quantities(amm5, amm5.variant("AMM5A21/65KSC1"))
     assert amm5.layout("single_cycle_data").bits is before
     assert not before.is_constant
-    assert applied(amm5, amm5.variant("AMM5A21/65KSC1")).layout("single_cycle_data").bits == Expression(45)
+    assert with_quantities(amm5, amm5.variant("AMM5A21/65KSC1")).layout("single_cycle_data").bits == Expression(45)
 
 
 def test_errata_and_code_of_an_interface_are_on_its_pages(pages: Files) -> None:

@@ -34,7 +34,7 @@ from codewheel.model import (
     number_to_bytes,
 )
 from codewheel.model.limits import bounded, bounds
-from codewheel.order_codes.run_time import decided, with_registers
+from codewheel.order_codes.run_time import with_answers, with_registers
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
 from codewheel.reference.procedures import register_writes
@@ -195,7 +195,7 @@ def _decided(
             given = {item.name: answer.name for item, answer in zip(asked, answers, strict=True)}
             kinds = [getattr(family.module, family.names.asked[item.name].kind) for item in asked]
             members = tuple(kind[name.upper()] for kind, name in zip(kinds, given.values(), strict=True))
-            yield layout, register, decided(family.device, state, given), members
+            yield layout, register, with_answers(family.device, state, given), members
 
 
 def value_of(case: Case, field: Field, width: int, kind: str, source: random.Random) -> int | str | bool:

@@ -13,7 +13,7 @@ from codewheel.commands import check
 from codewheel.commands.cli import main
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
-from codewheel.language.second_reading import is_left_out
+from codewheel.language.second_reading import is_only_in_device_files
 from codewheel.loading.library import load_families
 
 # Reads whole specs twice, which does not depend on wording or rules of check.
@@ -349,7 +349,11 @@ def write_facts_only(folder: pathlib.Path) -> None:
 
     def kept(node: object) -> object:
         if isinstance(node, dict):
-            return {key: kept(item) for key, item in node.items() if not is_left_out(key) and key != "manufacturer"}
+            return {
+                key: kept(item)
+                for key, item in node.items()
+                if not is_only_in_device_files(key) and key != "manufacturer"
+            }
         return [kept(item) for item in node] if isinstance(node, list) else node
 
     document = read_document(folder / "twice.yaml", Report())

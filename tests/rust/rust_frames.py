@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from codewheel.model import Choice, Device, Fault, Field, PlacedLayout, Text, Variant, number_to_bytes
 from codewheel.model.limits import bounded, bounds
-from codewheel.order_codes.run_time import decided
+from codewheel.order_codes.run_time import with_answers
 from codewheel.reference import codec
 from codewheel_rust.family import Struct
 from rust_harness import Program
@@ -138,7 +138,7 @@ def _answered(device: Device, variants: Iterable[Variant]) -> Iterator[Variant]:
     """Return the variants with each answer to the open questions of the manual."""
     answers = [[(item.name, answer.name) for answer in item.answers] for item in device.alternatives]
     for variant, given in itertools.product(variants, itertools.product(*answers)):
-        yield decided(device, variant, dict(given))
+        yield with_answers(device, variant, dict(given))
 
 
 def numbers(case: Case, count: int, random_: random.Random) -> Iterator[int]:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 from ..hints import POLYNOMIAL, polynomial_powers
-from ..problems import DocumentReport, Path, is_slip, quoted
+from ..problems import DocumentReport, Path, is_typo, quoted
 from .walk import Has, Spec, by_name, explained, field_lists, items, leaves, leaves_of, mapping
 
 #: A hexadecimal number in a text.
@@ -33,46 +34,56 @@ _NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 
 def misspelt_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a printed name does not differ by one letter from an entry of the contents, or from its flag."""
-    entries: dict[str, str] = {}
-    for item in mapping(raw, "manual", "contents").values():
-        entries |= {title.casefold(): title for title in mapping(item, "entries")}
-    language = mapping(raw, "manual").get("language")
-    explained_names = "\n".join(item.get("used", "") for _, item in items(spec, "errata")).casefold()
-    for path, name in leaves_of(spec, report) if len(entries) <= _MOST_ENTRIES else ():
-        # A name in another language can differ by one letter too: temperature, temperatura.
-        if not isinstance(name, str) or (path[-2:] != ("names", language) and path[-1] != "printed_name"):
-            continue
-        right = next((title for title in entries if _misspells(name, title)), None)
-        if right and name.casefold() not in entries and name.casefold() not in explained_names:
-            wrong = f"the table of contents has {quoted(entries[right])}; correct one of the two"
-            report.add("misspelt-name", path, f"{wrong}, or add an erratum whose 'used' has this name")
+    _compare_with_contents(spec, raw, report)
     for path, alarm in items(spec, "alarms"):
         kind = "group" if "group" in alarm else "register"
         owner = by_name(spec, "field_groups" if kind == "group" else "registers").get(alarm.get(kind, ""), {})
         flag = by_name(owner, "fields").get(alarm.get("field", ""), {})
-        for below, name in _names(alarm):
-            other = dict(_names(flag)).get(below, "")
-            if _misspells(name, other):
-                wrong = f"the flag of this alarm has {quoted(other)}; correct one of the two"
-                report.add("misspelt-name", (*path, *below), wrong)
+        for name_path, name in _names_of(alarm):
+            flag_name = dict(_names_of(flag)).get(name_path, "")
+            if _misspells(name, flag_name):
+                message = f"the flag of this alarm has {quoted(flag_name)}; correct one of the two"
+                report.add("misspelt-name", (*path, *name_path), message)
 
 
-def _misspells(name: str, other: str) -> bool:
+def _compare_with_contents(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Report the printed names that differ by one letter from an entry of the contents."""
+    entries: dict[str, str] = {}
+    for contents in mapping(raw, "manual", "contents").values():
+        entries |= {title.casefold(): title for title in mapping(contents, "entries")}
+    language = mapping(raw, "manual").get("language")
+    explained_names = "\n".join(erratum.get("used", "") for _, erratum in items(spec, "errata")).casefold()
+    if len(entries) > _MOST_ENTRIES:
+        return
+    for path, name in leaves_of(spec, report):
+        # A name in another language can differ by one letter too: temperature, temperatura.
+        if not isinstance(name, str) or (path[-2:] != ("names", language) and path[-1] != "printed_name"):
+            continue
+        title = next((title for title in entries if _misspells(name, title)), None)
+        if title and name.casefold() not in entries and name.casefold() not in explained_names:
+            message = (
+                f"the table of contents has {quoted(entries[title])}; correct one of the two, "
+                "or add an erratum whose 'used' has this name"
+            )
+            report.add("misspelt-name", path, message)
+
+
+def _misspells(name: str, correct_name: str) -> bool:
     """Return whether one letter in a word of a name is wrong. An entry of the contents can be in the plural."""
-    if abs(len(name) - len(other)) > 1:
+    if abs(len(name) - len(correct_name)) > 1:
         return False
-    one, two = name.casefold().split(), other.casefold().split()
-    if len(one) != len(two):
+    words, correct_words = name.casefold().split(), correct_name.casefold().split()
+    if len(words) != len(correct_words):
         return False
-    wrong = [pair for pair in zip(one, two, strict=True) if pair[0] != pair[1]]
-    if len(wrong) != 1:
+    different_words = [pair for pair in zip(words, correct_words, strict=True) if pair[0] != pair[1]]
+    if len(different_words) != 1:
         return False
-    word, right = wrong[0]
-    return len(right) >= _LONG and word.rstrip("s") != right.rstrip("s") and is_slip(word, right)
+    word, correct_word = different_words[0]
+    return len(correct_word) >= _LONG and word.rstrip("s") != correct_word.rstrip("s") and is_typo(word, correct_word)
 
 
-def _names(item: Spec) -> Iterator[tuple[Path, str]]:
-    for path, name in leaves({key: item[key] for key in ("printed_name", "names") if key in item}):
+def _names_of(owner: Spec) -> Iterator[tuple[Path, str]]:
+    for path, name in leaves({key: owner[key] for key in ("printed_name", "names") if key in owner}):
         if isinstance(name, str):
             yield path, name
 
@@ -83,12 +94,15 @@ def number_in_meaning(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         for path, field in fields:
             key = next((key for key in ("constant", "equals", "unused") if isinstance(field.get(key), int)), None)
             meaning = field.get("meaning", "")
-            printed = {int(with_prefix or with_h, 16) for with_prefix, with_h in _HEX.findall(meaning)}
+            printed_numbers = {int(with_prefix or with_h, 16) for with_prefix, with_h in _HEX.findall(meaning)}
             if _PLACE.search(meaning):
                 continue
-            if key is not None and len(printed) == 1 and field[key] not in printed:
-                wrong = f"the meaning has {printed.pop():#x}, but {quoted(key)} is {field[key]:#x}"
-                report.add("printed-number", (*path, key), f"{wrong}; one of the two is wrong")
+            if key is not None and len(printed_numbers) == 1 and field[key] not in printed_numbers:
+                message = (
+                    f"the meaning has {printed_numbers.pop():#x}, but {quoted(key)} is {field[key]:#x}; "
+                    "one of the two is wrong"
+                )
+                report.add("printed-number", (*path, key), message)
 
 
 def polynomial_in_note(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -97,21 +111,29 @@ def polynomial_in_note(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     A hexadecimal number with one bit more than the CRC is a polynomial with its top bit.
     """
     for path, crc in items(spec, "crcs"):
-        note, top = crc.get("note", ""), 1 << crc["width"]
-        numbers = (
-            {} if _PLACE.search(note) else {found[0]: int(found[1] or found[2], 16) for found in _HEX.finditer(note)}
-        )
-        printed = {text: number for text, number in numbers.items() if number & 1 and top < number < 2 * top}
-        for found in POLYNOMIAL.finditer(note):
-            powers = polynomial_powers(found[0])
-            if max(powers) == crc["width"] and 0 in powers:
-                printed[found[0]] = sum(1 << power for power in powers)
-        whole = crc["poly"] + top
-        if printed and whole not in printed.values():
-            wrong = (
-                f"the note has {next(iter(printed))}, but 'poly' is {crc['poly']:#x}, or {whole:#x} with its top bit"
+        printed_polynomials = _printed_polynomials(crc.get("note", ""), crc["width"])
+        polynomial = crc["poly"] + (1 << crc["width"])
+        if printed_polynomials and polynomial not in printed_polynomials.values():
+            message = (
+                f"the note has {next(iter(printed_polynomials))}, but 'poly' is {crc['poly']:#x}, "
+                f"or {polynomial:#x} with its top bit; one of the two is wrong"
             )
-            report.add("printed-number", (*path, "poly"), f"{wrong}; one of the two is wrong")
+            report.add("printed-number", (*path, "poly"), message)
+
+
+def _printed_polynomials(note: str, width: int) -> dict[str, int]:
+    """Return the polynomials of this width in a note, with their top bit, by their text."""
+    polynomials: dict[str, int] = {}
+    top_bit = 1 << width
+    for match in _HEX.finditer(note) if not _PLACE.search(note) else ():
+        number = int(match[1] or match[2], 16)
+        if number & 1 and top_bit < number < 2 * top_bit:
+            polynomials[match[0]] = number
+    for match in POLYNOMIAL.finditer(note):
+        powers = polynomial_powers(match[0])
+        if max(powers) == width and 0 in powers:
+            polynomials[match[0]] = sum(1 << power for power in powers)
+    return polynomials
 
 
 def unused_bits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -119,21 +141,23 @@ def unused_bits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for fields in field_lists(spec):
         if fields.kind is not Has.REGISTER:
             continue
-        unused = set(_bits(fields.owner.get("note", "")))
+        bits_in_note = set(_unused_bits_in(fields.owner.get("note", "")))
         for path, field in fields:
             high, _, low = str(field.get("at", "")).partition(":")
-            clash = [bit for bit in unused if high.isdigit() and int(low or high) <= bit <= int(high)]
-            if clash and not {"constant", "unused"} & {*field} and field.get("equals") != 0:
-                wrong = (
-                    f"the note says that bit {min(clash)} is not used, but {quoted(str(field.get('name', '')))} uses it"
+            used_bits = [bit for bit in bits_in_note if high.isdigit() and int(low or high) <= bit <= int(high)]
+            if used_bits and not {"constant", "unused"} & {*field} and field.get("equals") != 0:
+                field_name = quoted(str(field.get("name", "")))
+                message = (
+                    f"the note says that bit {min(used_bits)} is not used, but {field_name} uses it; "
+                    "one of the two is wrong"
                 )
-                report.add("unused-bits", (*path, "at"), f"{wrong}; one of the two is wrong")
+                report.add("unused-bits", (*path, "at"), message)
 
 
-def _bits(text: str) -> Iterator[int]:
+def _unused_bits_in(text: str) -> Iterator[int]:
     """Yield the bits that a text calls unused."""
-    for found in _UNUSED.finditer(text):
-        for high, low in re.findall(r"(\d{1,3})(?::(\d{1,3}))?", found[1]):
+    for match in _UNUSED.finditer(text):
+        for high, low in re.findall(r"(\d{1,3})(?::(\d{1,3}))?", match[1]):
             yield from range(int(low or high), int(high) + 1)
 
 
@@ -142,22 +166,26 @@ def access_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     registers = by_name(spec, "registers")
     for path, register in items(spec, "registers"):
         fields = [field for _, field in items(register, "fields")]
-        fixed = bool(fields) and all("equals" in field for field in fields)
+        is_fixed = bool(fields) and all("equals" in field for field in fields)
         is_explained = "note" in register or explained(report.document, "registers", register["name"], "access")
-        if fixed and register["access"] == "read_write" and not is_explained:
-            wrong = f"all fields of {quoted(register['name'])} have a fixed value ('equals'), so it should be read_only"
-            right = "if the manual says read_write, say so in a 'note'"
-            report.add("access-mismatch", (*path, "access"), f"{wrong}; {right}")
+        if is_fixed and register["access"] == "read_write" and not is_explained:
+            message = (
+                f"all fields of {quoted(register['name'])} have a fixed value ('equals'), so it should be read_only; "
+                "if the manual says read_write, say so in a 'note'"
+            )
+            report.add("access-mismatch", (*path, "access"), message)
     for path, erratum in items(spec, "errata"):
         # A sentence about bits or fields is not about the register.
         used = erratum.get("used", "")
-        said = set() if re.search(r"\b(?:bit|field)", used, re.IGNORECASE) else {*_ONLY.findall(used)}
-        for text in erratum.get("affects", ()) if len(said) == 1 else ():
+        stated_accesses = set() if re.search(r"\b(?:bit|field)", used, re.IGNORECASE) else {*_ONLY.findall(used)}
+        for text in erratum.get("affects", ()) if len(stated_accesses) == 1 else ():
             kind, _, name = text.partition(".")
-            access = f"{next(iter(said))}_only"
+            access = f"{next(iter(stated_accesses))}_only"
             if kind == "registers" and name in registers and registers[name]["access"] != access:
-                wrong = f"this says {access}, but {quoted(name)} is {registers[name]['access']}"
-                report.add("access-mismatch", (*path, "used"), f"{wrong}; one of the two is wrong")
+                message = (
+                    f"this says {access}, but {quoted(name)} is {registers[name]['access']}; one of the two is wrong"
+                )
+                report.add("access-mismatch", (*path, "used"), message)
 
 
 def zero_within_limits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -168,21 +196,28 @@ def zero_within_limits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             is_limited = register.get("limits_of") in (None, field.get("name"))
             # 0 can stand for the number after the highest one, such as 65536 in 16 bits.
             if isinstance(zero, int) and isinstance(highest, int) and is_limited and zero > highest + 1:
-                wrong = f"zero stands for {zero}, which is above 'max' ({highest})"
-                report.add("limit-does-not-fit", (*path, "max"), f"{wrong}; one of the two is wrong")
+                message = f"zero stands for {zero}, which is above 'max' ({highest}); one of the two is wrong"
+                report.add("limit-does-not-fit", (*path, "max"), message)
 
 
 def requests_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the number of requests in a text of a procedure is the one that its step sends."""
     for path, procedure in items(spec, "procedures"):
         times = {step["times"] for _, step in items(procedure, "steps") if "times" in step}
-        only = len(times) == 1 and len(procedure["steps"]) == 1
-        for below, text in leaves(procedure) if only else ():
-            for found in _REQUESTS.findall(text) if isinstance(text, str) else ():
-                number = int(found) if found.isdigit() else _NUMBERS.index(found.casefold()) + 2
-                if number not in times:
-                    wrong = f"the text says {found} requests, but 'times' is {next(iter(times))}"
-                    report.add("quantity-repeated", (*path, *below), f"{wrong}; one of the two is wrong")
+        is_single_step = len(times) == 1 and len(procedure["steps"]) == 1
+        for text_path, text in leaves(procedure) if is_single_step else ():
+            for printed_number in _REQUESTS.findall(text) if isinstance(text, str) else ():
+                if _number_of(printed_number) not in times:
+                    message = (
+                        f"the text says {printed_number} requests, but 'times' is {next(iter(times))}; "
+                        "one of the two is wrong"
+                    )
+                    report.add("quantity-repeated", (*path, *text_path), message)
+
+
+def _number_of(text: str) -> int:
+    """Return a number in digits, or in words from two to twelve."""
+    return int(text) if text.isdigit() else _NUMBERS.index(text.casefold()) + 2
 
 
 def table_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -192,30 +227,62 @@ def table_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """
     tables = list(items(spec, "tables"))[:_MOST_TABLES]
     for index, (path, table) in enumerate(tables):
-        for _, other in tables[:index]:
-            common = [name for name in table["columns"] if name in other["columns"]]
-            for key in (name for name in common if _is_key(table, name) and _is_key(other, name)):
-                rows = {_cell(other, row, key): row for row in other["rows"]}
-                pairs = [
-                    (at, row, rows[of])
-                    for at, row in enumerate(table["rows"])
-                    if (of := _cell(table, row, key)) in rows
-                ]
-                cells = [
-                    [(at, name, _cell(table, here, name), _cell(other, there, name)) for at, here, there in pairs]
-                    for name in common
-                    if name != key
-                ]
-                cells = [[item for item in column if all(map(_NUMBER.fullmatch, item[2:]))] for column in cells]
-                wrong = [[item for item in column if item[2] != item[3]] for column in cells]
-                # A column that mostly differs, such as one of texts, is about something else.
-                alike = [(column, bad) for column, bad in zip(cells, wrong, strict=True) if 2 * len(bad) <= len(column)]
-                if sum(len(bad) for _, bad in alike) == 1 and sum(len(column) for column, _ in alike) > _CELLS:
-                    at, name, here, there = next(bad[0] for _, bad in alike if bad)
-                    said = f"{quoted(name)} is {here} here, but {there} in the table {quoted(other['name'])}"
-                    place = (*path, "rows", at, table["columns"].index(name))
-                    report.add("quantity-repeated", place, f"{said}; one of the two is wrong")
-                    break
+        for _, earlier_table in tables[:index]:
+            pair = _only_difference(table, earlier_table)
+            if pair is not None:
+                message = (
+                    f"{quoted(pair.column)} is {pair.cell} here, but {pair.earlier_cell} in the table "
+                    f"{quoted(earlier_table['name'])}; one of the two is wrong"
+                )
+                place = (*path, "rows", pair.row, table["columns"].index(pair.column))
+                report.add("quantity-repeated", place, message)
+
+
+@dataclass(frozen=True, slots=True)
+class _CellPair:
+    """Cells of two tables that must agree, with the column and the row of the first one."""
+
+    row: int
+    column: str
+    cell: str
+    earlier_cell: str
+
+    @property
+    def is_numeric(self) -> bool:
+        return all(map(_NUMBER.fullmatch, (self.cell, self.earlier_cell)))
+
+
+def _only_difference(table: Spec, earlier_table: Spec) -> _CellPair | None:
+    """Return the pair of cells that differs if the tables agree in all others."""
+    common_columns = [name for name in table["columns"] if name in earlier_table["columns"]]
+    for key in common_columns:
+        if not _is_key(table, key) or not _is_key(earlier_table, key):
+            continue
+        compared: list[_CellPair] = []
+        for column in common_columns:
+            pairs = _number_pairs(table, earlier_table, key, column) if column != key else []
+            # A column that mostly differs, such as one of texts, is about something else.
+            if 2 * len(_differing(pairs)) <= len(pairs):
+                compared += pairs
+        differing = _differing(compared)
+        if len(differing) == 1 and len(compared) > _CELLS:
+            return differing[0]
+    return None
+
+
+def _number_pairs(table: Spec, earlier_table: Spec, key: str, column: str) -> list[_CellPair]:
+    """Return the pairs of numbers in a column, from the rows that have the same cell in the column ``key``."""
+    earlier_cells = {_cell(earlier_table, row, key): _cell(earlier_table, row, column) for row in earlier_table["rows"]}
+    pairs = []
+    for index, row in enumerate(table["rows"]):
+        key_cell = _cell(table, row, key)
+        if key_cell in earlier_cells:
+            pairs.append(_CellPair(index, column, _cell(table, row, column), earlier_cells[key_cell]))
+    return [pair for pair in pairs if pair.is_numeric]
+
+
+def _differing(pairs: list[_CellPair]) -> list[_CellPair]:
+    return [pair for pair in pairs if pair.cell != pair.earlier_cell]
 
 
 def _cell(table: Spec, row: list[Any], column: str) -> str:
@@ -224,5 +291,5 @@ def _cell(table: Spec, row: list[Any], column: str) -> str:
 
 
 def _is_key(table: Spec, column: str) -> bool:
-    found = [_cell(table, row, column) for row in table["rows"]]
-    return len(found) == len(set(found))
+    cells = [_cell(table, row, column) for row in table["rows"]]
+    return len(cells) == len(set(cells))

@@ -15,17 +15,17 @@ def bank_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if "bank" not in register:
             continue
         if INTERFACES[interface].highest_in_bank is None:
-            wrong = (
+            message = (
                 f"{quoted(register['name'])} is in a bank, but only BiSS has a register that selects banks; leave"
                 " 'bank' out, and describe in 'note' how the bank is selected"
             )
-            report.add("bank-not-selected", (*path, "bank"), wrong, at_key=True)
+            report.add("bank-not-selected", (*path, "bank"), message, at_key=True)
         elif select is None:
-            wrong = (
+            message = (
                 f"{quoted(register['name'])} is in bank {register['bank']}; name the register that selects banks with"
                 " 'bank_select' under 'biss'"
             )
-            report.add("bank-not-selected", (*path, "bank"), wrong)
+            report.add("bank-not-selected", (*path, "bank"), message)
 
 
 def bank_selected(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -43,14 +43,16 @@ def bank_selected(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 # An argument may select any bank.
                 selected = numbers.get(step.get("value", ""), "any")
             elif isinstance(bank, int) and selected not in (bank, "any"):
-                wrong = (
+                message = (
                     f"{quoted(step['register'])} is in bank {bank}; write {bank} to {quoted(select)} before this step"
                 )
-                report.add("bank-not-selected", (*path, *below, "register"), wrong)
+                report.add("bank-not-selected", (*path, *below, "register"), message)
 
 
 def _numbers(register: Spec, raw: Spec) -> dict[str, object]:
+    """Return the numbers of all named values of a register."""
     fields = expanded(Fields(Has.REGISTER, register, (), ""), by_name(raw, "field_groups"))
-    return {
-        name: mapping(value).get("value") for _, field in fields for name, value in mapping(field, "values").items()
-    }
+    numbers: dict[str, object] = {}
+    for _, field in fields:
+        numbers |= {name: mapping(value).get("value") for name, value in mapping(field, "values").items()}
+    return numbers

@@ -26,23 +26,32 @@ def number_base(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, number in leaves_of(spec, report):
         if not isinstance(number, int) or isinstance(number, bool):
             continue
-        written = report.document.written(path)
-        hexadecimal = f"0x{written.lstrip('+-0'):0>2}"
-        if not in_json and _is_hexadecimal(path) and _DECIMAL.fullmatch(written):
-            otherwise = f", or {number:#04x} for decimal {number}" if number > 9 else ""
-            wrong = f"{quoted(path[-1])} is {written}, which is decimal, but manuals print it in hexadecimal"
-            report.add("number-base", path, f"{wrong}; write {hexadecimal}{otherwise}")
-        elif _LEADING_ZERO.fullmatch(written):
-            wrong = f"{written} begins with a zero and is read as decimal {number}"
-            report.add("number-base", path, f"{wrong}; write {number}, or {hexadecimal} if it is hexadecimal")
+        spelling = report.document.written(path)
+        hexadecimal = f"0x{spelling.lstrip('+-0'):0>2}"
+        if not in_json and _is_hexadecimal(path) and _DECIMAL.fullmatch(spelling):
+            decimal_hint = f", or {number:#04x} for decimal {number}" if number > 9 else ""
+            message = (
+                f"{quoted(path[-1])} is {spelling}, which is decimal, but manuals print it in hexadecimal; "
+                f"write {hexadecimal}{decimal_hint}"
+            )
+            report.add("number-base", path, message)
+        elif _LEADING_ZERO.fullmatch(spelling):
+            message = (
+                f"{spelling} begins with a zero and is read as decimal {number}; "
+                f"write {number}, or {hexadecimal} if it is hexadecimal"
+            )
+            report.add("number-base", path, message)
 
 
 def typographic_quotes(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that no text is in typographic quotes, which YAML treats as part of the text."""
     for path, value in leaves_of(spec, report):
         if isinstance(value, str) and len(value) > 1 and (value[0], value[-1]) in _TYPOGRAPHIC:
-            wrong = f"the quotes {value[0]} and {value[-1]} are part of this text"
-            report.add("typographic-quotes", path, f'{wrong}; write "{value[1:-1]}" with straight quotes')
+            message = (
+                f"the quotes {value[0]} and {value[-1]} are part of this text; "
+                f'write "{value[1:-1]}" with straight quotes'
+            )
+            report.add("typographic-quotes", path, message)
 
 
 def _is_hexadecimal(path: Path) -> bool:

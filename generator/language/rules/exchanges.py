@@ -18,32 +18,35 @@ def check_exchanges(
 
     A request for the position needs a measurement, because without one no output has a position.
     """
-    here = ("interfaces", interface)
-    layouts = by_name(raw, *here, "layouts")
-    senders = {sender: [n for n, item in layouts.items() if item.get("from") == sender] for sender in KEYS}
-    found = list(items(spec, *here, "exchanges"))
+    interface_path = ("interfaces", interface)
+    layouts = by_name(raw, *interface_path, "layouts")
+    exchanges = list(items(spec, *interface_path, "exchanges"))
     for sender, key in KEYS.items():
-        for path, item in found:
-            if item.get(key, "") not in ("", *senders[sender]):
-                wrong = (
-                    f"there is no layout {quoted(item[key])} from the {sender}{suggestion(item[key], senders[sender])}"
+        names = [name for name, layout in layouts.items() if layout.get("from") == sender]
+        for path, exchange in exchanges:
+            name = exchange.get(key, "")
+            if name not in ("", *names):
+                message = f"there is no layout {quoted(name)} from the {sender}{suggestion(name, names)}"
+                report.add("undefined-reference", (*path, key), message)
+    requests = [exchange["request"] for _, exchange in exchanges]
+    for index, (path, exchange) in enumerate(exchanges):
+        if exchange["request"] in requests[:index]:
+            report.add(rule, (*path, "request"), f"{quoted(exchange['request'])} already has a reply; keep one")
+    if "measurement" not in raw and "measurement" not in mapping(raw, *interface_path):
+        for path, exchange in exchanges:
+            if exchange["purpose"] == "position":
+                message = (
+                    f"{quoted(exchange['request'])} asks for the position, but the spec has no 'measurement'; add one"
                 )
-                report.add("undefined-reference", (*path, key), wrong)
-    requests = [item["request"] for _, item in found]
-    for index, (path, item) in enumerate(found):
-        if item["request"] in requests[:index]:
-            report.add(rule, (*path, "request"), f"{quoted(item['request'])} already has a reply; keep one")
-    if "measurement" not in raw and "measurement" not in mapping(raw, *here):
-        for path, item in found:
-            if item["purpose"] == "position":
-                wrong = f"{quoted(item['request'])} asks for the position, but the spec has no 'measurement'; add one"
-                report.add(rule, (*path, "purpose"), wrong)
-    return found
+                report.add(rule, (*path, "purpose"), message)
+    return exchanges
 
 
-def report_unused(layout: Spec, path: Path, found: list[tuple[Path, Spec]], rule: str, report: DocumentReport) -> None:
+def report_unused(
+    layout: Spec, path: Path, exchanges: list[tuple[Path, Spec]], rule: str, report: DocumentReport
+) -> None:
     """Report a frame that no exchange contains."""
     key = KEYS.get(layout.get("from", ""), "")
-    if key and layout["name"] not in [item.get(key) for _, item in found]:
-        wrong = f"no exchange has {quoted(layout['name'])} as its {key}; add one under 'exchanges'"
-        report.add(rule, path, wrong)
+    if key and layout["name"] not in [exchange.get(key) for _, exchange in exchanges]:
+        message = f"no exchange has {quoted(layout['name'])} as its {key}; add one under 'exchanges'"
+        report.add(rule, path, message)

@@ -73,50 +73,55 @@ def device_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def duplicate_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that names are unique among items of one kind."""
     for key, word, label in _LISTS:
-        _unique(_labels(items(spec, key), label), word, report)
-    _unique(_labels(((layout.path, layout.owner) for layout in layouts(spec)), "name"), "a layout", report)
+        _check_unique(_labels(items(spec, key), label), word, report)
+    _check_unique(_labels(((layout.path, layout.owner) for layout in layouts(spec)), "name"), "a layout", report)
     for interface in mapping(spec, "interfaces"):
-        _unique(_labels(items(spec, "interfaces", interface, "timings"), "name"), "a timing", report)
+        _check_unique(_labels(items(spec, "interfaces", interface, "timings"), "name"), "a timing", report)
         for key, word in (
             ("name", "a data ID"),
             ("id", "a data ID with the number"),
             ("control", "a data ID with the control field"),
         ):
-            _unique(_labels(items(spec, "interfaces", interface, "data_ids"), key), word, report)
+            _check_unique(_labels(items(spec, "interfaces", interface, "data_ids"), key), word, report)
     for key, label in (("editions", "language"), ("history", "revision")):
-        _unique(_labels(items(spec, "manual", key), label), f"a {label}", report)
-    _unique(_labels(items(spec, "order_code", "parts"), "name"), "a part", report)
+        _check_unique(_labels(items(spec, "manual", key), label), f"a {label}", report)
+    _check_unique(_labels(items(spec, "order_code", "parts"), "name"), "a part", report)
     for key, inner, label, word in _INNER_LISTS:
-        for path, item in items(spec, key):
-            _unique(_labels((((*path, *below), entry) for below, entry in items(item, inner)), label), word, report)
+        for path, owner in items(spec, key):
+            entries = [((*path, *inner_path), entry) for inner_path, entry in items(owner, inner)]
+            _check_unique(_labels(entries, label), word, report)
 
 
 def duplicate_field(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that fields, joins and runs of digits of a layout have unique names, as a decoder returns all of them."""
     groups = by_name(spec, "field_groups")
     for fields in field_lists(spec):
-        used = {path for path, field in fields if "use" in field}
-        named: list[Named] = []
+        use_paths = {path for path, field in fields if "use" in field}
+        named_values: list[Named] = []
         for path, field in expanded(fields, groups):
-            place = (*path, "name") if path not in used else path
-            named.append((place, field.get("name")))
-            named += (((*path, *below, "name"), run["name"]) for below, run in items(field, "digits"))
-        named += (((*fields.path, "join", name), name) for name in mapping(fields.owner, "join"))
-        _unique(named, "a field", report)
+            place = (*path, "name") if path not in use_paths else path
+            named_values.append((place, field.get("name")))
+            named_values += (((*path, *run_path, "name"), run["name"]) for run_path, run in items(field, "digits"))
+        named_values += (((*fields.path, "join", name), name) for name in mapping(fields.owner, "join"))
+        _check_unique(named_values, "a field", report)
 
 
 def duplicate_selection(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that each value of the selecting field identifies one frame of its sender."""
-    told: dict[tuple[str, object, object], object] = {}
+    first_layouts: dict[tuple[str, object, object], object] = {}
     for layout in layouts(spec):
         for selector, values in mapping(layout.owner, "when").items():
             for index, value in enumerate(values):
                 key = (layout.interface, layout.owner.get("from"), value)
-                first = told.setdefault(key, layout.owner["name"])
-                if first != layout.owner["name"] or value in values[:index]:
-                    here = "already listed" if first == layout.owner["name"] else f"already used by {quoted(first)}"
-                    wrong = f"{quoted(selector)} {value} is {here}; use each value for only one frame of the {key[1]}"
-                    report.add("duplicate-name", (*layout.path, "when", selector, index), wrong)
+                name = layout.owner["name"]
+                first_layout = first_layouts.setdefault(key, name)
+                if first_layout != name or value in values[:index]:
+                    fault = "listed" if first_layout == name else f"used by {quoted(first_layout)}"
+                    message = (
+                        f"{quoted(selector)} {value} is already {fault}; "
+                        f"use each value for only one frame of the {key[1]}"
+                    )
+                    report.add("duplicate-name", (*layout.path, "when", selector, index), message)
 
 
 def duplicate_address(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -124,15 +129,15 @@ def duplicate_address(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
     A read-only and a write-only register may have the same address.
     """
-    registers = sorted(items(spec, "registers"), key=lambda entry: entry[1]["address"])
+    registers = sorted(items(spec, "registers"), key=lambda path_and_register: path_and_register[1]["address"])
     for index, (path, register) in enumerate(registers):
-        for other_path, other in reversed(registers[max(0, index - 128) : index]):
-            if _space(other) != _space(register) or last_address(other) < register["address"]:
+        for other_path, other_register in reversed(registers[max(0, index - 128) : index]):
+            if _space(other_register) != _space(register) or last_address(other_register) < register["address"]:
                 continue
-            accesses = {register["access"], other["access"]}
-            if register["address"] == other["address"] and accesses == {"read_only", "write_only"}:
+            accesses = {register["access"], other_register["access"]}
+            if register["address"] == other_register["address"] and accesses == {"read_only", "write_only"}:
                 continue
-            earlier, later = (other_path, other), (path, register)
+            earlier, later = (other_path, other_register), (path, register)
             if path < other_path:
                 earlier, later = later, earlier
             line = report.document.position(earlier[0])[0]
@@ -148,32 +153,33 @@ def value_clash(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that no two names have the same number, because a decoder could not choose."""
     for fields in field_lists(spec):
         for path, field in fields:
-            seen: dict[int, str] = {}
+            first_names: dict[int, str] = {}
             for name, value in mapping(field, "values").items():
-                first = seen.setdefault(value["value"], name)
-                if first != name:
-                    message = f"{value['value']:#x} is already {quoted(first)}; a number can have only one name"
+                first_name = first_names.setdefault(value["value"], name)
+                if first_name != name:
+                    message = f"{value['value']:#x} is already {quoted(first_name)}; a number can have only one name"
                     report.add("value-clash", (*path, "values", name, "value"), message)
 
 
 def _labels(entries: Iterable[tuple[Path, Spec]], label: str) -> Iterator[Named]:
+    """Yield the label of each entry with its path."""
     return (((*path, label), entry[label]) for path, entry in entries)
 
 
-def _unique(named: Iterable[Named], word: str, report: DocumentReport) -> None:
+def _check_unique(named_values: Iterable[Named], word: str, report: DocumentReport) -> None:
     """Report every value equal to an earlier one. ``word`` is the kind of item, with its article."""
-    seen: dict[object, Path] = {}
-    for path, value in named:
+    first_paths: dict[object, Path] = {}
+    for path, value in named_values:
         if value is None:
             continue
-        first = seen.setdefault(value, path)
-        if first != path:
-            shown = f"{value:#04x}" if isinstance(value, int) else quoted(value)
-            line = report.document.position(first)[0]
+        first_path = first_paths.setdefault(value, path)
+        if first_path != path:
+            value_text = f"{value:#04x}" if isinstance(value, int) else quoted(value)
+            line = report.document.position(first_path)[0]
             report.add(
                 "duplicate-name",
                 path,
-                f"there is already {word} {shown} on line {line}; rename one of them",
+                f"there is already {word} {value_text} on line {line}; rename one of them",
                 at_key=path[-2] == "join",
             )
 

@@ -41,11 +41,17 @@ class _Code:
     def interfaces(self) -> list[str]:
         return [value["interface"] for _, _, value in self.chosen if "interface" in value]
 
+    @property
+    def set_parameters(self) -> list[str]:
+        """Names of the parameters that its parts set, with duplicates."""
+        return [name for _, _, value in self.chosen for name in mapping(value, "sets")]
+
 
 def parameter_cycle(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that no parameter is defined by itself."""
     parameters = mapping(spec, "parameters")
-    definitions = {name: _parameters_in(item["equals"]) for name, item in parameters.items() if "equals" in item}
+    formulas = {name: parameter["equals"] for name, parameter in parameters.items() if "equals" in parameter}
+    definitions = {name: _parameters_in(formula) for name, formula in formulas.items()}
     settled: set[str] = set()
     for start in definitions:
         trail: list[str] = []
@@ -102,44 +108,50 @@ def order_code_pattern(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def order_code_ambiguous(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that no text on a label can be read in two ways."""
+    if not is_whole(spec, raw):
+        return
     parts = [part for _, part in items(spec, *_PARTS)]
+    part_names = {part["name"] for part in parts}
+    if len(part_names) < len(parts) or any(_expression_fault(part.get("open", "")) for part in parts):
+        return
     pattern = str(mapping(spec, "order_code").get("pattern", ""))
-    by_part = {part["name"]: part for part in parts}
-    if (
-        not is_whole(spec, raw)
-        or len(by_part) < len(parts)
-        or any(_wrong_expression(part.get("open", "")) for part in parts)
-    ):
+    if sorted(_BRACES.findall(pattern)) != sorted(part_names):
         return
-    if sorted(_BRACES.findall(pattern)) != sorted(by_part):
-        return
+    message = _ambiguity(spec, parts, pattern)
+    if message:
+        report.add("order-code-ambiguous", ("order_code", "pattern"), message)
+
+
+def _ambiguity(spec: Spec, parts: Sequence[Spec], pattern: str) -> str:
+    """Return the message about the first text that can be read in two ways, or an empty string."""
     # Blanks on a label are ignored.
     pieces = [piece if index % 2 else _without_blanks(piece) for index, piece in enumerate(_BRACES.split(pattern))]
     # With parts of fixed length each code splits at fixed places, so it can only be read as it was composed.
-    fixed = all("open" not in part and len({len(text) for text in part["values"]}) == 1 for part in parts)
-    fits = {name: _fits(part) for name, part in by_part.items()}
-    seen: dict[str, _Code] = {}
+    has_fixed_lengths = all(map(_has_fixed_length, parts))
+    fits = {part["name"]: _value_test(part) for part in parts}
+    codes_by_text: dict[str, _Code] = {}
     for code in _codes(spec) or ():
-        other = seen.setdefault(_without_blanks(code.text), code)
-        if other is not code:
-            report.add(
-                "order-code-ambiguous",
-                ("order_code", "pattern"),
-                f"the code {quoted(code.text)} occurs twice: as {_words(other)}, and as {_words(code)}",
+        text = _without_blanks(code.text)
+        first_code = codes_by_text.setdefault(text, code)
+        if first_code is not code:
+            return (
+                f"the code {quoted(code.text)} occurs twice: as {_parts_text(first_code)}, and as {_parts_text(code)}"
             )
-            return
-        readings = [] if fixed else list(itertools.islice(_readings(_without_blanks(code.text), pieces, fits), 2))
-        if len(readings) > 1:
-            names = pieces[1::2]
-            ways = [
-                ", ".join(f"{name} {text}" for name, text in zip(names, reading, strict=True)) for reading in readings
-            ]
-            report.add(
-                "order-code-ambiguous",
-                ("order_code", "pattern"),
-                f"the code {quoted(code.text)} can be read as {ways[0]}, and as {ways[1]}",
-            )
-            return
+        if has_fixed_lengths:
+            continue
+        two_readings = list(itertools.islice(_readings(text, pieces, fits), 2))
+        if len(two_readings) == 2:
+            first, second = (_reading_text(pieces[1::2], reading) for reading in two_readings)
+            return f"the code {quoted(code.text)} can be read as {first}, and as {second}"
+    return ""
+
+
+def _has_fixed_length(part: Spec) -> bool:
+    return "open" not in part and len(set(map(len, part["values"]))) == 1
+
+
+def _reading_text(names: Sequence[str], reading: Sequence[str]) -> str:
+    return ", ".join(f"{name} {text}" for name, text in zip(names, reading, strict=True))
 
 
 def also_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -149,25 +161,28 @@ def also_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     parts = {part["name"]: part for _, part in items(spec, *_PARTS)}
     pattern = spec["order_code"]["pattern"]
     for path, spelling in items(spec, "order_code", "also_written"):
-        used = _BRACES.findall(spelling["pattern"])
-        if sorted(used) != sorted(parts):
-            needed = f"each part ({', '.join(parts)}) must occur exactly once, as in {quoted(pattern)}"
-            has = f"the part{'s' * (len(used) > 1)} {', '.join(used)}" if used else "no parts"
-            report.add("also-written", (*path, "pattern"), f"{quoted(spelling['pattern'])} has {has}; {needed}")
+        used_parts = _BRACES.findall(spelling["pattern"])
+        if sorted(used_parts) != sorted(parts):
+            used_text = f"the part{'s' * (len(used_parts) > 1)} {', '.join(used_parts)}" if used_parts else "no parts"
+            message = (
+                f"{quoted(spelling['pattern'])} has {used_text}; "
+                f"each part ({', '.join(parts)}) must occur exactly once, as in {quoted(pattern)}"
+            )
+            report.add("also-written", (*path, "pattern"), message)
             continue
         for name, texts in mapping(spelling, "values").items():
             if name not in parts:
-                wrong = f"there is no part {quoted(name)}; known: {', '.join(parts)}"
-                report.add("also-written", (*path, "values", name), wrong, at_key=True)
+                message = f"there is no part {quoted(name)}; known: {', '.join(parts)}"
+                report.add("also-written", (*path, "values", name), message, at_key=True)
                 continue
             for text, value in texts.items():
                 if value not in parts[name]["values"]:
-                    wrong = f"{quoted(value)} is not a value of {name}; known: {', '.join(parts[name]['values'])}"
-                    report.add("also-written", (*path, "values", name, text), wrong)
-        wrong = _wrong_expression(spelling.get("then", ""))
-        if wrong:
-            wrong = f"{quoted(spelling['then'])} is not a valid regular expression: {wrong}"
-            report.add("also-written", (*path, "then"), wrong)
+                    message = f"{quoted(value)} is not a value of {name}; known: {', '.join(parts[name]['values'])}"
+                    report.add("also-written", (*path, "values", name, text), message)
+        fault = _expression_fault(spelling.get("then", ""))
+        if fault:
+            message = f"{quoted(spelling['then'])} is not a valid regular expression: {fault}"
+            report.add("also-written", (*path, "then"), message)
 
 
 def _without_blanks(text: str) -> str:
@@ -180,40 +195,40 @@ def is_whole(spec: Spec, raw: Spec) -> bool:
 
     Any other missing part would cause errors in the remaining data.
     """
-    return all(
-        key in spec and _without_words(spec[key]) == _without_words(raw[key]) for key in ("order_code", "parameters")
-    )
+    for key in ("order_code", "parameters"):
+        if key not in spec or _without_prose(spec[key]) != _without_prose(raw[key]):
+            return False
+    return True
 
 
-def _without_words(value: Any) -> Any:
+def _without_prose(value: Any) -> Any:
     if isinstance(value, dict):
-        return {key: _without_words(item) for key, item in value.items() if key not in WORDS_ONLY}
-    return list(map(_without_words, value)) if isinstance(value, list) else value
+        return {key: _without_prose(inner) for key, inner in value.items() if key not in WORDS_ONLY}
+    return list(map(_without_prose, value)) if isinstance(value, list) else value
 
 
 def _check_pattern(spec: Spec, report: DocumentReport) -> None:
     pattern = spec["order_code"]["pattern"]
     path: Path = ("order_code", "pattern")
-    used = _BRACES.findall(pattern)
+    used_parts = _BRACES.findall(pattern)
     names = [part["name"] for _, part in items(spec, *_PARTS)]
     literals = "".join(_BRACES.split(pattern)[0::2])
     if not _LITERAL.fullmatch(literals):
-        wrong = next(character for character in literals if not _LITERAL.fullmatch(character))
-        report.add(
-            "order-code-pattern",
-            path,
-            f"{quoted(wrong)} is not allowed outside braces; a code contains only letters, digits, '/', '-', '_', '.'"
-            " and spaces",
+        forbidden = next(character for character in literals if not _LITERAL.fullmatch(character))
+        message = (
+            f"{quoted(forbidden)} is not allowed outside braces; "
+            "a code contains only letters, digits, '/', '-', '_', '.' and spaces"
         )
-    for name in dict.fromkeys(used):
+        report.add("order-code-pattern", path, message)
+    for name in dict.fromkeys(used_parts):
         if name not in names:
             report.add("order-code-pattern", path, f"there is no part {{{name}}}; known parts: {', '.join(names)}")
-        if used.count(name) > 1:
+        if used_parts.count(name) > 1:
             report.add(
-                "order-code-pattern", path, f"the part {{{name}}} occurs {used.count(name)} times in the pattern"
+                "order-code-pattern", path, f"the part {{{name}}} occurs {used_parts.count(name)} times in the pattern"
             )
     for place, part in items(spec, *_PARTS):
-        if part["name"] not in used:
+        if part["name"] not in used_parts:
             report.add(
                 "order-code-pattern",
                 (*place, "name"),
@@ -233,13 +248,10 @@ def _check_values(spec: Spec, report: DocumentReport) -> None:
                         (*path, "values", text, "sets", name),
                         f"{quoted(name)} {_NOT_SET[origin]}, so an order code cannot set it too",
                     )
-        wrong = _wrong_expression(part.get("open", ""))
-        if wrong:
-            report.add(
-                "order-code-pattern",
-                (*path, "open"),
-                f"{quoted(part['open'])} is not a valid regular expression: {wrong}",
-            )
+        fault = _expression_fault(part.get("open", ""))
+        if fault:
+            message = f"{quoted(part['open'])} is not a valid regular expression: {fault}"
+            report.add("order-code-pattern", (*path, "open"), message)
 
 
 def _has_no_default(spec: Spec, parameter: Spec) -> bool:
@@ -248,7 +260,7 @@ def _has_no_default(spec: Spec, parameter: Spec) -> bool:
     return any(register["name"] == name and "default" not in register for _, register in items(spec, "registers"))
 
 
-def _wrong_expression(text: str) -> str:
+def _expression_fault(text: str) -> str:
     """Return the reason that ``text`` cannot be the expression of an open part, or an empty string if it can."""
     try:
         re.compile(text)
@@ -261,42 +273,48 @@ def _wrong_expression(text: str) -> str:
 def _check_codes(spec: Spec, codes: Sequence[_Code], report: DocumentReport) -> None:
     """Report each kind of error once, for the first code that has it."""
     faults: dict[str, tuple[Path, str]] = {}
-    chosen = {name for code in codes for _, _, value in code.chosen for name in mapping(value, "sets")}
-    free = [
-        name
-        for name, item in spec["parameters"].items()
-        if not any(key in item for key in _NOT_SET) or ("read_from" in item and name in chosen)
-    ]
+    required_parameters = _required_parameters(spec, codes)
     for code in codes:
         interfaces = code.interfaces
         if len(interfaces) != 1:
-            found = f"{len(interfaces)} ({', '.join(interfaces)})" if interfaces else "none"
-            faults.setdefault(
-                "interface", (_PARTS, f"each code must select one interface; {code.text} selects {found}")
-            )
-        count = [name for _, _, value in code.chosen for name in mapping(value, "sets")]
-        misspelt = any(name not in spec["parameters"] for name in count)
-        for name in free:
-            if count.count(name) == 0 and not misspelt:
+            selected = f"{len(interfaces)} ({', '.join(interfaces)})" if interfaces else "none"
+            message = f"each code must select one interface; {code.text} selects {selected}"
+            faults.setdefault("interface", (_PARTS, message))
+        set_parameters = code.set_parameters
+        is_misspelt = any(name not in spec["parameters"] for name in set_parameters)
+        for name in required_parameters:
+            count = set_parameters.count(name)
+            if count == 0 and not is_misspelt:
                 message = (
                     f"no part of {code.text} sets {quoted(name)}; "
                     "every code must set it, or the parameter needs 'equals', 'read_from' or 'alternative'"
                 )
                 faults.setdefault(name, (("parameters", name), message))
-            elif count.count(name) > 1:
-                faults.setdefault(
-                    name,
-                    (
-                        ("parameters", name),
-                        f"{count.count(name)} parts of {code.text} set {quoted(name)}; only one may",
-                    ),
-                )
+            elif count > 1:
+                message = f"{count} parts of {code.text} set {quoted(name)}; only one may"
+                faults.setdefault(name, (("parameters", name), message))
     for path, message in faults.values():
         report.add("order-code-pattern", path, message, at_key=True)
-    reached = {interface for code in codes for interface in code.interfaces}
+    _check_selected_interfaces(spec, codes, report)
+
+
+def _required_parameters(spec: Spec, codes: Sequence[_Code]) -> list[str]:
+    """Return the parameters that every code must set."""
+    set_by_codes = {name for code in codes for name in code.set_parameters}
+    names = []
+    for name, parameter in spec["parameters"].items():
+        is_optional = any(key in parameter for key in _NOT_SET)
+        if not is_optional or ("read_from" in parameter and name in set_by_codes):
+            names.append(name)
+    return names
+
+
+def _check_selected_interfaces(spec: Spec, codes: Sequence[_Code], report: DocumentReport) -> None:
+    """Report each interface that no code selects."""
+    reached_interfaces = {interface for code in codes for interface in code.interfaces}
     for interface in mapping(spec, "interfaces"):
         # If a code selects an interface that does not exist, that is the mistake. Another rule reports it.
-        if interface not in reached and reached <= mapping(spec, "interfaces").keys():
+        if interface not in reached_interfaces and reached_interfaces <= mapping(spec, "interfaces").keys():
             report.add(
                 "order-code-pattern",
                 ("interfaces", interface),
@@ -314,20 +332,25 @@ def _codes(spec: Spec) -> list[_Code] | None:
     for values in itertools.product(*(part["values"].items() for part in parts)):
         chosen = tuple((part["name"], text, value) for part, (text, value) in zip(parts, values, strict=True))
         texts = {name: text for name, text, _ in chosen}
-        if all(
-            texts.get(name) in allowed
-            for _, _, value in chosen
-            for name, allowed in mapping(value, "only_with").items()
-        ):
-            codes.append(_Code(_filled(spec["order_code"]["pattern"], texts), chosen))
+        if _is_allowed(chosen, texts):
+            codes.append(_Code(_fill_pattern(spec["order_code"]["pattern"], texts), chosen))
     return codes
 
 
-def _filled(pattern: str, texts: dict[str, str]) -> str:
+def _is_allowed(chosen: Sequence[tuple[str, str, Spec]], texts: Mapping[str, str]) -> bool:
+    """Return True if each chosen value can be combined with the texts of the other parts."""
+    for _, _, value in chosen:
+        for name, allowed_texts in mapping(value, "only_with").items():
+            if texts.get(name) not in allowed_texts:
+                return False
+    return True
+
+
+def _fill_pattern(pattern: str, texts: dict[str, str]) -> str:
     return _BRACES.sub(lambda brace: texts.get(brace[1], ""), pattern)
 
 
-def _fits(part: Spec) -> Callable[[str], bool]:
+def _value_test(part: Spec) -> Callable[[str], bool]:
     """Return the test whether a text in capitals is a value of a part."""
     listed = frozenset(value.upper() for value in part["values"])
     expression = re.compile(part["open"], re.IGNORECASE) if "open" in part else None
@@ -353,10 +376,11 @@ def _readings(
     for end in range(start, len(text) + 1):
         value = text[start:end]
         if is_value(value):
-            yield from ((value, *rest) for rest in _readings(text, pieces, fits, end, index + 2))
+            for following_values in _readings(text, pieces, fits, end, index + 2):
+                yield (value, *following_values)
 
 
-def _words(code: _Code) -> str:
+def _parts_text(code: _Code) -> str:
     return ", ".join(f"{name} {text}" for name, text, _ in code.chosen)
 
 

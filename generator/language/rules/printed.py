@@ -23,14 +23,15 @@ def addresses(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if printed is None:
             continue
         first, _, last = str(printed).partition("-")
-        numbers = (int(first, 0), int(last or first, 0))
-        has = (register["address"], last_address(register))
-        if numbers != has:
-            wrong = (
-                f"{quoted(register['name'])} is printed at {_addresses(*numbers)}; 'address' {register['address']:#04x}"
-                f" and 'length' {register['length']} result in {_addresses(*has)}"
+        printed_range = (int(first, 0), int(last or first, 0))
+        actual_range = (register["address"], last_address(register))
+        if printed_range != actual_range:
+            message = (
+                f"{quoted(register['name'])} is printed at {_addresses(*printed_range)}; "
+                f"'address' {register['address']:#04x} and 'length' {register['length']} "
+                f"result in {_addresses(*actual_range)}"
             )
-            report.add("addresses-mismatch", (*path, "addresses"), wrong)
+            report.add("addresses-mismatch", (*path, "addresses"), message)
 
 
 def labels(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -45,8 +46,8 @@ def labels(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 continue
             number = _value(expression, sets)
             if number is not None and int(text) != number:
-                wrong = f"the label {quoted(text)} must be {expression.render()}, which is {number} here"
-                report.add("label-mismatch", (*path, "values", text, "sets"), wrong)
+                message = f"the label {quoted(text)} must be {expression.render()}, which is {number} here"
+                report.add("label-mismatch", (*path, "values", text, "sets"), message)
 
 
 def _expression(text: object) -> Expression | None:
@@ -68,45 +69,55 @@ def default_lists(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     registers = by_name(spec, "registers")
     for path, row in items(spec, "printed_defaults"):
         if ("bytes" in row) == ("value" in row) or ("bytes" in row) == ("at" in row):
-            wrong = "a row has either 'bytes' for the whole register, or 'at' and 'value' for some of its bits"
-            report.add("default-mismatch", path, wrong)
+            message = "a row has either 'bytes' for the whole register, or 'at' and 'value' for some of its bits"
+            report.add("default-mismatch", path, message)
             continue
         register = registers.get(row["register"])
         if register is None:
             continue
-        found = next(_row_faults(row, register), None)
-        if found is not None and "erratum" not in row:
-            report.add("default-mismatch", (*path, found[0]), found[1])
-        if found is None and "erratum" in row:
-            wrong = f"the row is correct, so {quoted(row['erratum'])} explains nothing; leave 'erratum' out"
-            report.add("default-mismatch", (*path, "erratum"), wrong)
+        fault = next(_row_faults(row, register), None)
+        if fault is not None and "erratum" not in row:
+            report.add("default-mismatch", (*path, fault[0]), fault[1])
+        if fault is None and "erratum" in row:
+            message = f"the row is correct, so {quoted(row['erratum'])} explains nothing; leave 'erratum' out"
+            report.add("default-mismatch", (*path, "erratum"), message)
 
 
 def _row_faults(row: Spec, register: Spec) -> Iterator[tuple[str, str]]:
-    name, default = quoted(register["name"]), register.get("default")
+    """Yield the errors of a row of the manual's defaults, each with its key."""
     if "bytes" in row:
-        printed = bytes.fromhex(row["bytes"])
-        order = "little" if register.get("byte_order") == "low_byte_first" else "big"
-        number = int.from_bytes(printed, order)  # type: ignore[arg-type]
-        if len(printed) != register["length"]:
-            yield "bytes", f"{name} has {register['length']} bytes, but {len(printed)} are printed"
-        elif default is None:
-            yield "bytes", f"{name} has no 'default', but the printed bytes are {number:#x}"
-        elif default != number:
-            yield "bytes", f"the 'default' of {name} is {default:#x}, but the printed bytes are {number:#x}"
+        yield from _byte_faults(row, register)
         return
+    name, default = quoted(register["name"]), register.get("default")
     bounds = _bounds(row["at"])
     if bounds is None:
         yield "at", f"{quoted(row['at'])} is not a position; write a bit number, or a range such as 7:6"
         return
     high, low = bounds
-    held = (default or 0) >> low & (1 << high - low + 1) - 1
+    default_bits = (default or 0) >> low & (1 << high - low + 1) - 1
     if default is None:
         yield "value", f"{name} has no 'default' that contains these bits"
-    elif held != row["value"]:
-        gives = f"the 'default' of {name} is {default:#x}, which gives {held} in these bits"
-        yield "value", f"{gives}, but the manual prints {row['value']}"
+    elif default_bits != row["value"]:
+        message = (
+            f"the 'default' of {name} is {default:#x}, which gives {default_bits} in these bits, "
+            f"but the manual prints {row['value']}"
+        )
+        yield "value", message
     yield from _field_faults(row, register, bounds)
+
+
+def _byte_faults(row: Spec, register: Spec) -> Iterator[tuple[str, str]]:
+    """Yield the error of a row with the bytes of the whole register."""
+    name, default = quoted(register["name"]), register.get("default")
+    printed_bytes = bytes.fromhex(row["bytes"])
+    is_low_byte_first = register.get("byte_order") == "low_byte_first"
+    number = int.from_bytes(printed_bytes, "little" if is_low_byte_first else "big")
+    if len(printed_bytes) != register["length"]:
+        yield "bytes", f"{name} has {register['length']} bytes, but {len(printed_bytes)} are printed"
+    elif default is None:
+        yield "bytes", f"{name} has no 'default', but the printed bytes are {number:#x}"
+    elif default != number:
+        yield "bytes", f"the 'default' of {name} is {default:#x}, but the printed bytes are {number:#x}"
 
 
 def _field_faults(row: Spec, register: Spec, bounds: tuple[int, int]) -> Iterator[tuple[str, str]]:
@@ -119,11 +130,11 @@ def _field_faults(row: Spec, register: Spec, bounds: tuple[int, int]) -> Iterato
         return
     if "at" in field and _bounds(field["at"]) != bounds:
         yield "at", f"{quoted(row['field'])} is at {field['at']}, but {row['at']} is printed"
-    values = mapping(field, "values")
-    if "is" in row and mapping(values, row["is"]).get("value") != row["value"]:
-        right = next((name for name, item in values.items() if mapping(item).get("value") == row["value"]), None)
-        what = f"is {quoted(right)}" if right else "has no name"
-        yield "is", f"{row['value']} {what} in {quoted(row['field'])}, but {quoted(row['is'])} is printed"
+    numbers = {name: mapping(value).get("value") for name, value in mapping(field, "values").items()}
+    if "is" in row and numbers.get(row["is"]) != row["value"]:
+        correct_name = next((name for name, number in numbers.items() if number == row["value"]), None)
+        meaning = f"is {quoted(correct_name)}" if correct_name else "has no name"
+        yield "is", f"{row['value']} {meaning} in {quoted(row['field'])}, but {quoted(row['is'])} is printed"
 
 
 def _bounds(at: object) -> tuple[int, int] | None:
@@ -144,62 +155,69 @@ class _Write:
     value: int | None
 
     def __str__(self) -> str:
-        bit = "" if self.bit is None else f" bit {self.bit}"
-        value = "" if self.value is None else f" = {self.value}" if self.bit is not None else f" = {self.value:#04x}"
-        return f"{self.first:#04x}{f'-{self.last:#04x}' if self.last > self.first else ''}{bit}{value}"
+        text = f"{self.first:#04x}"
+        if self.last > self.first:
+            text += f"-{self.last:#04x}"
+        if self.bit is not None:
+            text += f" bit {self.bit}"
+        if self.value is not None:
+            text += f" = {self.value:#04x}" if self.bit is None else f" = {self.value}"
+        return text
 
 
 def writes(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the printed writes of a procedure match its steps."""
     registers, groups = by_name(spec, "registers"), by_name(spec, "field_groups")
     for path, procedure in items(spec, "procedures"):
-        printed = [_printed(text) for text in procedure.get("printed_writes", ())]
-        steps = [(below, step) for below, step in items(procedure, "steps") if step["do"] == "write"]
-        made = [_made(step, registers, groups) for _, step in steps]
-        if not printed or any(write is None for write in made):
+        printed_writes = [_printed_write(text) for text in procedure.get("printed_writes", ())]
+        steps = [(step_path, step) for step_path, step in items(procedure, "steps") if step["do"] == "write"]
+        step_writes = [_step_write(step, registers, groups) for _, step in steps]
+        if not printed_writes or any(write is None for write in step_writes):
             continue
-        for index, write in enumerate(printed):
-            if index >= len(made):
-                wrong = f"{write} is printed, but no step writes it"
-                report.add("writes-mismatch", (*path, "printed_writes", index), wrong)
-            elif write != made[index]:
+        for index, write in enumerate(printed_writes):
+            if index >= len(step_writes):
+                message = f"{write} is printed, but no step writes it"
+                report.add("writes-mismatch", (*path, "printed_writes", index), message)
+            elif write != step_writes[index]:
                 line = report.document.position((*path, *steps[index][0]))[0]
-                wrong = f"{write} is printed, but the step on line {line} writes {made[index]}"
-                report.add("writes-mismatch", (*path, "printed_writes", index), wrong)
-        for below, _ in steps[len(printed) :]:
-            report.add("writes-mismatch", (*path, *below), "this write is not among the 'printed_writes'")
+                message = f"{write} is printed, but the step on line {line} writes {step_writes[index]}"
+                report.add("writes-mismatch", (*path, "printed_writes", index), message)
+        for step_path, _ in steps[len(printed_writes) :]:
+            report.add("writes-mismatch", (*path, *step_path), "this write is not among the 'printed_writes'")
 
 
-def _printed(text: str) -> _Write:
-    found = _WRITE.fullmatch(text)
-    assert found is not None  # The schema has the same pattern.
-    first = int(found["first"], 16)
-    last = first if found["last"] is None else int(found["last"], 16)
-    bit = None if found["bit"] is None else int(found["bit"])
-    return _Write(first, last, bit, None if found["value"] is None else int(found["value"], 0))
+def _printed_write(text: str) -> _Write:
+    """Return the write that a text of ``printed_writes`` describes."""
+    match = _WRITE.fullmatch(text)
+    assert match is not None  # The schema has the same pattern.
+    first = int(match["first"], 16)
+    last = first if match["last"] is None else int(match["last"], 16)
+    bit = None if match["bit"] is None else int(match["bit"])
+    value = None if match["value"] is None else int(match["value"], 0)
+    return _Write(first=first, last=last, bit=bit, value=value)
 
 
-def _made(step: Spec, registers: Mapping[str, Spec], groups: Mapping[str, Spec]) -> _Write | None:
+def _step_write(step: Spec, registers: Mapping[str, Spec], groups: Mapping[str, Spec]) -> _Write | None:
     """Return the write of a step, or None if the text does not determine it or another rule reports the step."""
     register = registers.get(step.get("register", ""))
     if register is None or "value" not in step:
         return None
     fields = [field for _, field in expanded(Fields(Has.REGISTER, register, (), ""), groups)]
     name = step.get("field")
-    of = next((item for item in fields if name in (None, item.get("name")) and step["value"] in _values(item)), None)
-    number = None if of is None else mapping(_values(of), step["value"]).get("value")
+    candidates = [field for field in fields if name in (None, field.get("name"))]
+    valued_field = next((field for field in candidates if step["value"] in mapping(field, "values")), None)
+    number = None if valued_field is None else mapping(valued_field, "values", step["value"]).get("value")
     address, last = register["address"], last_address(register)
-    if name is None and (of is None or len(fields) == 1):
-        return _Write(address, last, None, number)
-    bounds = _bounds(mapping(of or next((item for item in fields if item.get("name") == name), {})).get("at"))
+    if name is None and (valued_field is None or len(fields) == 1):
+        return _Write(first=address, last=last, bit=None, value=number)
+    named_field = next((field for field in fields if field.get("name") == name), {})
+    bounds = _bounds(mapping(valued_field or named_field).get("at"))
     if bounds is None:
         return None
-    low = bounds[1]
-    return _Write(address, last, low, number) if name is not None else _Write(address, last, None, (number or 0) << low)
-
-
-def _values(field: Spec) -> Spec:
-    return mapping(field, "values")
+    low_bit = bounds[1]
+    if name is None:
+        return _Write(first=address, last=last, bit=None, value=(number or 0) << low_bit)
+    return _Write(first=address, last=last, bit=low_bit, value=number)
 
 
 def _addresses(first: int, last: int) -> str:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from itertools import takewhile
+
 from ...model import Biss
 from ..problems import DocumentReport, Path, quoted
 from .walk import Spec, bank_select, by_name, has_other_bits, items, mapping, named_values
@@ -13,42 +16,49 @@ _REFUSED = {"write": "read_only", "read": "write_only", "poll": "write_only"}
 def step_access(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that registers that are written are writable, and that those that are read are readable."""
     registers, groups = by_name(raw, "registers"), by_name(raw, "field_groups")
+    accesses: dict[str, object] = {name: register.get("access") for name, register in registers.items()}
     for path, procedure in items(spec, "procedures"):
-        for below, step in items(procedure, "steps"):
+        for step_path, step in items(procedure, "steps"):
             register = registers.get(step.get("register", ""), {})
             access = register.get("access")
             if "field" in step and (step["do"], access) == ("write", "write_only") and has_other_bits(register, groups):
-                wrong = f"{quoted(step['register'])} is write_only, so a step cannot keep its other bits"
-                right = "describe it as one field with all its bits, and leave 'field' out"
-                report.add("access-mismatch", (*path, *below, "field"), f"{wrong}; {right}")
+                message = (
+                    f"{quoted(step['register'])} is write_only, so a step cannot keep its other bits; "
+                    "describe it as one field with all its bits, and leave 'field' out"
+                )
+                report.add("access-mismatch", (*path, *step_path, "field"), message)
             if access is not None and _REFUSED.get(step["do"]) == access:
-                wrong = f"{quoted(step['register'])} is {access}, so a step cannot {step['do']} it"
-                report.add("access-mismatch", (*path, *below, "register"), wrong)
+                message = f"{quoted(step['register'])} is {access}, so a step cannot {step['do']} it"
+                report.add("access-mismatch", (*path, *step_path, "register"), message)
+    _check_written_registers(spec, accesses, report)
+    _check_read_registers(spec, accesses, report)
+
+
+def _check_written_registers(spec: Spec, accesses: Mapping[str, object], report: DocumentReport) -> None:
+    """Check that registers that open others or select a bank are writable."""
     for path, register in items(spec, "registers"):
         opener = mapping(register, "opened_by").get("register")
-        if registers.get(str(opener), {}).get("access") == "read_only":
-            report.add(
-                "access-mismatch",
-                (*path, "opened_by", "register"),
-                f"{quoted(opener)} is read_only, so it cannot open {quoted(register['name'])}",
-            )
-    for name, parameter in mapping(spec, "parameters").items():
-        held_by = str(parameter.get("read_from", "")).partition(".")[0]
-        if registers.get(held_by, {}).get("access") == "write_only":
-            wrong = f"{quoted(held_by)} is write_only, so {quoted(name)} cannot be read from it"
-            report.add("access-mismatch", ("parameters", name, "read_from"), wrong)
-    for path, alarm in items(spec, "alarms"):
-        held_by = str(alarm.get("register", ""))
-        if registers.get(held_by, {}).get("access") == "write_only":
-            wrong = f"{quoted(held_by)} is write_only, so it cannot signal {quoted(alarm['name'])}"
-            report.add("access-mismatch", (*path, "register"), wrong)
+        if accesses.get(str(opener)) == "read_only":
+            message = f"{quoted(opener)} is read_only, so it cannot open {quoted(register['name'])}"
+            report.add("access-mismatch", (*path, "opened_by", "register"), message)
     select = bank_select(spec)
-    if registers.get(str(select), {}).get("access") == "read_only":
-        report.add(
-            "access-mismatch",
-            ("interfaces", Biss.name, "bank_select"),
-            f"{quoted(select)} is read_only, so it cannot select a bank",
-        )
+    if accesses.get(str(select)) == "read_only":
+        message = f"{quoted(select)} is read_only, so it cannot select a bank"
+        report.add("access-mismatch", ("interfaces", Biss.name, "bank_select"), message)
+
+
+def _check_read_registers(spec: Spec, accesses: Mapping[str, object], report: DocumentReport) -> None:
+    """Check that registers that contain parameters or alarms are readable."""
+    for name, parameter in mapping(spec, "parameters").items():
+        register_name = str(parameter.get("read_from", "")).partition(".")[0]
+        if accesses.get(register_name) == "write_only":
+            message = f"{quoted(register_name)} is write_only, so {quoted(name)} cannot be read from it"
+            report.add("access-mismatch", ("parameters", name, "read_from"), message)
+    for path, alarm in items(spec, "alarms"):
+        register_name = str(alarm.get("register", ""))
+        if accesses.get(register_name) == "write_only":
+            message = f"{quoted(register_name)} is write_only, so it cannot signal {quoted(alarm['name'])}"
+            report.add("access-mismatch", (*path, "register"), message)
 
 
 def step_waits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -56,22 +66,22 @@ def step_waits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     registers = by_name(spec, "registers")
     for path, procedure in items(spec, "procedures"):
         steps = list(items(procedure, "steps"))
-        for index, (below, step) in enumerate(steps):
-            needed = registers.get(step.get("register", ""), {}).get("wait_at_least_ms")
-            if step["do"] != "write" or needed is None:
+        for index, (step_path, step) in enumerate(steps):
+            needed_ms = registers.get(step.get("register", ""), {}).get("wait_at_least_ms")
+            if step["do"] != "write" or needed_ms is None:
                 continue
-            rest = steps[index + 1 :]
-            end = next((at for at, (_, other) in enumerate(rest) if other["do"] == "write"), None)
-            between = [other for _, other in rest[:end]]
-            waits = [other["at_least_ms"] for other in between if other["do"] == "wait" and "at_least_ms" in other]
-            if any(other["do"] == "poll" for other in between) or sum(waits) >= needed or (end is None and not waits):
+            later_steps = steps[index + 1 :]
+            until_write = list(takewhile(lambda later: later[1]["do"] != "write", later_steps))
+            waits = [(at, wait) for at, wait in until_write if wait["do"] == "wait"]
+            waits_ms = [wait["at_least_ms"] for _, wait in waits if "at_least_ms" in wait]
+            is_polled = any(later_step["do"] == "poll" for _, later_step in until_write)
+            is_last_write = len(until_write) == len(later_steps)
+            if is_polled or sum(waits_ms) >= needed_ms or (is_last_write and not waits_ms):
                 continue
-            place, key = next(
-                ((at, ("at_least_ms",)) for at, other in rest if other["do"] == "wait" and waits), (below, ())
-            )
-            said = f"the wait here is {sum(waits)} ms" if waits else "there is no wait here"
-            wrong = f"{quoted(step['register'])} needs a wait of {needed} ms after a write, but {said}"
-            report.add("wait-too-short", (*path, *place, *key), wrong)
+            place = (*waits[0][0], "at_least_ms") if waits_ms else step_path
+            wait_text = f"the wait here is {sum(waits_ms)} ms" if waits_ms else "there is no wait here"
+            message = f"{quoted(step['register'])} needs a wait of {needed_ms} ms after a write, but {wait_text}"
+            report.add("wait-too-short", (*path, *place), message)
 
 
 def step_opens(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -79,23 +89,25 @@ def step_opens(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     registers = by_name(spec, "registers")
     for path, procedure in items(spec, "procedures"):
         steps = list(items(procedure, "steps"))
-        for index, (below, step) in enumerate(steps):
+        for index, (step_path, step) in enumerate(steps):
             opener = mapping(registers.get(step.get("register", ""), {}), "opened_by")
-            before = [other["value"] for _, other in steps[:index] if _writes(other, opener)]
-            known = [opener.get("value"), *(argument["name"] for _, argument in items(procedure, "arguments"))]
-            if step["do"] != "write" or not before or before[-1] in known:
+            written_values = [earlier["value"] for _, earlier in steps[:index] if _writes(earlier, opener)]
+            opening_values = [opener.get("value"), *(argument["name"] for _, argument in items(procedure, "arguments"))]
+            if step["do"] != "write" or not written_values or written_values[-1] in opening_values:
                 continue
-            wrong = (
+            message = (
                 f"{quoted(step['register'])} must be opened by writing {quoted(opener['value'])} to"
-                f" {quoted(opener['register'])}, but {quoted(before[-1])} was written there"
+                f" {quoted(opener['register'])}, but {quoted(written_values[-1])} was written there"
             )
-            report.add("not-opened", (*path, *below, "register"), wrong)
+            report.add("not-opened", (*path, *step_path, "register"), message)
 
 
 def _writes(step: Spec, opener: Spec) -> bool:
     """Return True if a step writes the register, or the field of it, that opens another register."""
-    of = step["do"] == "write" and "value" in step and step.get("register", "") == opener.get("register", None)
-    return of and "value" in opener and step.get("field", opener.get("field")) == opener.get("field")
+    if step["do"] != "write" or "value" not in step or "value" not in opener:
+        return False
+    is_opening_register = step.get("register", "") == opener.get("register", None)
+    return is_opening_register and step.get("field", opener.get("field")) == opener.get("field")
 
 
 def argument_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -104,14 +116,14 @@ def argument_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, procedure in items(spec, "procedures"):
         # A step rejected by the schema may be the one that writes it.
         steps = [step for _, step in items(procedures.get(procedure["name"], {}), "steps")]
-        written = [step.get("value") for step in steps]  # of any type, as the schema may have rejected the step
-        for below, argument in items(procedure, "arguments"):
-            if argument["name"] not in written:
-                wrong = (
+        written_values = [step.get("value") for step in steps]  # of any type, as the schema may have rejected the step
+        for argument_path, argument in items(procedure, "arguments"):
+            if argument["name"] not in written_values:
+                message = (
                     f"no step writes the argument {quoted(argument['name'])}; write it with"
                     f" 'value: {argument['name']}', or remove the argument"
                 )
-                report.add("argument-not-written", (*path, *below, "name"), wrong)
+                report.add("argument-not-written", (*path, *argument_path, "name"), message)
 
 
 def procedure_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -119,17 +131,17 @@ def procedure_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     registers, groups = by_name(raw, "registers"), by_name(raw, "field_groups")
     for path, procedure in items(spec, "procedures"):
         name = procedure["name"]
-        written: dict[str, list[tuple[Path, object]]] = {}
-        for below, step in items(procedure, "steps"):
+        written_steps: dict[str, list[tuple[Path, object]]] = {}
+        for step_path, step in items(procedure, "steps"):
             register = registers.get(step.get("register", ""), {})
-            known = named_values(register, groups, step.get("field"))
-            if step["do"] == "write" and name in known and step.get("value") in known:
-                written.setdefault(step["register"], []).append(((*path, *below, "value"), step["value"]))
-        for register_name, steps in written.items():
+            value_names = named_values(register, groups, step.get("field"))
+            if step["do"] == "write" and name in value_names and step.get("value") in value_names:
+                written_steps.setdefault(step["register"], []).append(((*path, *step_path, "value"), step["value"]))
+        for register_name, steps in written_steps.items():
             if name not in [value for _, value in steps]:
                 place, value = steps[-1]
-                wrong = (
+                message = (
                     f"the procedure {quoted(name)} has the same name as a value of {quoted(register_name)}, but writes"
                     f" {quoted(value)}; write that value, or rename the procedure"
                 )
-                report.add("procedure-name", place, wrong)
+                report.add("procedure-name", place, message)

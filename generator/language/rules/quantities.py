@@ -66,96 +66,118 @@ _CELL = re.compile(r"(?:(?:above|at least|at most|below) |[<>≤≥] ?)?-?\d+(?:
 
 def quantity_text(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the quantities of a characteristic have possible units and bounds, and are those of its text."""
-    for path, item in items(spec, "characteristics"):
-        text, told = item.get("value", ""), set()
-        for at, value in items(item, "values"):
-            unit, kind = value["unit"], value["quantity"]
-            if unit not in _UNITS[kind].split():
-                right = listed(_UNITS[kind].split(), "or")
-                report.add("quantity-text", (*path, *at, "unit"), f"{quoted(kind)} is given in {right}, not in {unit}")
-                continue
-            bounds = {name: Decimal(str(value[name])) for name in _BOUNDS if name in value}
-            order = list(bounds.values())
-            if not bounds or order != sorted(order):
-                wrong = "give 'min', 'typical' or 'max', in ascending order"
-                report.add("quantity-text", (*path, *at), wrong)
-                continue
-            told |= {(number, unit) for number in order}
-            possible = set(_possible(text, unit))
-            for name, number in bounds.items():
-                if number not in possible:
-                    wrong = f"the text does not give {number} {unit}; one of the two is wrong"
-                    report.add("quantity-text", (*path, *at, name), wrong)
-        for unit in sorted({unit for _, unit in told}):
-            for number in _plain(text, unit):
-                if (number, unit) not in told:
-                    wrong = f"'values' does not give {number} {unit}; one of the two is wrong"
-                    report.add("quantity-text", (*path, "value"), wrong)
+    for path, characteristic in items(spec, "characteristics"):
+        text = characteristic.get("value", "")
+        listed_quantities: set[tuple[Decimal, str]] = set()
+        for value_path, value in items(characteristic, "values"):
+            numbers = _check_value(value, text, (*path, *value_path), report)
+            listed_quantities |= {(number, value["unit"]) for number in numbers}
+        for unit in sorted({unit for _, unit in listed_quantities}):
+            for number in _plain_numbers(text, unit):
+                if (number, unit) not in listed_quantities:
+                    message = f"'values' does not give {number} {unit}; one of the two is wrong"
+                    report.add("quantity-text", (*path, "value"), message)
 
 
-def _found(text: str, unit: str) -> Iterator[tuple[str, Decimal]]:
+def _check_value(value: Spec, text: str, path: Path, report: DocumentReport) -> list[Decimal]:
+    """Check a value of a characteristic against its text. Return its bounds, or an empty list if they are invalid."""
+    unit, kind = value["unit"], value["quantity"]
+    if unit not in _UNITS[kind].split():
+        units_text = listed(_UNITS[kind].split(), "or")
+        report.add("quantity-text", (*path, "unit"), f"{quoted(kind)} is given in {units_text}, not in {unit}")
+        return []
+    bounds = {name: Decimal(str(value[name])) for name in _BOUNDS if name in value}
+    numbers = list(bounds.values())
+    if not bounds or numbers != sorted(numbers):
+        report.add("quantity-text", path, "give 'min', 'typical' or 'max', in ascending order")
+        return []
+    possible_numbers = set(_possible_numbers(text, unit))
+    for name, number in bounds.items():
+        if number not in possible_numbers:
+            message = f"the text does not give {number} {unit}; one of the two is wrong"
+            report.add("quantity-text", (*path, name), message)
+    return numbers
+
+
+def _signed_numbers(text: str, unit: str) -> Iterator[tuple[str, Decimal]]:
     """Yield each number with a unit in a text, with its sign. The first of two numbers may have the unit of both."""
     end = _WRITTEN.get(unit, re.escape(unit))
-    for item in re.finditer(rf"{_NUMBER}(?= ?{end}(?!\w|/))", text):
-        yield item["sign"].replace("−", "-"), Decimal(item["number"].replace(",", ""))
+    for match in re.finditer(rf"{_NUMBER}(?= ?{end}(?!\w|/))", text):
+        yield match["sign"].replace("−", "-"), Decimal(match["number"].replace(",", ""))
 
 
-def _plain(text: str, unit: str) -> Iterator[Decimal]:
+def _plain_numbers(text: str, unit: str) -> Iterator[Decimal]:
     """Yield each number with a unit that is not a tolerance."""
-    yield from (-number if sign == "-" else number for sign, number in _found(text, unit) if sign != "±")
+    for sign, number in _signed_numbers(text, unit):
+        if sign != "±":
+            yield -number if sign == "-" else number
 
 
-def _possible(text: str, unit: str) -> Iterator[Decimal]:
+def _possible_numbers(text: str, unit: str) -> Iterator[Decimal]:
     """Yield each number with a unit in a text, and the bounds that its tolerances give."""
-    plain = list(_plain(text, unit))
-    yield from plain
-    tolerances = [number for sign, number in _found(text, unit) if sign == "±"]
-    parts = [number / 100 for sign, number in _found(text, "%") if sign == "±"]
-    for middle in plain or [Decimal(0)]:
-        for tolerance in (*tolerances, *(middle * part for part in parts)):
+    plain_numbers = list(_plain_numbers(text, unit))
+    yield from plain_numbers
+    tolerances = [number for sign, number in _signed_numbers(text, unit) if sign == "±"]
+    relative_tolerances = [number / 100 for sign, number in _signed_numbers(text, "%") if sign == "±"]
+    for middle in plain_numbers or [Decimal(0)]:
+        for tolerance in (*tolerances, *(middle * relative for relative in relative_tolerances)):
             yield from (middle - tolerance, middle + tolerance)
 
 
 def quantity_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a supply in a characteristic or a contact, and a threshold in a text, match those given elsewhere."""
     values = [value for _, part in items(spec, "order_code", "parts") for value in part["values"].values()]
-    supplies = [mapping(item, "supply") for item in (spec, *values)]
-    ranges = [(item.get("min_mv"), item.get("max_mv")) for item in supplies if item]
-    for path, item in items(spec, "characteristics"):
-        for at, value in items(item, "values"):
+    supplies = [mapping(supplied, "supply") for supplied in (spec, *values)]
+    ranges = [(supply.get("min_mv"), supply.get("max_mv")) for supply in supplies if supply]
+    for path, characteristic in items(spec, "characteristics"):
+        for at, value in items(characteristic, "values"):
             if value["quantity"] == "supply" and "min" in value and "max" in value:
-                found = int(value["min"] * 1000), int(value["max"] * 1000)
-                _compare_supply(found, ranges, (*path, *at), report)
-    for path, item in items(spec, "connectors"):
-        for at, contact in items(item, "contacts"):
-            named = supply_named(contact["signal"])
-            if named is not None and named[0] != named[1]:
-                _compare_supply(named, ranges, (*path, *at, "signal"), report)
+                supply_range = int(value["min"] * 1000), int(value["max"] * 1000)
+                _compare_supply(supply_range, ranges, (*path, *at), report)
+    for path, connector in items(spec, "connectors"):
+        for at, contact in items(connector, "contacts"):
+            contact_supply = supply_named(contact["signal"])
+            if contact_supply is not None and contact_supply[0] != contact_supply[1]:
+                _compare_supply(contact_supply, ranges, (*path, *at, "signal"), report)
     for path, alarm in items(spec, "alarms"):
-        threshold = alarm.get("below_mv")
-        for place, item in ((path, alarm), *_fields(spec, alarm)) if threshold is not None else ():
-            for key in ("meaning", "when_active"):
-                for number, unit in _VOLTAGE.findall(item.get(key, "")):
-                    if Decimal(number) * _MILLIVOLTS[unit] != threshold:
-                        wrong = f"the text says {number} {unit}, but 'below_mv' of the alarm is {threshold}"
-                        report.add("quantity-repeated", (*place, key), f"{wrong}; one of the two is wrong")
+        if alarm.get("below_mv") is not None:
+            for place, described in ((path, alarm), *_fields_of_alarm(spec, alarm)):
+                _compare_threshold(described, alarm["below_mv"], place, report)
 
 
-def _compare_supply(found: tuple[int, int], ranges: list[tuple[Any, Any]], path: Path, report: DocumentReport) -> None:
+def _compare_supply(
+    supply_range: tuple[int, int], ranges: list[tuple[Any, Any]], path: Path, report: DocumentReport
+) -> None:
     """Report a supply that is not one of these ranges in millivolts, if there are any."""
-    if ranges and found not in ranges:
-        known = listed([f"{low} to {high} mV" for low, high in ranges], "or")
-        wrong = f"this is {found[0]} to {found[1]} mV, but 'supply' is {known}; one of the two is wrong"
-        report.add("quantity-repeated", path, wrong)
+    if ranges and supply_range not in ranges:
+        ranges_text = listed([f"{low} to {high} mV" for low, high in ranges], "or")
+        message = (
+            f"this is {supply_range[0]} to {supply_range[1]} mV, but 'supply' is {ranges_text}; one of the two is wrong"
+        )
+        report.add("quantity-repeated", path, message)
 
 
-def _fields(spec: Spec, alarm: Spec) -> Iterator[tuple[Path, Spec]]:
+def _compare_threshold(described: Spec, threshold_mv: int, path: Path, report: DocumentReport) -> None:
+    """Report each voltage in the texts of an alarm or its field that is not the threshold of the alarm."""
+    for key in ("meaning", "when_active"):
+        for number, unit in _VOLTAGE.findall(described.get(key, "")):
+            if Decimal(number) * _MILLIVOLTS[unit] != threshold_mv:
+                message = (
+                    f"the text says {number} {unit}, but 'below_mv' of the alarm is {threshold_mv}; "
+                    "one of the two is wrong"
+                )
+                report.add("quantity-repeated", (*path, key), message)
+
+
+def _fields_of_alarm(spec: Spec, alarm: Spec) -> Iterator[tuple[Path, Spec]]:
     """Yield the field of an alarm, in its group or in its register."""
-    for key, owner in (("field_groups", "group"), ("registers", "register")):
-        for path, item in items(spec, key):
-            if item.get("name") == alarm.get(owner, ""):
-                found = items(item, "fields")
-                yield from (((*path, *at), field) for at, field in found if field.get("name") == alarm.get("field"))
+    for list_key, alarm_key in (("field_groups", "group"), ("registers", "register")):
+        for path, owner in items(spec, list_key):
+            if owner.get("name") != alarm.get(alarm_key, ""):
+                continue
+            for field_path, field in items(owner, "fields"):
+                if field.get("name") == alarm.get("field"):
+                    yield (*path, *field_path), field
 
 
 def time_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -164,36 +186,46 @@ def time_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     A text may also repeat one of the ``timings``, or a time of another item. Overlays and older editions change times
     without changing every text, so they are not checked.
     """
-    if report.document.others or report.document.family:
+    if report.document.other_files or report.document.family:
         return
-    interfaces = [(("interfaces", name), item) for name, item in mapping(spec, "interfaces").items()]
-    named = set(_times([mapping(item).get("timings") for item in (spec, *(item for _, item in interfaces))]))
-    timed = [(path, item, set(_times(item))) for key in _TIMED for path, item in items(spec, key)]
-    items_with = Counter(time for _, _, times in timed for time in times)
-    for path, item, here in timed:
-        others = _Elsewhere(named, items_with, here)
-        for place, text, own in _texts(item, path):
-            _compare_times(text, own or here, others, place, report)
-    for path, item in interfaces:
-        for place, text, own in _texts(item, path):
-            _compare_times(text, own, _Elsewhere(named, items_with, set()), place, report)
-    places, below = Affected(spec), _TimesBelow()
-    for path, item in items(spec, "errata"):
-        facts = [found for text in dict.fromkeys(item.get("affects", ())) for found in places.at(text)]
-        affected = set().union(*map(below.of, facts))
-        used = [(found, _nanoseconds(found)) for found in _ANY_TIME.finditer(item.get("used", ""))]
-        of_timing = [below.of(found) for found in facts if _is_timing(found)]
-        for known, possible in (
-            (affected, affected | named),
-            *((times, times) for times in of_timing[:1] if not of_timing[1:]),
-        ):
-            if known and used and possible.isdisjoint(time for _, time in used):
-                _report_time(used[0][0], known, (*path, "used"), report)
-                break
-    for path, item in _with_symbol(spec):
-        printed = list(re.finditer(rf"\b{re.escape(item['symbol'])} ?[<>=≤≥] ?{_TIME}", item.get("meaning", "")))
-        if printed and set(_times(item)).isdisjoint(map(_nanoseconds, printed)):
-            _report_time(printed[0], set(_times(item)), (*path, "meaning"), report)
+    interfaces = mapping(spec, "interfaces")
+    timings = [mapping(owner).get("timings") for owner in (spec, *interfaces.values())]
+    named_times = set(_times(timings))
+    timed_items = [item for key in _TIMED for item in items(spec, key)]
+    times_of_items = [set(_times(timed_item)) for _, timed_item in timed_items]
+    items_with = Counter(time for times in times_of_items for time in times)
+    for (path, timed_item), item_times in zip(timed_items, times_of_items, strict=True):
+        elsewhere = _Elsewhere(named_times, items_with, item_times)
+        for place, text, nearby_times in _texts(timed_item, path):
+            _compare_times(text, nearby_times or item_times, elsewhere, place, report)
+    for name, interface in interfaces.items():
+        for place, text, nearby_times in _texts(interface, ("interfaces", name)):
+            _compare_times(text, nearby_times, _Elsewhere(named_times, items_with, set()), place, report)
+    _compare_errata(spec, named_times, report)
+    for path, timing in _with_symbol(spec):
+        times = set(_times(timing))
+        pattern = rf"\b{re.escape(timing['symbol'])} ?[<>=≤≥] ?{_TIME}"
+        printed_times = list(re.finditer(pattern, timing.get("meaning", "")))
+        if printed_times and times.isdisjoint(map(_nanoseconds, printed_times)):
+            _report_time(printed_times[0], times, (*path, "meaning"), report)
+
+
+def _compare_errata(spec: Spec, named_times: set[int], report: DocumentReport) -> None:
+    """Report each erratum whose times differ from all times of the facts it affects."""
+    affected_places, times_below = Affected(spec), _TimesBelow()
+    for path, erratum in items(spec, "errata"):
+        facts = [fact for text in dict.fromkeys(erratum.get("affects", ())) for fact in affected_places.at(text)]
+        used_matches = list(_ANY_TIME.finditer(erratum.get("used", "")))
+        used_times = set(map(_nanoseconds, used_matches))
+        affected_times = set().union(*map(times_below.of, facts))
+        timings = [fact for fact in facts if _is_timing(fact)]
+        timing_times = times_below.of(timings[0]) if len(timings) == 1 else set()
+        if not used_times:
+            continue
+        if affected_times and used_times.isdisjoint(affected_times | named_times):
+            _report_time(used_matches[0], affected_times, (*path, "used"), report)
+        elif timing_times and used_times.isdisjoint(timing_times):
+            _report_time(used_matches[0], timing_times, (*path, "used"), report)
 
 
 class _TimesBelow:
@@ -208,48 +240,54 @@ class _TimesBelow:
         return self._times[id(node)]
 
 
-def _is_timing(item: Any) -> bool:
-    return isinstance(item, dict) and not {"at_least_us", "typical_us", "at_most_us"}.isdisjoint(item)
+def _is_timing(fact: Any) -> bool:
+    return isinstance(fact, dict) and not {"at_least_us", "typical_us", "at_most_us"}.isdisjoint(fact)
 
 
 def _with_symbol(spec: Spec) -> Iterator[tuple[Path, Spec]]:
     """Yield the timings with a symbol."""
-    places = ((), *(("interfaces", name) for name in mapping(spec, "interfaces")))
-    for place in places:
-        yield from ((path, item) for path, item in items(spec, *place, "timings") if "symbol" in item)
+    parents = ((), *(("interfaces", name) for name in mapping(spec, "interfaces")))
+    for parent in parents:
+        for path, timing in items(spec, *parent, "timings"):
+            if "symbol" in timing:
+                yield path, timing
 
 
 @dataclass(frozen=True, slots=True)
 class _Elsewhere:
     """The times of a spec outside one item: the named ones, and those of other items.
 
-    ``items_with`` counts the items that have a time, and ``here`` contains the times of the one item.
+    ``items_with`` counts the items that have a time, and ``item_times`` contains the times of the one item.
     """
 
     named: Set[int]
     items_with: Mapping[Any, int]
-    here: Set[int]
+    item_times: Set[int]
 
     def __contains__(self, time: object) -> bool:
-        return time in self.named or self.items_with.get(time, 0) > (time in self.here)
+        own_count = 1 if time in self.item_times else 0
+        return time in self.named or self.items_with.get(time, 0) > own_count
 
 
-def _compare_times(text: str, own: set[int], others: _Elsewhere, place: Path, report: DocumentReport) -> None:
+def _compare_times(text: str, item_times: set[int], elsewhere: _Elsewhere, place: Path, report: DocumentReport) -> None:
     """Report the first time of a text that differs from all of these, if the item has times."""
-    for found in _KEPT_TIME.finditer(text) if own else ():
-        if (time := _nanoseconds(found)) not in own and time not in others:
-            _report_time(found, own, place, report)
+    for match in _KEPT_TIME.finditer(text) if item_times else ():
+        if (time := _nanoseconds(match)) not in item_times and time not in elsewhere:
+            _report_time(match, item_times, place, report)
             return
 
 
-def _report_time(found: re.Match[str], own: set[int], place: Path, report: DocumentReport) -> None:
-    known = listed([nanoseconds(item) for item in sorted(own)], "or")
-    wrong = f"the text says {found['number']} {found['unit']}, but the time here is {known}"
-    report.add("time-repeated", place, f"{wrong}; correct one of the two, or add the time to 'timings'")
+def _report_time(match: re.Match[str], item_times: set[int], place: Path, report: DocumentReport) -> None:
+    times_text = listed([nanoseconds(time) for time in sorted(item_times)], "or")
+    message = (
+        f"the text says {match['number']} {match['unit']}, but the time here is {times_text}; "
+        "correct one of the two, or add the time to 'timings'"
+    )
+    report.add("time-repeated", place, message)
 
 
-def _nanoseconds(found: re.Match[str]) -> Decimal:
-    return Decimal(found["number"].replace(",", "")) * _NANOSECONDS.get(found["unit"], _NANOSECONDS["s"])
+def _nanoseconds(match: re.Match[str]) -> Decimal:
+    return Decimal(match["number"].replace(",", "")) * _NANOSECONDS.get(match["unit"], _NANOSECONDS["s"])
 
 
 def _times(node: Any) -> Iterator[int]:
@@ -263,51 +301,70 @@ def _times(node: Any) -> Iterator[int]:
 def _texts(node: Any, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
     """Yield every text below a place, with the times next to it."""
     if isinstance(node, dict):
-        own = set(_times({key: item for key, item in node.items() if isinstance(item, int)}))
-        for key, item in node.items():
-            if isinstance(item, str) and key not in _NO_TEXTS:
-                yield (*path, key), item, own
+        nearby_times = set(_times({key: value for key, value in node.items() if isinstance(value, int)}))
+        for key, value in node.items():
+            if isinstance(value, str) and key not in _NO_TEXTS:
+                yield (*path, key), value, nearby_times
             else:
-                yield from _texts(item, (*path, key))
+                yield from _texts(value, (*path, key))
     elif isinstance(node, list):
-        for index, item in enumerate(node):
-            yield from _texts(item, (*path, index))
+        for index, value in enumerate(node):
+            yield from _texts(value, (*path, index))
 
 
 def conversions(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that quantities that are given in two units are the same in both."""
-    for path, item in items(spec, "characteristics"):
-        same: dict[tuple[object, object], list[tuple[Path, Spec]]] = {}
-        for at, value in items(item, "values"):
-            same.setdefault((value["quantity"], value.get("where")), []).append((at, value))
-        # With more than two values, nothing says which of them belong together.
-        for (_, other), (at, value) in (found for found in same.values() if len(found) == 2):
-            for bound in _BOUNDS:
-                if bound in value and bound in other and (right := _converted(value, other, bound)) is not None:
-                    wrong = f"{value[bound]} {value['unit']} is {right:.4g} {other['unit']}, not {other[bound]}"
-                    report.add("quantity-text", (*path, *at, bound), wrong)
+    for path, characteristic in items(spec, "characteristics"):
+        values_by_quantity: dict[tuple[object, object], list[tuple[Path, Spec]]] = {}
+        for value_path, value in items(characteristic, "values"):
+            key = (value["quantity"], value.get("where"))
+            values_by_quantity.setdefault(key, []).append(((*path, *value_path), value))
+        for values in values_by_quantity.values():
+            # With more than two values, nothing says which of them belong together.
+            if len(values) == 2:
+                (_, first_value), (second_path, second_value) = values
+                _compare_bounds(second_value, first_value, second_path, report)
     for path, text in leaves_of(spec, report):
-        for found in _SAME.finditer(text) if isinstance(text, str) and path[-1] != "printed" else ():
-            values = [
-                {"number": Decimal(found[f"{key}"].replace("−", "-")), "unit": found[f"{key}_unit"]}
-                for key in ("one", "two")
-            ]
-            if (right := _converted(values[0], values[1], "number")) is not None:
-                wrong = f"{values[0]['number']} {values[0]['unit']} is {right:.4g} {values[1]['unit']}"
-                report.add("quantity-text", path, f"{wrong}, not {values[1]['number']}")
+        for match in _SAME.finditer(text) if isinstance(text, str) and path[-1] != "printed" else ():
+            quantity = _Quantity(Decimal(match["one"].replace("−", "-")), match["one_unit"])
+            repetition = _Quantity(Decimal(match["two"].replace("−", "-")), match["two_unit"])
+            _compare_quantities(quantity, repetition, path, report)
 
 
-def _converted(value: Spec, other: Spec, key: str) -> float | None:
-    """Return a value in the unit of another if the other differs from it by more than rounding."""
-    convert = _CONVERTED.get((value["unit"], other["unit"]))
+@dataclass(frozen=True, slots=True)
+class _Quantity:
+    """A number as printed, with its unit."""
+
+    number: Any
+    unit: str
+
+
+def _compare_bounds(value: Spec, first_value: Spec, path: Path, report: DocumentReport) -> None:
+    """Report each bound of a value that differs from that of a value of the same quantity in another unit."""
+    for bound in _BOUNDS:
+        if bound in value and bound in first_value:
+            quantity = _Quantity(value[bound], value["unit"])
+            first_quantity = _Quantity(first_value[bound], first_value["unit"])
+            _compare_quantities(quantity, first_quantity, (*path, bound), report)
+
+
+def _compare_quantities(quantity: _Quantity, printed: _Quantity, path: Path, report: DocumentReport) -> None:
+    """Report a quantity that differs from another one, in another unit, by more than rounding."""
+    convert = _CONVERTED.get((quantity.unit, printed.unit))
     if convert is None:
-        return None
-    here, given = float(value[key]), float(other[key])
-    right, back = convert(here), _CONVERTED[other["unit"], value["unit"]](given)
-    is_rounded = abs(right - given) <= max(abs(right) / 100, _half_digit(other[key]))
+        return
+    number, printed_number = float(quantity.number), float(printed.number)
+    converted = convert(number)
+    converted_back = _CONVERTED[printed.unit, quantity.unit](printed_number)
+    half_digit = _half_digit(printed.number)
+    is_rounded = abs(converted - printed_number) <= max(abs(converted) / 100, half_digit)
+    is_rounded_back = abs(converted_back - number) <= _half_digit(quantity.number)
     # A difference of temperatures has no offset.
-    is_difference = "°" in other["unit"] and abs(right - convert(0.0) - given) <= max(0.5, _half_digit(other[key]))
-    return None if is_rounded or is_difference or abs(back - here) <= _half_digit(value[key]) else right
+    converted_difference = converted - convert(0.0)
+    is_difference = "°" in printed.unit and abs(converted_difference - printed_number) <= max(0.5, half_digit)
+    if not is_rounded and not is_rounded_back and not is_difference:
+        message = f"{quantity.number} {quantity.unit} is {converted:.4g} {printed.unit}, not {printed.number}"
+        report.add("quantity-text", path, message)
 
 
 def _half_digit(number: object) -> float:
@@ -321,11 +378,14 @@ def column_units(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, table in items(spec, "tables"):
         units = table.get("units", [])
         if units and len(units) != len(table["columns"]):
-            wrong = f"the table has {counted(len(table['columns']), 'column')} but {counted(len(units), 'unit')}"
-            report.add("column-units", (*path, "units"), f'{wrong}; give one for each, or ""')
+            message = (
+                f"the table has {counted(len(table['columns']), 'column')} but {counted(len(units), 'unit')}; "
+                'give one for each, or ""'
+            )
+            report.add("column-units", (*path, "units"), message)
             continue
         for row, cells in enumerate(table["rows"] if units else ()):
             for column, (unit, cell) in enumerate(zip(units, cells, strict=False)):
                 if unit and not _CELL.fullmatch(str(cell)):
-                    wrong = f"{quoted(str(cell))} is not a number, but the column has the unit {unit}"
-                    report.add("column-units", (*path, "rows", row, column), wrong)
+                    message = f"{quoted(str(cell))} is not a number, but the column has the unit {unit}"
+                    report.add("column-units", (*path, "rows", row, column), message)

@@ -10,7 +10,7 @@ from ...model import INTERFACES, Biss
 from ...model.by_hand import has_steps
 from ...model.expressions import Expression, ExpressionError
 from ..hints import expression_hint, number_hint
-from ..problems import DocumentReport, Path, meant, quoted, suggestion
+from ..problems import DocumentReport, Path, nearest_choice, quoted, suggestion
 from ..schema import value_at
 from . import parameters
 from .shapes import KINDS
@@ -59,12 +59,14 @@ class _Names:
     def refer(self, path: Path, kind: str, name: str, known: Collection[str] | None = None) -> None:
         """Report ``name`` at ``path`` unless it is in ``known``, by default all names of its kind.
 
-        If one of these names is itself wrong, it is reported already and may be the one that is meant.
+        If one of these names is itself wrong, it is reported already and may be the one that is nearest_choice.
         """
         choices = self._known[kind] if known is None else known
         if name in choices:
             return
-        if self._broken.isdisjoint(choices) or meant(name, [item for item in choices if item not in self._broken]):
+        if self._broken.isdisjoint(choices) or nearest_choice(
+            name, [item for item in choices if item not in self._broken]
+        ):
             wrong = f"there is no {kind} {quoted(name)}{suggestion(name, choices)}"
             self._report.add("undefined-reference", path, wrong)
         else:

@@ -23,13 +23,16 @@ _NOT_DATA = frozenset(("constant", "unused", "crc", "parity_of"))
 
 def repeated_item(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that no item of a list that is a set occurs twice."""
-    for path, found in _sets((), spec):
-        for index, item in enumerate(found):
-            first = found.index(item)
-            if first < index:
-                what = quoted(item) if isinstance(item, (str, int)) else "this"
-                wrong = f"{what} is already item {first + 1} of '{path[-1]}'; remove it, or write the intended one"
-                report.add("repeated-item", (*path, index), wrong)
+    for path, set_items in _sets((), spec):
+        for index, set_item in enumerate(set_items):
+            first_index = set_items.index(set_item)
+            if first_index < index:
+                item_text = quoted(set_item) if isinstance(set_item, (str, int)) else "this"
+                message = (
+                    f"{item_text} is already item {first_index + 1} of '{path[-1]}'; "
+                    "remove it, or write the intended one"
+                )
+                report.add("repeated-item", (*path, index), message)
 
 
 def repeated_text(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -37,33 +40,35 @@ def repeated_text(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     registers: dict[object, list[tuple[Path, Spec]]] = {}
     for path, register in items(spec, "registers"):
         registers.setdefault((interface_of(register), register.get("bank")), []).append((path, register))
-    for found in registers.values():
-        _compare(found, "printed_name", report)
+    for neighbours in registers.values():
+        _report_repeated(neighbours, "printed_name", report)
     for fields in field_lists(spec):
-        _compare(((path, item) for path, item in fields if not _NOT_DATA & {*item}), "printed_name", report)
+        data_fields = [(path, field) for path, field in fields if _NOT_DATA.isdisjoint(field)]
+        _report_repeated(data_fields, "printed_name", report)
         for path, field in fields:
             values = [((*path, "values", name), value) for name, value in mapping(field, "values").items()]
-            _compare(values, "printed_name", report)
+            _report_repeated(values, "printed_name", report)
             # Several values can be "not used".
-            _compare((item for item in values if item[1].get("meaning", "").count(" ") > 1), "meaning", report)
+            explained = [(path, value) for path, value in values if value.get("meaning", "").count(" ") > 1]
+            _report_repeated(explained, "meaning", report)
 
 
-def _compare(found: Iterable[tuple[Path, Spec]], key: str, report: DocumentReport) -> None:
+def _report_repeated(neighbours: Iterable[tuple[Path, Spec]], key: str, report: DocumentReport) -> None:
     """Report every text under a key that an earlier item has."""
-    seen: dict[object, object] = {}
-    for path, item in found:
-        name = item.get("name", path[-1])
-        if key in item and (first := seen.setdefault(item[key], name)) != name:
-            wrong = f"{quoted(str(first))} already has this text as its {quoted(key)}; one of the two is wrong"
-            report.add("repeated-text", (*path, key), wrong)
+    first_names: dict[object, object] = {}
+    for path, neighbour in neighbours:
+        name = neighbour.get("name", path[-1])
+        if key in neighbour and (first_name := first_names.setdefault(neighbour[key], name)) != name:
+            message = f"{quoted(str(first_name))} already has this text as its {quoted(key)}; one of the two is wrong"
+            report.add("repeated-text", (*path, key), message)
 
 
 def _sets(path: Path, node: Any) -> Iterator[tuple[Path, list[Any]]]:
     if isinstance(node, list):
         if path[-1] in _SETS or (len(path) > 1 and path[-2] in _MAPS_OF_SETS):
             yield path, node
-        for index, item in enumerate(node):
-            yield from _sets((*path, index), item)
+        for index, inner in enumerate(node):
+            yield from _sets((*path, index), inner)
     elif isinstance(node, dict):
-        for key, item in node.items():
-            yield from _sets((*path, key), item)
+        for key, inner in node.items():
+            yield from _sets((*path, key), inner)

@@ -19,29 +19,34 @@ def requests(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     if not interface:
         return
     if mapping(interface, "port").get("data_bits", 8) != 8:
-        wrong = "frames over RS-485 consist of bytes, so a character has 8 data bits, and its parity bit is 'parity'"
-        report.add(_RULE, (*_HERE, "port", "data_bits"), wrong)
+        message = "frames over RS-485 consist of bytes, so a character has 8 data bits, and its parity bit is 'parity'"
+        report.add(_RULE, (*_HERE, "port", "data_bits"), message)
     if "exchanges" not in interface:
         if "data_ids" not in mapping(raw, *_HERE):
-            wrong = "no request is described; add 'data_ids' (for frames like those of the T-format) or 'exchanges'"
-            report.add(_RULE, _HERE, wrong)
+            message = "no request is described; add 'data_ids' (for frames like those of the T-format) or 'exchanges'"
+            report.add(_RULE, _HERE, message)
         return
     for key in _OF_DATA_IDS:
         if key in interface:
-            wrong = f"{quoted(key)} belongs to frames like those of the T-format; keep either it or 'exchanges'"
-            report.add(_RULE, (*_HERE, key), wrong, at_key=True)
-    found = check_exchanges(spec, raw, Rs485.name, _RULE, report)
-    positions = [(path, item) for path, item in found if item["purpose"] == "position"]
-    for path, item in positions:
-        if "reply" not in item:
-            report.add(_RULE, path, f"{quoted(item['request'])} asks for the position, so it needs a 'reply'")
+            message = f"{quoted(key)} belongs to frames like those of the T-format; keep either it or 'exchanges'"
+            report.add(_RULE, (*_HERE, key), message, at_key=True)
+    _check_exchanges(spec, raw, report)
+
+
+def _check_exchanges(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that one exchange has the position, and that each frame is in an exchange."""
+    exchanges = check_exchanges(spec, raw, Rs485.name, _RULE, report)
+    positions = [(path, exchange) for path, exchange in exchanges if exchange["purpose"] == "position"]
+    for path, exchange in positions:
+        if "reply" not in exchange:
+            report.add(_RULE, path, f"{quoted(exchange['request'])} asks for the position, so it needs a 'reply'")
     for path, _ in positions[1:]:
         report.add(_RULE, (*path, "purpose"), "a second request asks for the position; use 'other'")
     for path, layout in items(spec, *_HERE, "layouts"):
-        report_unused(layout, path, found, _RULE, report)
+        report_unused(layout, path, exchanges, _RULE, report)
         if "when" in layout:
-            wrong = "the request decides which frame is the reply; leave 'when' out"
-            report.add(_RULE, (*path, "when"), wrong, at_key=True)
+            message = "the request decides which frame is the reply; leave 'when' out"
+            report.add(_RULE, (*path, "when"), message, at_key=True)
         if layout.get("carried_as") == "bits":
-            wrong = f"{quoted(layout['name'])} is sent over a serial port, as bytes; use 'carried_as: bytes'"
-            report.add(_RULE, (*path, "carried_as"), wrong)
+            message = f"{quoted(layout['name'])} is sent over a serial port, as bytes; use 'carried_as: bytes'"
+            report.add(_RULE, (*path, "carried_as"), message)

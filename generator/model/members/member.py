@@ -65,8 +65,12 @@ class Member:
     @cached_property
     def notation(self) -> str:
         """Notation of numbers in sentences."""
+        if self.form:
+            return self.form
+        if self.shape.startswith("hex"):
+            return "hex"
         unit = self.attribute.rpartition("_")[2]
-        return self.form or ("hex" if self.shape.startswith("hex") else unit if unit in _UNITS else "")
+        return unit if unit in _UNITS else ""
 
     def is_stated(self, value: object) -> bool:
         """Return True if the manual gives a value, which is not just the default."""
@@ -105,7 +109,7 @@ class Part:
         camel = "".join(word.capitalize() for word in name.split("_"))
         self.classes = tuple((camel if of is None else of).split())
         #: The members by their names in the model.
-        self.by_attribute = {item.attribute: item for item in reversed(members)}
+        self.by_attribute = {member.attribute: member for member in reversed(members)}
 
 
 NAME = Member("name", "name", "Name.")

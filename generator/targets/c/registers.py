@@ -8,7 +8,7 @@ from functools import cached_property
 from ...model import Field, Register, RegisterMeaning, assert_never
 from ...model.expressions import Expression
 from ...model.record import dataclass
-from ...order_codes.run_time import at_run_time
+from ...order_codes.run_time import parameters_at_run_time
 from ...plan.codec import Codec
 from ...plan.limits import limits_of
 from ...plan.refusals import NoPowerOfTwo, outside, refusals
@@ -180,7 +180,7 @@ class RegisterCode:
         if signed:
             return Function(name, "int64_t", self.scope.signed(limit), about, uses_variant=True)
         mine = self.device.variants_over(self.register.interface)
-        states = (parameters for item in mine for parameters in at_run_time(self.device, item))
+        states = (parameters for item in mine for parameters in parameters_at_run_time(self.device, item))
         largest = max(map(limit.value, states), default=0)
         return number_of(self.scope, name, limit, largest, about)
 

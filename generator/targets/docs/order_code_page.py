@@ -10,7 +10,7 @@ from ...model import INTERFACES, Biss, Device, Interface, Layout, Measurement, P
 from ...model.record import dataclass
 from ...order_codes.narrowing import for_codes
 from ...order_codes.parameters import parameters_of, run_time_names
-from ...order_codes.with_numbers import applied
+from ...order_codes.with_numbers import with_quantities
 from ...say.evidence import grade
 from ...say.layout import size
 from ...say.markdown import STYLE, cited, code, link, text
@@ -112,7 +112,7 @@ class Codes:
 
     def _alike(self, variants: tuple[Variant, ...], name: str) -> Alike:
         only = for_codes(self.device, [item.code for item in variants])
-        here = with_own_widths(self.device, applied(only, variants[0]), variants[0])
+        here = with_own_widths(self.device, with_quantities(only, variants[0]), variants[0])
         return Alike(self.device, variants, only, here, name)
 
     @cached_property

@@ -39,7 +39,7 @@ def _is_of_type(value: Any, expected: str | list[str], _: object) -> bool:
 
 
 def _is_one_of(value: Any, expected: list[Any], _: object) -> bool:
-    return any(type(value) is type(item) and value == item for item in expected)
+    return any(type(value) is type(allowed_value) and value == allowed_value for allowed_value in expected)
 
 
 def _has_properties(value: Any, expected: Mapping[str, Any], _: object) -> bool:
@@ -49,8 +49,10 @@ def _has_properties(value: Any, expected: Mapping[str, Any], _: object) -> bool:
 def _has_additional(value: Any, expected: Any, schema: Mapping[str, Any]) -> bool:
     if not isinstance(value, dict):
         return True
-    others = [item for key, item in value.items() if key not in schema.get("properties", ())]
-    return not others or (isinstance(expected, dict) and all(follows(item, expected) for item in others))
+    additional_values = [inner for key, inner in value.items() if key not in schema.get("properties", ())]
+    return not additional_values or (
+        isinstance(expected, dict) and all(follows(inner, expected) for inner in additional_values)
+    )
 
 
 def _for(kind: str, test: Callable[[Any, Any], bool]) -> Callable[[Any, Any, object], bool]:
@@ -69,7 +71,7 @@ _TESTS: Mapping[str, Callable[[Any, Any, Any], bool]] = {
     "required": _for("object", lambda value, expected: all(key in value for key in expected)),
     "minProperties": _for("object", lambda value, expected: len(value) >= expected),
     "maxProperties": _for("object", lambda value, expected: len(value) <= expected),
-    "items": _for("array", lambda value, expected: all(follows(item, expected) for item in value)),
+    "items": _for("array", lambda value, expected: all(follows(inner, expected) for inner in value)),
     "minItems": _for("array", lambda value, expected: len(value) >= expected),
     "maxItems": _for("array", lambda value, expected: len(value) <= expected),
     "pattern": _for("string", lambda value, expected: matches(expected, value)),
