@@ -113,13 +113,13 @@ def _tools_are_tried_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.
 def _once(read: Callable[..., Any]) -> Callable[..., Any]:
     known: dict[Any, Any] = {}
 
-    def once(paths: Sequence[Path] | None = None, *more: Any, **others: Any) -> Any:
-        given = paths or ()
-        key = (tuple(given), None if all(path.is_absolute() for path in given) else Path.cwd())
-        if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in given):
-            return read(paths, *more, **others)
+    def once(*arguments: Any, **options: Any) -> Any:
+        paths: Sequence[Path] = (arguments[0] if arguments else None) or ()
+        key = (tuple(paths), None if all(path.is_absolute() for path in paths) else Path.cwd())
+        if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths):
+            return read(*arguments, **options)
         if key not in known:
-            known[key] = read(paths)
+            known[key] = read(*arguments[:1])
         found, report = known[key]
         return found, deepcopy(report)
 
