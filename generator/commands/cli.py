@@ -208,7 +208,7 @@ def _list(chosen: argparse.Namespace) -> int:
     def rows_of(paths: Sequence[Path]) -> list[Row]:
         before = earlier(_cache(chosen), "list", paths)
         known: list[Row] | None = before.get(list[Row])
-        if known is None:
+        if not known:
             known = rows(look_up.load(paths))
             before.put(known)
         return known

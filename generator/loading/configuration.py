@@ -20,6 +20,7 @@ from ..typed import fits
 PYPROJECT = "pyproject.toml"
 #: Text that a pyproject.toml with the section must contain. Others are not parsed.
 _NEEDED = b"tool.codewheel"
+SETTINGS = frozenset(("specs", "output", "targets"))
 #: Kind of entry in the cache for settings without errors.
 _KIND = "configuration"
 
@@ -111,7 +112,7 @@ def _known(file: Path, cache: Cache) -> Configuration | None:
     except OSError:
         raise Faulty(file) from None
     known = cache.get(_KIND, content)
-    if fits(known, dict[str, list[str]]):
+    if fits(known, dict[str, list[str]]) and known.keys() == SETTINGS:
         settings = settings_in(file, known)
         if all(map(exists, settings.specs)):
             return settings
@@ -132,7 +133,7 @@ def exists(path: Path) -> bool:
 
 
 def settings_in(file: Path, values: Mapping[str, list[str]]) -> Configuration:
-    """Return the settings with these values, which are lists of texts by their keys."""
-    output = next((file.parent / text for text in values.get("output", ())), None)
-    specs = tuple(file.parent / text for text in values.get("specs", ()))
-    return Configuration(file, specs, output, tuple(values.get("targets", ())))
+    """Return the settings with these values, which are lists of texts by their keys. Settings that are not given are empty."""
+    output = next((file.parent / text for text in values["output"]), None)
+    specs = tuple(file.parent / text for text in values["specs"])
+    return Configuration(file, specs, output, tuple(values["targets"]))

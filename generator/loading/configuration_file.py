@@ -13,7 +13,7 @@ from ..language.document import Path as Place
 from ..language.files import CONFIGURATION
 from ..language.problems import Report, suggestion
 from ..language.read import read_document
-from .configuration import PYPROJECT, Faulty, exists, settings_in
+from .configuration import PYPROJECT, SETTINGS, Faulty, exists, settings_in
 
 _HEADER = re.compile(r"^[ \t]*\[[ \t]*tool[ \t]*\.[ \t]*codewheel[ \t]*\]", re.MULTILINE)
 _KEY = r"^[ \t]*[\"']?{}[\"']?[ \t]*=[ \t]*"
@@ -145,7 +145,7 @@ def _texts_of_a_list(text: str, start: int) -> Iterator[int]:
 
 def _values(file: Path, document: Document, report: Report) -> dict[str, list[str]]:
     """Return the settings in a document as lists of texts. Settings with errors are reported and left out."""
-    found: dict[str, list[str]] = {}
+    found: dict[str, list[str]] = {key: [] for key in SETTINGS}
     for key, value in document.data.items():
         kind = _KEYS.get(key)
         if kind is None:
