@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 from . import look_up
 from .arguments import held_bytes, parse
 from .parsers import parser_for
-from .terminal import Progress, Stop, prepare, release
+from .terminal import Progress, Stop, prepare, problems, release
 from .which_specs import specs_to_judge, specs_to_read
 
 if TYPE_CHECKING:
@@ -142,7 +142,7 @@ def _generate(chosen: argparse.Namespace) -> int:
         with progress:
             devices = complete(families, targets, chosen.edition, report)
         if report:
-            raise look_up.problems(report)
+            raise problems(report)
         names = [device.name for device in devices]
         print(_read_line(names, report, chosen.packaged))
         with progress:

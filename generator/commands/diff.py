@@ -13,9 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..changes.impact import IMPACTS, Impact
-from . import look_up
 from .arguments import FORMATS, FORMATS_HELP, Parser, a_path
-from .terminal import Stop
+from .terminal import Stop, refuse_missing
 
 if TYPE_CHECKING:
     from ..changes.change import Change
@@ -202,7 +201,7 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
         names: Mapping[str, str] = {}
         if place is None:
             path = Path(text)
-            look_up.refuse_missing([path])
+            refuse_missing([path])
         else:
             folder = stack.enter_context(TemporaryDirectory(prefix="codewheel-"))
             try:

@@ -12,8 +12,7 @@ from ..model import Device
 from ..order_codes.editions import edition_by_label
 from ..order_codes.labels import Match, UnknownOrderCode, find
 from ..reference.editions import told_by_registers, without_tests
-from . import look_up
-from .terminal import Stop
+from .terminal import Stop, problems
 
 #: Words that ask to infer the edition instead of naming it.
 BY_LABEL, BY_REGISTERS = "label", "registers"
@@ -71,7 +70,7 @@ def _in_edition(specs: Sequence[Path], device: Device, revision: str) -> Device:
     report = Report()
     made = in_edition(family, revision, report)
     if report or made is None:
-        raise look_up.problems(report)
+        raise problems(report)
     return made.device
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..say.numbers import counted, first_of
-from .terminal import Stop
+from .terminal import Stop, problems
 
 if TYPE_CHECKING:
     from ..cache import Cache
@@ -33,24 +33,6 @@ def load(paths: Sequence[Path]) -> tuple[Device, ...]:
     if report:
         raise problems(report)
     return devices
-
-
-def refuse_missing(paths: Sequence[Path]) -> None:
-    """Check that all paths exist.
-
-    Raises:
-        Stop: A path does not exist. The exit code is 2.
-    """
-    missing = [str(path) for path in paths if not _is_there(path)]
-    if missing:
-        raise Stop(f"no such file or folder: {', '.join(missing)}", 2)
-
-
-def _is_there(path: Path) -> bool:
-    try:
-        return path.exists() or path.is_symlink()
-    except (OSError, ValueError):
-        return True  # It exists, and reading it will report the error.
 
 
 def read_line(families: Iterable[str], report: Report, packaged: Sequence[str] = ()) -> str:
@@ -236,11 +218,3 @@ def _unknown(devices: Sequence[Device], text: str) -> Stop:
 
 def _family(devices: Sequence[Device], text: str) -> Device | None:
     return next((device for device in devices if device.name == text.strip().lower()), None)
-
-
-def problems(report: Report) -> Stop:
-    """Print all problems to standard error, and return the ``Stop`` to raise."""
-
-    for problem in report.shown:
-        print(problem.format(), file=sys.stderr)
-    return Stop(counted(len(report), "problem"), 1)

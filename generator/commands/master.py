@@ -16,7 +16,7 @@ from . import look_up
 from .arguments import held_bytes
 from .choose import answers_of, undecided
 from .editions import asked_for
-from .terminal import Stop
+from .terminal import Stop, problems, refuse_missing
 from .which_specs import specs_to_read
 
 
@@ -26,10 +26,10 @@ def run(chosen: argparse.Namespace, cache: Cache) -> tuple[int, str | Mapping[st
     Raises:
         Stop: There is no such master, order code or edition, or there are no settings for it.
     """
-    look_up.refuse_missing(chosen.masters)
+    refuse_missing(chosen.masters)
     known, report = sheet.load_masters(chosen.masters)
     if report:
-        raise look_up.problems(report)
+        raise problems(report)
     if (chosen.format or chosen.device) is not None and (chosen.master is None or chosen.order_code is None):
         raise Stop(f"{'--format' if chosen.format is not None else '--device'} needs an order code and --master", 2)
     if chosen.order_code is None:

@@ -14,8 +14,7 @@ from ..reread.citing import Citing, citing, ranked
 from ..reread.passages import Passage, changed, numbers_changed, same_language
 from ..reread.sections import WORD, Manual, NoText, read
 from ..say.words import counted
-from . import look_up
-from .terminal import Stop
+from .terminal import Stop, problems
 
 if TYPE_CHECKING:
     from ..loading.library import Family
@@ -64,7 +63,7 @@ def run(chosen: argparse.Namespace) -> int:
 def _family(specs: Sequence[Path], name: str | None, old: Manual) -> Family:
     families, report = load_families(specs)
     if report:
-        raise look_up.problems(report)
+        raise problems(report)
     plain = {item.device.name: item for item in families if not item.device.base}
     if name is not None:
         if name.lower() not in plain:
@@ -163,7 +162,7 @@ def run_facts(chosen: argparse.Namespace) -> int:
         raise Stop("give --page NUMBER or --section NUMBER, or both", 2)
     families, report = load_families(chosen.specs)
     if report:
-        raise look_up.problems(report)
+        raise problems(report)
     found = next((item for item in families if item.device.name == chosen.family.lower()), None)
     if found is None:
         raise Stop(f"'{chosen.family}' is not a family; known: {', '.join(item.device.name for item in families)}", 2)

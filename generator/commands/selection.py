@@ -14,6 +14,7 @@ from ..loading.configuration import Configuration
 from ..loading.shipped import packaged_families
 from . import look_up
 from .generate import command_again
+from .terminal import problems, refuse_missing
 from .which_specs import Specs, find_settings, specs_to_judge
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ def selected(chosen: argparse.Namespace, cache: Cache) -> Selection:
     named = [*chosen.specs, *chosen.more_specs]
     chosen.again = command_again(chosen)
     if chosen.packaged:
-        look_up.refuse_missing(named)
+        refuse_missing(named)
         paths, implied = _packaged(chosen, cache)
         settings, everything = find_settings(cache), command_again(chosen, "--packaged", "NAME")
         paths = (*named, *paths)
@@ -86,7 +87,7 @@ def _refuse_unknown_targets(settings: Configuration) -> None:
     for index, name in enumerate(settings.targets):
         if name not in known:
             message = f"there is no target '{name}'{suggestion(name, known, 'there are')}"
-            raise look_up.problems(error_at(settings.file, ("targets", index), "undefined-reference", message))
+            raise problems(error_at(settings.file, ("targets", index), "undefined-reference", message))
 
 
 def _packaged(chosen: argparse.Namespace, cache: Cache) -> tuple[tuple[Path, ...], tuple[str, ...]]:

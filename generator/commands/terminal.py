@@ -7,10 +7,16 @@ import io
 import os
 import sys
 import unicodedata
+from collections.abc import Sequence
 from contextlib import ExitStack, suppress
-from typing import TextIO
+from pathlib import Path
+from typing import TYPE_CHECKING, TextIO
 
 from ..say.ascii import STAND_INS
+from ..say.numbers import counted
+
+if TYPE_CHECKING:
+    from ..language.problems import Report
 
 #: Time in seconds after which work is shown, and between updates.
 _AFTER_S, _EVERY_S = 1.0, 0.25
@@ -132,3 +138,28 @@ def _in_json(error: UnicodeError) -> tuple[str, int]:
 
 codecs.register_error("codewheel", _in_words)
 codecs.register_error("codewheel-json", _in_json)
+
+
+def refuse_missing(paths: Sequence[Path]) -> None:
+    """Check that all paths exist.
+
+    Raises:
+        Stop: A path does not exist. The exit code is 2.
+    """
+    missing = [str(path) for path in paths if not _is_there(path)]
+    if missing:
+        raise Stop(f"no such file or folder: {', '.join(missing)}", 2)
+
+
+def _is_there(path: Path) -> bool:
+    try:
+        return path.exists() or path.is_symlink()
+    except (OSError, ValueError):
+        return True  # It exists, and reading it will report the error.
+
+
+def problems(report: Report) -> Stop:
+    """Print all problems to standard error, and return the ``Stop`` to raise."""
+    for problem in report.shown:
+        print(problem.format(), file=sys.stderr)
+    return Stop(counted(len(report), "problem"), 1)

@@ -15,11 +15,11 @@ from typing import Any
 from ..cache import Cache
 from ..known_files import KnownFiles
 from ..language.files import LINK, UNREADABLE, below, describes_encoders, is_folder, is_spec
-from ..loading.configuration import Configuration, Faulty, configuration_above
+from ..loading.configuration import Configuration, Faulty
+from ..loading.find_configuration import configuration_above
 from ..loading.shipped import packaged_families
 from ..say.numbers import first_of
-from .look_up import problems, refuse_missing
-from .terminal import Stop
+from .terminal import Stop, problems, refuse_missing
 
 #: Number of files and folders after which the search below the current folder ends. It takes less than 50 ms.
 MOST_NAMES = 10_000
