@@ -114,8 +114,9 @@ def _once(read: Callable[..., Any]) -> Callable[..., Any]:
     known: dict[Any, Any] = {}
 
     def once(*arguments: Any, **options: Any) -> Any:
-        paths: Sequence[Path] = (arguments[0] if arguments else None) or ()
-        key = (tuple(paths), None if all(path.is_absolute() for path in paths) else Path.cwd())
+        given = arguments[0] if arguments else None
+        paths: Sequence[Path] = given or ()
+        key = (given is None, tuple(paths), None if all(path.is_absolute() for path in paths) else Path.cwd())
         if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths):
             return read(*arguments, **options)
         if key not in known:

@@ -103,7 +103,7 @@ def specs_to_judge(named: Sequence[Path], command: str, cache: Cache) -> Specs:
             2,
         )
     if not specs.paths:
-        packaged = "codewheel generate --packaged AMM5A21/65KSC1 -o out"
+        packaged = "codewheel generate --packaged lika -o out"
         others = f"; outputs for a packaged encoder: {packaged}" if command == "generate" else ""
         raise Stop(
             f"there are no specs in {_place(folder)} or below it; name them: codewheel {command}{option} FOLDER, "

@@ -128,8 +128,7 @@ def clock_words(clock: Clock) -> str:
         limits = f"{hertz(lowest)} to {hertz(highest)}" if highest is not None else f"at least {hertz(lowest)}"
     if not clock.used_hz:
         return limits
-    used = f"{clocks_in_use(clock.used_hz)}, {unknown_limits(clock)}"
-    return f"{limits}, {used}" if limits else used
+    return ", ".join(filter(None, (limits, clocks_in_use(clock.used_hz), unknown_limits(clock))))
 
 
 def clocks_in_use(clocks: Sequence[int]) -> str:
@@ -139,9 +138,11 @@ def clocks_in_use(clocks: Sequence[int]) -> str:
 
 
 def unknown_limits(clock: Clock) -> str:
-    """Return a clause about the limits that are not known."""
+    """Return a clause about the limits that are not known. Empty if both are known."""
     if not clock.has_limits:
         return "the limits are not known"
+    if clock.min_hz is not None and clock.max_hz is not None:
+        return ""
     return f"the {'lowest' if clock.min_hz is None else 'highest'} clock is not known"
 
 

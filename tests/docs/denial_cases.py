@@ -25,6 +25,7 @@ from codewheel.model import (
     Biss,
     Characteristic,
     Choice,
+    Clock,
     CodePart,
     Contact,
     ControlField,
@@ -36,6 +37,7 @@ from codewheel.model import (
     Flag,
     Input,
     Interface,
+    LayoutRange,
     Led,
     LedState,
     Network,
@@ -65,6 +67,7 @@ from codewheel.say import (
     hardware_input,
     interface,
     layout,
+    measurement,
     only,
     order_code,
     origin,
@@ -795,3 +798,23 @@ for name, target, true_device, false_device in (
     ("spellings", "docs", lambda: with_code(also_written=SPELLED), tv62),
 ):
     case(name, partial(everything_of, target, true_device), partial(everything_of, target, false_device), is_slow=True)
+
+# -- limits and ranges
+
+
+def clock_text(min_hz: int | None, max_hz: int | None) -> str:
+    """Return the words for a clock at which encoders are read at 1 MHz."""
+    return interface.clock_words(Clock(min_hz, max_hz, (1_000_000,), ()))
+
+
+case("clock_limits", lambda: clock_text(None, None), lambda: clock_text(100_000, 2_000_000))
+case("clock_limit", lambda: clock_text(None, 2_000_000), lambda: clock_text(100_000, 2_000_000))
+
+
+def range_text(wraps: bool) -> str:
+    """Return the sentence about the range of the position in a layout."""
+    modulus = Expression.parse(1 << 24) if wraps else None
+    return BY_NAME.phrase(measurement.position_range(LayoutRange(None, modulus, None, (), wraps=wraps)))
+
+
+case("never_wraps", lambda: range_text(wraps=False), lambda: range_text(wraps=True))

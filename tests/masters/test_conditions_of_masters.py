@@ -169,7 +169,7 @@ def test_remainder_gray_code_of_omron(masters: Any, record_of: RecordOf) -> None
     assert refusal.reason.startswith("For a multiturn encoder with Gray code, Encoder Resolution must be 0.")
     unknown = changed(single, counts_per_turn=None, singleturn_codes="unknown")
     (setting,) = [item for item in sheet(masters["omron_nx"], unknown).settings if item.name == "Encoder Resolution"]
-    assert (setting.value, setting.text) == (None, "unknown: not in the encoder's manual (counts per revolution)")
+    assert (setting.value, setting.text) == (None, "unknown: not in the encoder's spec (counts per revolution)")
 
 
 def test_revolutions_without_bits(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
