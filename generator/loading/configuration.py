@@ -133,7 +133,7 @@ def exists(path: Path) -> bool:
 
 
 def settings_in(file: Path, values: Mapping[str, list[str]]) -> Configuration:
-    """Return the settings with these values, which are lists of texts by their keys. Settings that are not given are empty."""
+    """Return the settings with these values, which are lists of texts by their keys, empty for settings not given."""
     output = next((file.parent / text for text in values["output"]), None)
     specs = tuple(file.parent / text for text in values["specs"])
     return Configuration(file, specs, output, tuple(values["targets"]))
