@@ -132,6 +132,7 @@ _CHANGES = (
     ("procedure-steps", "WWWD", "the steps of a procedure have changed", "The same call sends different data."),
     ("procedure-arguments", "BBBD", "a procedure has different arguments", "Calls no longer match."),
     ("procedure-interface", "BBBD", "a procedure uses a different interface", "It is accessed in a different way."),
+    ("decision-default", "BBBD", "a question has another default, a new one, or none", "Callers must, or need not, answer."),
     ("answer-sets", "WWWD", "an answer selects different bits", _WIRE),
     ("contact", "DWWD", "a contact or wire carries a different signal", _WIRING_DAMAGE),
     ("input-rule", "DWWD", "a hardware input has a different function", "An encoder wired to it behaves differently."),

@@ -105,7 +105,11 @@ def _with_used(device: Device, crcs_sent: Collection[str]) -> Device:
     groups, registers = {"", *(field.group for field in sent)}, {"", *_names(device.registers)}
     layouts = [layout for item in device.interfaces for layout in item.layouts]
     layouts += [item.layout for item in device.registers]
-    decisions = {item.name for layout in layouts for item in device.alternatives_of(layout)}
+    decisions = {
+        item.name
+        for layout in layouts
+        for item in (*device.alternatives_of(layout), *device.verdict_alternatives(layout))
+    }
     return replace(
         device,
         crcs=tuple(item for item in device.crcs if item.name in crcs or item.name not in crcs_sent),

@@ -31,6 +31,7 @@ from . import (
     spi,
     value_verdicts,
     values,
+    verdict_choices,
 )
 from .walk import Rule
 
@@ -40,6 +41,8 @@ FOUNDATIONS: tuple[Rule, ...] = (
     references.alternative_references,
     parameters.parameter_origin,
     parameters.alternative_use,
+    verdict_choices.default_answers,
+    verdict_choices.verdicts_by_answer,
     references.expressions,
     order_code.parameter_cycle,
     order_code.order_code_pattern,
