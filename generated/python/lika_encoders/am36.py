@@ -694,7 +694,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
     Bits of unused:
         bit 0, warning: Warning, nW: Not used, always 1. In the BiSS protocol, 0 here signals a warning. Unused,
-            documented as 1. Frames with other values are still decoded, with the verdict ``usable_with_warning``.
+            documented as 1. Frames with other values are still decoded, with the verdict ``unknown``.
         bit 1, error: Error, nE: Not used, always 1. In the BiSS protocol, 0 here signals an error. Unused, documented
             as 1. Frames with other values are still decoded, with the verdict ``not_usable``.
 

@@ -326,7 +326,7 @@ typedef enum lika_am36_biss_report {
  *                                                         BiSS protocol, 0 here signals a warning.
  *                                                         Unused, documented as 1. Frames with
  *                                                         other values are still decoded, with the
- *                                                         verdict usable_with_warning.
+ *                                                         verdict unknown.
  *   bits 5:0                                  crc         CRC: CRC of the transmission, sent
  *                                                         inverted. CRC biss_6 over everything
  *                                                         before it.

@@ -356,7 +356,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
                 "unused bits differ from the documented value 1. Not used, always 1. In the BiSS protocol, 0 here "
                 "signals a warning."
             ),
-            makes_position=Verdict.USABLE_WITH_WARNING,
+            makes_position=Verdict.UNKNOWN,
             source="6.3.1 p.21",
         ),
     )
@@ -1442,7 +1442,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Error and warning: not used, always 1",
         used=(
             "A frame with either bit at 0 is decoded, and the bit is reported. The position is not usable if nE is 0. "
-            "If nW is 0, it is usable with a warning."
+            "Otherwise, the verdict is unknown, because no bit of the frame says that the position is valid."
         ),
         why=(
             "The manual does not say what 0 means in these bits. In the BiSS protocol, both bits are active when they "
