@@ -329,7 +329,7 @@ def _taken_lines(device: Device, taken: Mapping[str, str]) -> Iterator[str]:
             yield wrapped(f"decoded with {item.name} = {answer.name}: {answer.meaning}", WIDTH, "  ", "")
             if item.default and index == 0:
                 others = " or ".join(f"--choose {item.name}={other.name}" for other in item.answers[1:])
-                yield wrapped(f"this is the default; for another reading, add {others}", WIDTH, "  ", "  ")
+                yield wrapped(f"this is the default; for another reading, add {others}", WIDTH, "    ", "  ")
 
 
 def _crc_line(crc: Crc, found: codec.CrcResult) -> str:

@@ -21,10 +21,15 @@ def held_by(device: Device, codes: Collection[str]) -> Device:
     """Return the device for these order codes.
 
     Facts that apply to none of these codes are omitted, and such flags are unexplained. Facts that apply to all of them
-    lose their ``only``.
+    lose their ``only``. Questions about unexplained flags are omitted.
     """
     steps = {item.name for item in device.characteristics if not _is_of_others(item, codes)}
-    return replace(device, **{name: _held(getattr(device, name), codes, steps) for name in _PARTS})
+    here = replace(device, **{name: _held(getattr(device, name), codes, steps) for name in _PARTS})
+    if not device.optional_alternatives:
+        return here
+    decisive = {item.name for _, layout in here.layouts() for item in here.verdict_alternatives(layout)}
+    alternatives = tuple(item for item in here.alternatives if not item.default or item.name in decisive)
+    return replace(here, alternatives=alternatives)
 
 
 def _held(item: Any, codes: Collection[str], steps: Collection[str]) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ...model import INTERFACES
 from ..problems import DocumentReport, Path, quoted
 from .walk import Fields, Has, Spec, by_name, field_lists, items, mapping
 
@@ -60,7 +61,9 @@ def verdicts_by_answer(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def _no_other_verdict(fields: Fields, field: Spec, verdict: str) -> str:
     """Return the reason that a flag has no other verdict, and the fix. Empty if it has one."""
-    name, default = quoted(field["name"]), field.get("makes_position", "")
+    name, interface = quoted(field["name"]), INTERFACES.get(fields.interface)
+    implied = interface.flags.get(field["name"], "") if interface is not None else ""
+    default = field.get("makes_position", implied)
     if fields.kind in (Has.REGISTER, Has.CONTROL):
         return f"{name} is not in a frame, so it has no verdict on a position; remove 'makes_position_if'"
     if default not in ("not_usable", "usable_with_warning"):

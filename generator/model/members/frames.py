@@ -151,8 +151,6 @@ FRAMES = (
             " is verdict_if_set.",
             "field-verdict",
             "answer",
-            read="verdict",
-            noun="parameter that changes the verdict",
             refers_to="parameters",
         ),
         Member(

@@ -166,7 +166,6 @@ IDENTITY = (
             "Answer that applies unless the user chooses another one. Only verdicts then depend on the answer, and every"
             " frame is decoded. Empty if there is no default.",
             "decision-default",
-            read="order code",
             refers_to="answer",
         ),
         identity="answers",

@@ -80,7 +80,9 @@ def _speaking(device: Device, interface: Interface, layout: Layout, judgement: J
         sign = signs.get(field.name)
         yield (
             _named(field),
-            _when(device, field, conditions_on_codes) + _unless(field, layout) if sign is None else _conditions(layout, sign),
+            _when(device, field, conditions_on_codes) + _unless(field, layout)
+            if sign is None
+            else _conditions(layout, sign),
             code(verdict.value),
             _cited(device, field),
             _errata(device, interface, layout, field, sign),
