@@ -136,7 +136,8 @@ def compared(
     both: FamilyPair, kind: str, thing: Thing, pair: Pair[Any], inside: Inside | None = None
 ) -> Iterator[Change]:
     """Yield the changes of one thing, like ``things``."""
-    yield from both.presence(kind, thing, pair.old, pair.new)
+    has_default = isinstance(pair.item, Alternative) and bool(pair.item.default)
+    yield from both.presence("choice" if has_default else kind, thing, pair.old, pair.new)
     if pair.old is not None and pair.new is not None:
         yield from members(both, thing.unnamed, pair.old, pair.new)
         if inside is not None:

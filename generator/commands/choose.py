@@ -6,6 +6,7 @@ from collections.abc import Container, Iterator, Sequence
 
 from ..language.problems import quoted, visible
 from ..model import Alternative, Device, Layout, Variant
+from ..order_codes.holding_only import held_by
 from ..order_codes.narrowing import for_interface
 from .terminal import Stop
 
@@ -20,7 +21,8 @@ def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[s
     Raises:
         Stop: This order code has no such alternative or answer, or an alternative has two. The exit code is 2.
     """
-    known = {item.name: item for item in for_interface(device, variant.interface).alternatives}
+    here = held_by(for_interface(device, variant.interface), [variant.code])
+    known = {item.name: item for item in here.alternatives}
     answers: dict[str, str] = {}
     for pair in pairs:
         name, _, answer = pair.partition("=")

@@ -324,11 +324,15 @@ def _layout_line(placed: PlacedLayout) -> str:
 
 
 def _taken_lines(device: Device, taken: Mapping[str, str]) -> Iterator[str]:
-    """Yield the user's answers to questions that the manual leaves open."""
+    """Yield the answers to questions that the manual leaves open, and how to choose others than the defaults."""
     for item in device.alternatives:
-        for answer in item.answers:
-            if taken.get(item.name) == answer.name:
-                yield wrapped(f"decoded with {item.name} = {answer.name}: {answer.meaning}", WIDTH, "  ", "")
+        for index, answer in enumerate(item.answers):
+            if taken.get(item.name) != answer.name:
+                continue
+            yield wrapped(f"decoded with {item.name} = {answer.name}: {answer.meaning}", WIDTH, "  ", "")
+            if item.default and index == 0:
+                others = " or ".join(f"--choose {item.name}={other.name}" for other in item.answers[1:])
+                yield wrapped(f"this is the default; for another reading, add {others}", WIDTH, "    ", "  ")
 
 
 def _crc_line(crc: Crc, found: codec.CrcResult) -> str:

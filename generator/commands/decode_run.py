@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TextIO
 
-from ..model import Device, PlacedLayout, Verdict
+from ..model import Device, Flag, PlacedLayout, Verdict
 from ..order_codes.labels import Match
 from ..order_codes.run_time import RegisterError
 from ..reference import codec
@@ -134,14 +134,28 @@ class Decoding:
         return decoded, why_text(asked.device, variant, asked.sender, text, decoded) if asked.register is None else None
 
     def _taken(self, decoded: codec.Decoded) -> dict[str, str]:
-        """Return the answers that were used to decode a frame."""
+        """Return the answers that were used to decode a frame, with the defaults of those that decide its verdict."""
         if decoded.layout is None:
             return {}
-        if decoded.layout.name not in self._answers:
-            needed = self._request.device.alternatives_of(decoded.layout.layout)
+        return self._needed(decoded.layout) | self._decisive(decoded)
+
+    def _needed(self, placed: PlacedLayout) -> dict[str, str]:
+        """Return the answers that the places of the fields depend on."""
+        if placed.name not in self._answers:
+            needed = self._request.device.alternatives_of(placed.layout)
             answers = self._request.answers
-            self._answers[decoded.layout.name] = {it.name: answers[it.name] for it in needed if it.name in answers}
-        return self._answers[decoded.layout.name]
+            self._answers[placed.name] = {it.name: answers[it.name] for it in needed if it.name in answers}
+        return self._answers[placed.name]
+
+    def _decisive(self, decoded: codec.Decoded) -> dict[str, str]:
+        """Return the answers, or their defaults, that decide the verdict of an active flag of the frame."""
+        if decoded.problems or decoded.layout is None:
+            return {}
+        values = {item.name: item.value for item in decoded.fields}
+        kinds = (item.field.kind for item in decoded.layout.fields if values.get(item.name) is True)
+        parameters = {kind.verdict_parameter for kind in kinds if isinstance(kind, Flag)}
+        deciding = (it for it in self._request.device.optional_alternatives if it.parameter in parameters)
+        return {item.name: self._request.answers.get(item.name, item.default) for item in deciding}
 
     def _text(
         self, line: Line, decoded: codec.Decoded, said: Findings, why: Why | None, others: Sequence[PlacedLayout]

@@ -136,8 +136,10 @@ def alternative_lines(device: Device) -> list[str]:
     for item in device.alternatives:
         lines.append(wrapped(BY_NAME.sentence(question(item)), WIDTH, "      ", f"  {item.name}: "))
         lines += (wrapped(BY_NAME.sentence(answer(one)), WIDTH, "      ", "    ") for one in item.answers)
-        example = f"--choose {item.name}={item.answers[0].name}"
-        lines.append(wrapped(f"Give decode the answer with {example}", WIDTH, "      ", "    "))
+        shown = item.answers[1 if item.default else 0]
+        example = f"Give decode the answer with --choose {item.name}={shown.name}"
+        default = f"{item.default} applies without a choice. " if item.default else ""
+        lines.append(wrapped(default + example, WIDTH, "      ", "    "))
     return ["", "Left open by the manual, for you to choose", *lines] if lines else []
 
 

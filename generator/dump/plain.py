@@ -240,6 +240,8 @@ class _Dump:
                     "sums_up": list(kind.sums_up),
                     "only": kind.only,
                     "only_while": kind.only_while,
+                    "verdict_parameter": kind.verdict_parameter,
+                    "verdict_if_set": kind.verdict_if_set.value if kind.verdict_if_set is not None else "",
                     "active": "low" if kind.active_low else "high",
                 }
             case Choice(values):

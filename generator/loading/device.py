@@ -188,7 +188,7 @@ def _alternative(raw: Raw) -> Alternative:
         Answer(name, item["meaning"], MappingProxyType(dict(item["sets"])), sources(item))
         for name, item in raw["values"].items()
     )
-    return Alternative(raw["name"], raw["meaning"], tuple(answers), sources(raw))
+    return Alternative(raw["name"], raw["meaning"], tuple(answers), sources(raw), raw.get("default", ""))
 
 
 def _code_value(text: str, raw: Raw, part: Raw) -> CodeValue:

@@ -142,9 +142,12 @@ def kind(raw: Raw, context: Context, interface: str, width: Expression) -> Kind:
 
 def _flag(raw: Raw, context: Context, interface: str) -> Flag:
     # The interface may define properties of a flag that the spec leaves open.
+    parameter, verdict = next(iter(raw.get("makes_position_if", {}).items()), ("", ""))
     return record(
         Flag,
         raw,
+        verdict_parameter=parameter,
+        verdict_if_set=Verdict(verdict) if verdict else None,
         active_low=raw["active"] == "low",
         makes_position=_makes_position(raw, interface),
         only_while=context.only_while(raw["only"]) if "only" in raw else "",

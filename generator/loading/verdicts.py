@@ -89,6 +89,8 @@ def _verdicts(field: Field) -> Iterator[Verdict]:
     kind = field.kind
     if isinstance(kind, (Flag, Unused)) and kind.makes_position is not None:
         yield kind.makes_position
+    if isinstance(kind, Flag) and kind.verdict_if_set is not None:
+        yield kind.verdict_if_set
     if isinstance(kind, Flag) and kind.only_while:
         unexplained = field.unexplained.kind
         if isinstance(unexplained, Flag) and unexplained.makes_position is not None:

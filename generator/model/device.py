@@ -32,7 +32,7 @@ from .facts import (
 )
 from .interfaces import INTERFACES, Interface
 from .interfaces.biss import Biss
-from .kinds import CrcValue, Value
+from .kinds import CrcValue, Flag, Value
 from .layout import Crc, Field, Layout, PlacedField, PlacedLayout
 from .measurement import Measurement
 from .positions import PositionRange, narrower_range
@@ -97,12 +97,22 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Alternative:
-    """A question that the manual leaves open. The first answer applies until the user chooses one."""
+    """A question that the manual leaves open. The first answer applies until the user chooses one.
+
+    Frames whose fields depend on the answer cannot be decoded without a choice. If ``default`` names the first answer,
+    only verdicts depend on the answer, and the user need not choose.
+    """
 
     name: str
     meaning: str
     answers: tuple[Answer, ...]
     source: Sources
+    default: str = ""
+
+    @property
+    def parameter(self) -> str:
+        """First parameter that the answers set: the only one of an alternative with a default."""
+        return next(iter(self.answers[0].sets))
 
 
 def choices(alternatives: Sequence[Alternative]) -> Iterator[tuple[tuple[Answer, ...], Mapping[str, int]]]:
@@ -351,8 +361,24 @@ class Device:
 
     @cached_property
     def set_parameters(self) -> tuple[Parameter, ...]:
-        """Independent parameters: those that an order code sets or a register holds."""
-        return tuple(item for item in self.parameters if item.equals is None and not item.alternative)
+        """Independent parameters: those that an order code sets, a register holds, or an answer with a default sets."""
+        optional = {item.name for item in self.optional_alternatives}
+        return tuple(
+            item
+            for item in self.parameters
+            if item.equals is None and (not item.alternative or item.alternative in optional)
+        )
+
+    @property
+    def optional_alternatives(self) -> tuple[Alternative, ...]:
+        """Questions that the user may answer. Without a choice, their default applies. They decide only verdicts."""
+        return tuple(item for item in self.alternatives if item.default)
+
+    def verdict_alternatives(self, layout: Layout) -> tuple[Alternative, ...]:
+        """Return the questions whose answers decide the verdict on a frame of this layout."""
+        kinds = [item.kind for item in layout.fields if isinstance(item.kind, Flag)]
+        parameters = {kind.verdict_parameter for kind in kinds}
+        return tuple(item for item in self.optional_alternatives if item.parameter in parameters)
 
     @cached_property
     def definitions(self) -> Mapping[str, Expression]:

@@ -68,8 +68,9 @@ class Flag:
     """One bit, true when active.
 
     ``makes_position`` is the verdict on the position in the same frame while the flag is active, or None without a
-    position. ``sums_up`` lists the flags that it combines. All of this applies to the order codes ``only``, for which
-    the parameter ``only_while`` is not 0. For all others, the flag is ``unexplained``.
+    position. If an answer of the user sets ``verdict_parameter`` to 1, the verdict is ``verdict_if_set`` instead.
+    ``sums_up`` lists the flags that it combines. All of this applies to the order codes ``only``, for which the
+    parameter ``only_while`` is not 0. For all others, the flag is ``unexplained``.
     """
 
     word: ClassVar[str] = "flag"
@@ -80,6 +81,8 @@ class Flag:
     sums_up: tuple[str, ...] = ()
     only: str = ""
     only_while: str = ""
+    verdict_parameter: str = ""
+    verdict_if_set: Verdict | None = None
 
     @property
     def unexplained(self) -> Flag:

@@ -102,9 +102,14 @@ class Field:
         return replace(self, kind=self.kind.unexplained, meaning="", note="", remedy="", by_hand=())
 
     def held_by(self, parameters: Mapping[str, int]) -> Field:
-        """Return the field as it is for an order code with these parameters."""
-        while_ = self.kind.only_while if isinstance(self.kind, Flag) else ""
-        return self.unexplained if while_ and not parameters.get(while_) else self
+        """Return the field as it is for an order code with these parameters, and with the verdict that they decide."""
+        if not isinstance(self.kind, Flag):
+            return self
+        if self.kind.only_while and not parameters.get(self.kind.only_while):
+            return self.unexplained
+        if self.kind.verdict_parameter and parameters.get(self.kind.verdict_parameter):
+            return replace(self, kind=replace(self.kind, makes_position=self.kind.verdict_if_set))
+        return self
 
     @property
     def is_fixed(self) -> bool:

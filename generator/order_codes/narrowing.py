@@ -120,6 +120,7 @@ def _with_used_parts(device: Device, crcs_sent: Collection[str]) -> Device:
     layouts = [layout for interface in device.interfaces for layout in interface.layouts]
     layouts += [register.layout for register in device.registers]
     decisions = {alternative.name for layout in layouts for alternative in device.alternatives_of(layout)}
+    decisions |= {alternative.name for layout in layouts for alternative in device.verdict_alternatives(layout)}
     return replace(
         device,
         crcs=tuple(crc for crc in device.crcs if crc.name in crcs or crc.name not in crcs_sent),

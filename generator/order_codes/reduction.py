@@ -22,10 +22,20 @@ def reduced_to_codes(device: Device, codes: Collection[str]) -> Device:
     """Return the device for these order codes.
 
     Facts that apply to none of these codes are omitted, and such flags are unexplained. Facts that apply to all of them
-    lose their ``only``.
+    lose their ``only``. Questions about unexplained flags are omitted.
     """
     manual_steps = {step.name for step in device.characteristics if not _applies_to_others(step, codes)}
-    return replace(device, **{name: _reduced(getattr(device, name), codes, manual_steps) for name in _PARTS})
+    reduced = replace(device, **{name: _reduced(getattr(device, name), codes, manual_steps) for name in _PARTS})
+    if not device.optional_alternatives:
+        return reduced
+    layouts = [layout for _, layout in reduced.layouts()]
+    decisive = {alternative.name for layout in layouts for alternative in reduced.verdict_alternatives(layout)}
+    remaining = tuple(
+        alternative
+        for alternative in reduced.alternatives
+        if not alternative.default or alternative.name in decisive
+    )
+    return replace(reduced, alternatives=remaining)
 
 
 def _reduced(part: Any, codes: Collection[str], manual_steps: Collection[str]) -> Any:

@@ -7,9 +7,10 @@ that the bytes form. A member that has its default may be omitted.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import field as dataclass_field
 from typing import NamedTuple
 
-from ..model import Fault, Field, Scale, Verdict
+from ..model import Fault, Field, Flag, Scale, Verdict
 from ..model.expressions import Expression
 from ..model.never import assert_never
 from ..model.record import dataclass
@@ -100,7 +101,7 @@ class Speaks:
     """Cause of a verdict: a flag, unless certain other flags are active, or any of the reserved bits in ``mask``.
 
     With ``when``, it is the values of these fields together, and ``flag`` is only their name. 1 is an active flag.
-    Without ``only`` it applies to all order codes.
+    Without ``only`` it applies to all order codes. ``chosen`` is the condition on an answer of the user.
     """
 
     verdict: Verdict
@@ -109,17 +110,30 @@ class Speaks:
     mask: int = 0
     only: verdicts.Only | None = None
     when: tuple[tuple[Name, int], ...] = ()
+    chosen: verdicts.Only | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Answered:
+    """Verdict of a report while ``parameter``, which an answer of the user sets, is not 0."""
+
+    parameter: str
+    verdict: Verdict
 
 
 @dataclass(frozen=True, slots=True)
 class Tells:
-    """Cause of a report: a flag, any of the reserved bits in ``mask``, or the values ``when`` as in ``Speaks``."""
+    """Cause of a report: a flag, any of the reserved bits in ``mask``, or the values ``when`` as in ``Speaks``.
+
+    ``answered`` is the verdict of the report if an answer of the user changes it.
+    """
 
     report: str
     flag: Name
     mask: int = 0
     only: verdicts.Only | None = None
     when: tuple[tuple[Name, int], ...] = ()
+    answered: Answered | None = dataclass_field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,11 +245,21 @@ def _speaks(judgement: verdicts.Judgement) -> Iterator[Speaks]:
     for verdict, items in judgement.worst_first:
         for item in items:
             unless = tuple(Name(part.field.name) for part in item.unless)
-            yield Speaks(verdict, Name(item.by.field.name), unless, _mask(item.by), item.only, _when(item.by))
+            name, when = Name(item.by.field.name), _when(item.by)
+            yield Speaks(verdict, name, unless, _mask(item.by), item.only, when, item.chosen)
 
 
 def _tells(item: reports.Told) -> Tells:
-    return Tells(item.report.name, Name(item.by.field.name), _mask(item.by), item.only, _when(item.by))
+    name, mask, when = Name(item.by.field.name), _mask(item.by), _when(item.by)
+    return Tells(item.report.name, name, mask, item.only, when, _answered(item.made_of))
+
+
+def _answered(field: Field) -> Answered | None:
+    match field.kind:
+        case Flag(verdict_parameter=parameter, verdict_if_set=verdict) if verdict is not None:
+            return Answered(parameter, verdict)
+        case _:
+            return None
 
 
 def _mask(by: verdicts.Cause) -> int:

@@ -40,6 +40,11 @@ class Told:
     only: Only | None = None
 
     @property
+    def conditions(self) -> tuple[Only, ...]:
+        """Conditions on parameters of the order code."""
+        return (self.only,) if self.only is not None else ()
+
+    @property
     def made_of(self) -> Field:
         """The field as it is for these order codes."""
         is_explained = self.only is None or self.only.holds

@@ -48,12 +48,19 @@ class Speaks:
     """Cause of a verdict, unless one of the flags ``unless``, which it combines, is active.
 
     ``unless`` omits flags that lead to the same verdict or a worse one, since they make no difference. Without ``only``
-    it applies to all order codes.
+    it applies to all order codes. If an answer of the user decides the verdict, ``chosen`` is the condition on the
+    parameter that the answer sets.
     """
 
     by: Cause
     unless: tuple[Part, ...]
     only: Only | None = None
+    chosen: Only | None = None
+
+    @property
+    def conditions(self) -> tuple[Only, ...]:
+        """Conditions on parameters of the order code."""
+        return tuple(item for item in (self.only, self.chosen) if item is not None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,9 +90,9 @@ def judgement_of(codec: Codec) -> Judgement:
             case Flag():
                 for flag, only in _by_worth(by.field):
                     others = [parts[name] for name in flag.sums_up if name in parts]
-                    if flag.makes_position is not None:
-                        unless = tuple(item for item in others if not _decides(item, flag.makes_position, parts))
-                        speaking[flag.makes_position].append(Speaks(by, unless, only))
+                    for worth, chosen in _by_answer(flag):
+                        unless = tuple(item for item in others if not _decides(item, worth, parts))
+                        speaking[worth].append(Speaks(by, unless, only, chosen))
             case Unused(makes_position=verdict):
                 speaking[verdict].append(Speaks(by, ()))
     tells = codec.layout.tells_validity
@@ -97,14 +104,25 @@ def judgement_of(codec: Codec) -> Judgement:
 def _by_worth(field: Field) -> Iterator[tuple[Flag, Only | None]]:
     """Yield the flag for each group of order codes that has a different verdict."""
     found = [(item.kind, only) for item, only in by_code(field) if isinstance(item.kind, Flag)]
-    alike = len({(kind.makes_position, kind.sums_up) for kind, _ in found}) == 1
+    alike = len({(kind.makes_position, kind.sums_up, kind.verdict_if_set) for kind, _ in found}) == 1
     yield from [(found[0][0], None)] if alike else found
+
+
+def _by_answer(flag: Flag) -> Iterator[tuple[Verdict, Only | None]]:
+    """Yield the verdicts of a flag, each with the condition on the answer that decides it."""
+    if flag.makes_position is None:
+        return
+    if flag.verdict_if_set is None:
+        yield flag.makes_position, None
+        return
+    yield flag.makes_position, Only(flag.verdict_parameter, False)
+    yield flag.verdict_if_set, Only(flag.verdict_parameter, True)
 
 
 def _decides(part: Part, verdict: Verdict, parts: Mapping[str, Part]) -> bool:
     """Return whether a flag always leads to ``verdict`` or a worse one."""
     match part.field.kind:
-        case Flag(makes_position=own, sums_up=names, only_while="") if own is not None:
+        case Flag(makes_position=own, sums_up=names, only_while="", verdict_if_set=None) if own is not None:
             worst_first = list(Verdict)
             return worst_first.index(own) <= worst_first.index(verdict) and parts.keys().isdisjoint(names)
         case _:

@@ -126,6 +126,8 @@ def _flag(kind: Flag, implemented: bool) -> Iterator[Said]:
         yield said(
             "While it is ", Level.WHILE_ACTIVE, f", {WORTH[kind.makes_position]}{instead if kind.sums_up else ''}"
         )
+    if kind.verdict_if_set is not None and implemented:
+        yield said("If you set ", Code(kind.verdict_parameter), f" to 1, {WORTH[kind.verdict_if_set]}")
     if kind.only:
         elsewhere = kind.unexplained.makes_position
         worth = f", and {WORTH[elsewhere]}" if elsewhere is not None else ""

@@ -9,7 +9,7 @@ from ..model.expressions import Expression
 from .name import register_field
 from .place import hexadecimal, register_at
 from .register import limits
-from .text import Ref, Said, said, told
+from .text import Code, Part, Ref, Said, said, told
 from .words import number
 
 
@@ -25,7 +25,7 @@ def origin(device: Device, item: Parameter) -> Iterator[Said]:
     if item.equals is not None:
         yield said("Equals ", item.equals)
     if item.alternative:
-        yield said("Set by your choice of ", Ref("alternative", item.alternative, item.alternative))
+        yield said("Set by your choice of ", *_choice(device, item))
     if item.read_from:
         span = limits(*(None if bound is None else Expression(bound) for bound in (item.min, item.max)))
         between = (", ", *span) if span and not item.by_code else ()
@@ -34,6 +34,16 @@ def origin(device: Device, item: Parameter) -> Iterator[Said]:
     if item.by_code:
         codes = (f"{one.code} means {value(item, one.value)}" for one in item.by_code)
         yield said(f"The register holds a code: {', '.join(codes)}")
+
+
+def _choice(device: Device, item: Parameter) -> Iterator[Part]:
+    """Yield a reference to the alternative that sets a parameter. If it has a default, the values follow."""
+    yield Ref("alternative", item.alternative, item.alternative)
+    found = next((one for one in device.optional_alternatives if one.name == item.alternative), None)
+    for index, answer in enumerate(found.answers if found is not None else ()):
+        yield f"{', ' if index else ': '}{answer.sets[item.name]} for "
+        yield Code(answer.name)
+        yield "" if index else " (default)"
 
 
 def initial(device: Device) -> str:

@@ -152,7 +152,8 @@ function box(root) {
   /** The questions that a layout leaves to the user, rebuilt only if they changed. */
   function ask(layout) {
     const { family } = state.found;
-    const open = (family.alternatives ?? []).filter((item) => layout?.asks?.includes(item.name));
+    const open = (family.alternatives ?? []).filter((item) => [...layout?.asks ?? [], ...layout?.offers ?? []]
+      .includes(item.name));
     const held = (family.held ?? []).filter((item) => layout?.held?.includes(item.name));
     const asked = JSON.stringify([state.found.code, open, held]);
     if (asked === state.asked) return;
@@ -230,11 +231,11 @@ function linkTo(code, text, state) {
   return `#${given}`;
 }
 
-/** A question that the manual leaves open, with its answers and no default. */
+/** A question that the manual leaves open, with its answers. Without a default, none is selected at first. */
 function question(state, item, show) {
   const answers = item.answers.map(([name, meaning]) => {
     const radio = element("input", { type: "radio", name: `${CLASS}-${boxes}-${item.name}`, value: name });
-    radio.checked = state.answers[item.name] === name;
+    radio.checked = (state.answers[item.name] ?? item.default) === name;
     radio.addEventListener("change", () => {
       state.answers[item.name] = name;
       show();

@@ -25,7 +25,7 @@ function placed(family, layout, parameters) {
         of: check.parity_of?.map(([first, size]) => ({ low: at(first), width: at(size) })) }))
       .filter((item) => item.width > 0),
     tells: (layout.tells ?? []).map((place) => family.shared[place]).filter((item) => holds(item.only)),
-    speaks: (layout.speaks ?? []).filter((item) => holds(item.only)),
+    speaks: (layout.speaks ?? []).filter((item) => holds(item.only) && holds(item.chosen)),
   };
 }
 

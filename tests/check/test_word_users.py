@@ -59,6 +59,7 @@ UNUSED = {
             "field_group.other_bits",
             "input.names",
             "layout.channel",
+            "field.makes_position_if.not_usable",
             "layout.other_bits",
             "manual_edition.date",
             "parameter.interface.spi",

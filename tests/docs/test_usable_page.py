@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 
 import pytest
 from codewheel.model import Choice, Device, Flag, Layout, Number, Unused
+from codewheel.order_codes.run_time import decided
 from codewheel.plan.reports import reports_of
 from codewheel.reference import codec
 from codewheel.reference.findings import Findings, findings
@@ -45,13 +46,16 @@ def frames(device: Device, cell: str) -> list[Layout]:
 def said(device: Device, layout: Layout, active: str, when: str = "") -> Findings:
     """Return the findings of a frame in which one flag is active, or unused bits differ, or neither.
 
-    If ``active`` is not a field, nothing is active. The order code is one to which the row applies, according to
-    ``when``.
+    If ``active`` is not a field, nothing is active. The order code, and the answer of the user, are those to which the
+    row applies, according to ``when``.
     """
     interface = next(kind for kind, item in device.layouts() if item is layout)
     # Only AMM5 has flags with a different meaning for some order codes.
     mark = "/1" if "with all others" in when else "/65K" if ".../65K..." in when else ""
     variant = next(item for item in device.variants if item.interface == interface.name and mark in item.code)
+    answer = re.search(r"your choice is `(\w+)`", plain(when))
+    for question in device.verdict_alternatives(layout) if answer is not None else ():
+        variant = decided(device, variant, {question.name: answer[1]})
     placed = layout.place(variant.parameters)
     unused = {item.name: ((1 << item.widest) - 1) << place for item, place in layout.unused}
     values: dict[str, int | str | bool] = {"unused": unused.get(active, 0)} if layout.unused else {}
@@ -152,13 +156,19 @@ def test_as_the_manuals_have_it(
 def test_what_a_battery_decides_goes_by_the_order_code(library: Library, page: str) -> None:
     """AMM5, 6.2.1 p.33 and 7.4.1 p.44: only multiturn models have a battery (4.3 p.23)."""
     found = {
-        (plain(row[2]).strip("`"), row[3].partition(", ")[0], row[4])
+        (plain(row[2]).strip("`"), plain(row[3]).partition(", ")[0], row[4])
         for device, row in by_family(library, page, "Deciding bits")
         if device.name == "amm5"
     }
-    for name, level in (("warning", "0"), ("mt_error", "1")):
-        assert (name, f"{level} with `.../65K...`", "`not_usable`") in found
-        assert (name, f"{level} with all others", "`usable_with_warning`") in found
+    chosen = {
+        "warning": ("0 with `.../65K...` and your choice is `either_cause`", "0 with all others"),
+        "mt_error": ("1 with `.../65K...`", "1 with all others"),
+    }
+    for name, (with_battery, without) in chosen.items():
+        assert (name, with_battery, "`not_usable`") in found
+        assert (name, without, "`usable_with_warning`") in found
+    with_answer = "0 with `.../65K...` and your choice is `low_battery`"
+    assert ("warning", with_answer, "`usable_with_warning`") in found
 
 
 def test_where_the_manual_is_silent_the_erratum_is_named(library: Library, page: str) -> None:

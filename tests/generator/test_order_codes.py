@@ -43,7 +43,11 @@ def test_what_a_code_decides(amm5: Device) -> None:
     assert variant.interface == "biss"
     # No code decides an open question of the manual. Until the user does, the first answer applies.
     open_ = {item.name for item in amm5.parameters if item.alternative}
-    assert {name: variant.parameters[name] for name in open_} == {"eeprom_address_bit": 1, "mem_busy_bit": 0}
+    assert {name: variant.parameters[name] for name in open_} == {
+        "eeprom_address_bit": 1,
+        "mem_busy_bit": 0,
+        "low_battery_only": 0,
+    }
     assert {name: value for name, value in variant.parameters.items() if name not in open_} == {
         "singleturn_bits": 23,
         "multiturn_bits": 16,

@@ -109,7 +109,7 @@ def test_frame_examples(lika: Any, devices: Mapping[str, Device]) -> None:
         frame = int(example.bits, 2) if example.bits else example.bytes
         # An example without an answer to an open question has the first answer.
         first = (
-            {item.name: item.answers[0].name for item in device.alternatives}
+            {item.name: item.answers[0].name for item in device.alternatives if not item.default}
             if variant.interface.name == "RS485"
             else {}
         )

@@ -12,7 +12,7 @@ Contents:
     RS-485: DataRequest, EepromWriteRequest, EepromReadRequest, SingleturnReply, MultiturnReply, EncoderIdReply,
         CompleteReply, EepromWriteReply, EepromReadReply, Request, decode_request, Reply, decode_reply
     All interfaces: Frame
-    Values of fields: DataId, EepromAddress
+    Values of fields: DataId, EepromAddress, WarningCause
     Registers: Preset, PresetSettingEnable, SerialNumber, Command, DeviceId, ManufacturerId, Address
     Procedures: set_preset, store_preset, save_parameters, activate_preset, reset_singleturn_and_multiturn,
         reset_multiturn_and_errors, reset_errors
@@ -56,7 +56,7 @@ from collections.abc import Callable, Mapping
 from enum import Enum, IntEnum
 from operator import index
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, Union, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, overload
 
 from codewheel_runtime.codec import (
     BitField,
@@ -181,6 +181,7 @@ __all__ = [
     "TIMINGS",
     "VARIANTS",
     "Variant",
+    "WarningCause",
     "activate_preset",
     "crc_biss_4",
     "crc_biss_6",
@@ -206,6 +207,9 @@ _RS485: Final = Interface.RS485
 # Encoders
 
 
+_Same = TypeVar("_Same", bound="Variant")
+
+
 class Variant(Rotary, Wrapping):
     """Encoder as described by its order code. Each interface has a subclass.
 
@@ -217,6 +221,8 @@ class Variant(Rotary, Wrapping):
         singleturn_bits: Singleturn resolution [Preliminary information p.7]. Unit: bits.
         multiturn_bits: Number of bits that count revolutions. 0 in singleturn models [Preliminary information p.7].
             Unit: bits.
+        low_battery_only: 1 if an active warning bit is taken for a low battery [6.2.1 p.33]. Set by your choice of
+            ``warning_cause``: 0 for ``either_cause`` (default), 1 for ``low_battery``. Applies only to BiSS C-mode.
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
         special_code: Suffix /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
@@ -226,10 +232,11 @@ class Variant(Rotary, Wrapping):
     """
 
     family: ClassVar[Family] = FAMILY
-    _parameters = ("singleturn_bits", "multiturn_bits")
+    _parameters = ("singleturn_bits", "multiturn_bits", "low_battery_only")
 
     singleturn_bits: int
     multiturn_bits: int
+    low_battery_only: int
 
     @property
     def position_bits(self) -> int:
@@ -244,6 +251,25 @@ class Variant(Rotary, Wrapping):
         Equals ``2^multiturn_bits``.
         """
         return 1 << self.multiturn_bits
+
+    def with_answers(self: _Same, *, warning_cause: WarningCause) -> _Same:
+        """Return the encoder with your answers to questions that the manual leaves open.
+
+        They change only the verdict on a position. Without this call, their defaults apply.
+
+        Args:
+            warning_cause: Answer, as a member of ``WarningCause``.
+
+        Returns:
+            The encoder.
+
+        Raises:
+            TypeError: An answer is not a member of its class.
+        """
+        decided(WarningCause, warning_cause)
+        return self._replaced(
+            low_battery_only=warning_cause.low_battery_only,
+        )
 
     @property
     def counts_per_turn(self) -> int:
@@ -634,6 +660,30 @@ class EepromAddress(Enum):
         self.mem_busy_bit = mem_busy_bit
 
 
+class WarningCause(Enum):
+    """Cause that an active warning bit of a BiSS frame is taken for [6.2.1 p.33, 4.3.1 p.23].
+
+    The manual leaves this open, or other evidence contradicts it. The default is EITHER_CAUSE. Variant.with_answers()
+    chooses another answer.
+
+    Errata (full text in ERRATA):
+        position_under_error (open, omission): The position is not usable if any of these is active: error, BUSY, PS
+            error or ST error.
+    """
+
+    EITHER_CAUSE = (0,)
+    """An error in the magnetic multiturn system or a low battery, the two causes that the manual lists. The number
+    of revolutions may be wrong, so the position is not usable [6.2.1 p.33].
+    """
+    LOW_BATTERY = (1,)
+    """Only a low battery, with which the position is kept, as over RS-485. The position is usable with a warning
+    [6.2.1 p.33, 4.3.1 p.23, 7.4.1 p.44].
+    """
+
+    def __init__(self, low_battery_only: int) -> None:
+        self.low_battery_only = low_battery_only
+
+
 # SSI
 
 
@@ -763,9 +813,10 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         warning: Warning, nW: Reports an error in the magnetic multiturn system, which may make the number of
             revolutions wrong, or a low battery. The bit does not distinguish the two (erratum position_under_error).
             True when 0: warning active in the system. False when 1: no active warning. While it is True, the position
-            is not usable. This applies only to ``.../65K...``. For other order codes the manual does not explain the
-            flag, and the position is usable, with a warning. Remedy: Replace a low battery as soon as possible. For an
-            error in the multiturn system, the manual gives no remedy. Steps: ``battery_replacement_without_error``.
+            is not usable. If you set ``low_battery_only`` to 1, the position is usable, with a warning. This applies
+            only to ``.../65K...``. For other order codes the manual does not explain the flag, and the position is
+            usable, with a warning. Remedy: Replace a low battery as soon as possible. For an error in the multiturn
+            system, the manual gives no remedy. Steps: ``battery_replacement_without_error``.
 
     In the manual: Single Cycle Data SCD.
 
@@ -792,9 +843,15 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
-        if self.error or (self.warning and self.variant.multiturn_bits):
+        if (
+            self.error
+            or (self.warning and self.variant.multiturn_bits and not self.variant.low_battery_only)
+        ):
             return Verdict.NOT_USABLE
-        if (self.warning and not self.variant.multiturn_bits):
+        if (
+            (self.warning and self.variant.multiturn_bits and self.variant.low_battery_only)
+            or (self.warning and not self.variant.multiturn_bits)
+        ):
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
 
@@ -802,7 +859,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
         # Fields are read by index, which is faster than by name.
-        if self[3] or (self[4] and self[0].multiturn_bits):
+        if self[3] or (self[4] and self[0].multiturn_bits and not self[0].low_battery_only):
             return None
         return self[1] << self[0].singleturn_bits | self[2]
 
@@ -2788,42 +2845,258 @@ VARIANTS: Final[Mapping[str, Variant]] = MappingProxyType(
     {
         variant.code: variant
         for variant in (
-            SsiEncoder("AMM5A17/1BG1", ("A", "17", "1", "BG1"), singleturn_bits=17, multiturn_bits=0),
-            BissEncoder("AMM5A17/1SC1", ("A", "17", "1", "SC1"), singleturn_bits=17, multiturn_bits=0),
-            Rs485Encoder("AMM5A17/1JP1", ("A", "17", "1", "JP1"), singleturn_bits=17, multiturn_bits=0),
-            SsiEncoder("AMM5A17/65KBG1", ("A", "17", "65K", "BG1"), singleturn_bits=17, multiturn_bits=16),
-            BissEncoder("AMM5A17/65KSC1", ("A", "17", "65K", "SC1"), singleturn_bits=17, multiturn_bits=16),
-            Rs485Encoder("AMM5A17/65KJP1", ("A", "17", "65K", "JP1"), singleturn_bits=17, multiturn_bits=16),
-            SsiEncoder("AMM5A21/1BG1", ("A", "21", "1", "BG1"), singleturn_bits=21, multiturn_bits=0),
-            BissEncoder("AMM5A21/1SC1", ("A", "21", "1", "SC1"), singleturn_bits=21, multiturn_bits=0),
-            Rs485Encoder("AMM5A21/1JP1", ("A", "21", "1", "JP1"), singleturn_bits=21, multiturn_bits=0),
-            SsiEncoder("AMM5A21/65KBG1", ("A", "21", "65K", "BG1"), singleturn_bits=21, multiturn_bits=16),
-            BissEncoder("AMM5A21/65KSC1", ("A", "21", "65K", "SC1"), singleturn_bits=21, multiturn_bits=16),
-            Rs485Encoder("AMM5A21/65KJP1", ("A", "21", "65K", "JP1"), singleturn_bits=21, multiturn_bits=16),
-            SsiEncoder("AMM5A23/1BG1", ("A", "23", "1", "BG1"), singleturn_bits=23, multiturn_bits=0),
-            BissEncoder("AMM5A23/1SC1", ("A", "23", "1", "SC1"), singleturn_bits=23, multiturn_bits=0),
-            Rs485Encoder("AMM5A23/1JP1", ("A", "23", "1", "JP1"), singleturn_bits=23, multiturn_bits=0),
-            SsiEncoder("AMM5A23/65KBG1", ("A", "23", "65K", "BG1"), singleturn_bits=23, multiturn_bits=16),
-            BissEncoder("AMM5A23/65KSC1", ("A", "23", "65K", "SC1"), singleturn_bits=23, multiturn_bits=16),
-            Rs485Encoder("AMM5A23/65KJP1", ("A", "23", "65K", "JP1"), singleturn_bits=23, multiturn_bits=16),
-            SsiEncoder("AMM5B17/1BG1", ("B", "17", "1", "BG1"), singleturn_bits=17, multiturn_bits=0),
-            BissEncoder("AMM5B17/1SC1", ("B", "17", "1", "SC1"), singleturn_bits=17, multiturn_bits=0),
-            Rs485Encoder("AMM5B17/1JP1", ("B", "17", "1", "JP1"), singleturn_bits=17, multiturn_bits=0),
-            SsiEncoder("AMM5B17/65KBG1", ("B", "17", "65K", "BG1"), singleturn_bits=17, multiturn_bits=16),
-            BissEncoder("AMM5B17/65KSC1", ("B", "17", "65K", "SC1"), singleturn_bits=17, multiturn_bits=16),
-            Rs485Encoder("AMM5B17/65KJP1", ("B", "17", "65K", "JP1"), singleturn_bits=17, multiturn_bits=16),
-            SsiEncoder("AMM5B21/1BG1", ("B", "21", "1", "BG1"), singleturn_bits=21, multiturn_bits=0),
-            BissEncoder("AMM5B21/1SC1", ("B", "21", "1", "SC1"), singleturn_bits=21, multiturn_bits=0),
-            Rs485Encoder("AMM5B21/1JP1", ("B", "21", "1", "JP1"), singleturn_bits=21, multiturn_bits=0),
-            SsiEncoder("AMM5B21/65KBG1", ("B", "21", "65K", "BG1"), singleturn_bits=21, multiturn_bits=16),
-            BissEncoder("AMM5B21/65KSC1", ("B", "21", "65K", "SC1"), singleturn_bits=21, multiturn_bits=16),
-            Rs485Encoder("AMM5B21/65KJP1", ("B", "21", "65K", "JP1"), singleturn_bits=21, multiturn_bits=16),
-            SsiEncoder("AMM5B23/1BG1", ("B", "23", "1", "BG1"), singleturn_bits=23, multiturn_bits=0),
-            BissEncoder("AMM5B23/1SC1", ("B", "23", "1", "SC1"), singleturn_bits=23, multiturn_bits=0),
-            Rs485Encoder("AMM5B23/1JP1", ("B", "23", "1", "JP1"), singleturn_bits=23, multiturn_bits=0),
-            SsiEncoder("AMM5B23/65KBG1", ("B", "23", "65K", "BG1"), singleturn_bits=23, multiturn_bits=16),
-            BissEncoder("AMM5B23/65KSC1", ("B", "23", "65K", "SC1"), singleturn_bits=23, multiturn_bits=16),
-            Rs485Encoder("AMM5B23/65KJP1", ("B", "23", "65K", "JP1"), singleturn_bits=23, multiturn_bits=16),
+            SsiEncoder(
+                "AMM5A17/1BG1",
+                ("A", "17", "1", "BG1"),
+                singleturn_bits=17,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            BissEncoder(
+                "AMM5A17/1SC1",
+                ("A", "17", "1", "SC1"),
+                singleturn_bits=17,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            Rs485Encoder(
+                "AMM5A17/1JP1",
+                ("A", "17", "1", "JP1"),
+                singleturn_bits=17,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            SsiEncoder(
+                "AMM5A17/65KBG1",
+                ("A", "17", "65K", "BG1"),
+                singleturn_bits=17,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
+            BissEncoder(
+                "AMM5A17/65KSC1",
+                ("A", "17", "65K", "SC1"),
+                singleturn_bits=17,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
+            Rs485Encoder(
+                "AMM5A17/65KJP1",
+                ("A", "17", "65K", "JP1"),
+                singleturn_bits=17,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
+            SsiEncoder(
+                "AMM5A21/1BG1",
+                ("A", "21", "1", "BG1"),
+                singleturn_bits=21,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            BissEncoder(
+                "AMM5A21/1SC1",
+                ("A", "21", "1", "SC1"),
+                singleturn_bits=21,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            Rs485Encoder(
+                "AMM5A21/1JP1",
+                ("A", "21", "1", "JP1"),
+                singleturn_bits=21,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            SsiEncoder(
+                "AMM5A21/65KBG1",
+                ("A", "21", "65K", "BG1"),
+                singleturn_bits=21,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
+            BissEncoder(
+                "AMM5A21/65KSC1",
+                ("A", "21", "65K", "SC1"),
+                singleturn_bits=21,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
+            Rs485Encoder(
+                "AMM5A21/65KJP1",
+                ("A", "21", "65K", "JP1"),
+                singleturn_bits=21,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
+            SsiEncoder(
+                "AMM5A23/1BG1",
+                ("A", "23", "1", "BG1"),
+                singleturn_bits=23,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            BissEncoder(
+                "AMM5A23/1SC1",
+                ("A", "23", "1", "SC1"),
+                singleturn_bits=23,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            Rs485Encoder(
+                "AMM5A23/1JP1",
+                ("A", "23", "1", "JP1"),
+                singleturn_bits=23,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            SsiEncoder(
+                "AMM5A23/65KBG1",
+                ("A", "23", "65K", "BG1"),
+                singleturn_bits=23,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
+            BissEncoder(
+                "AMM5A23/65KSC1",
+                ("A", "23", "65K", "SC1"),
+                singleturn_bits=23,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
+            Rs485Encoder(
+                "AMM5A23/65KJP1",
+                ("A", "23", "65K", "JP1"),
+                singleturn_bits=23,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
+            SsiEncoder(
+                "AMM5B17/1BG1",
+                ("B", "17", "1", "BG1"),
+                singleturn_bits=17,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            BissEncoder(
+                "AMM5B17/1SC1",
+                ("B", "17", "1", "SC1"),
+                singleturn_bits=17,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            Rs485Encoder(
+                "AMM5B17/1JP1",
+                ("B", "17", "1", "JP1"),
+                singleturn_bits=17,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            SsiEncoder(
+                "AMM5B17/65KBG1",
+                ("B", "17", "65K", "BG1"),
+                singleturn_bits=17,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
+            BissEncoder(
+                "AMM5B17/65KSC1",
+                ("B", "17", "65K", "SC1"),
+                singleturn_bits=17,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
+            Rs485Encoder(
+                "AMM5B17/65KJP1",
+                ("B", "17", "65K", "JP1"),
+                singleturn_bits=17,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
+            SsiEncoder(
+                "AMM5B21/1BG1",
+                ("B", "21", "1", "BG1"),
+                singleturn_bits=21,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            BissEncoder(
+                "AMM5B21/1SC1",
+                ("B", "21", "1", "SC1"),
+                singleturn_bits=21,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            Rs485Encoder(
+                "AMM5B21/1JP1",
+                ("B", "21", "1", "JP1"),
+                singleturn_bits=21,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            SsiEncoder(
+                "AMM5B21/65KBG1",
+                ("B", "21", "65K", "BG1"),
+                singleturn_bits=21,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
+            BissEncoder(
+                "AMM5B21/65KSC1",
+                ("B", "21", "65K", "SC1"),
+                singleturn_bits=21,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
+            Rs485Encoder(
+                "AMM5B21/65KJP1",
+                ("B", "21", "65K", "JP1"),
+                singleturn_bits=21,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
+            SsiEncoder(
+                "AMM5B23/1BG1",
+                ("B", "23", "1", "BG1"),
+                singleturn_bits=23,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            BissEncoder(
+                "AMM5B23/1SC1",
+                ("B", "23", "1", "SC1"),
+                singleturn_bits=23,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            Rs485Encoder(
+                "AMM5B23/1JP1",
+                ("B", "23", "1", "JP1"),
+                singleturn_bits=23,
+                multiturn_bits=0,
+                low_battery_only=0,
+            ),
+            SsiEncoder(
+                "AMM5B23/65KBG1",
+                ("B", "23", "65K", "BG1"),
+                singleturn_bits=23,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
+            BissEncoder(
+                "AMM5B23/65KSC1",
+                ("B", "23", "65K", "SC1"),
+                singleturn_bits=23,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
+            Rs485Encoder(
+                "AMM5B23/65KJP1",
+                ("B", "23", "65K", "JP1"),
+                singleturn_bits=23,
+                multiturn_bits=16,
+                low_battery_only=0,
+            ),
         )
     }
 )

@@ -36,6 +36,7 @@ from . import (
     spi_requests,
     value_verdicts,
     values,
+    verdict_choices,
 )
 from .walk import Rule
 
@@ -45,6 +46,8 @@ FOUNDATIONS: tuple[Rule, ...] = (
     references.alternative_references,
     parameters.parameter_origin,
     parameters.alternative_use,
+    verdict_choices.default_answers,
+    verdict_choices.verdicts_by_answer,
     references.expressions,
     order_code.parameter_cycle,
     order_code.order_code_pattern,

@@ -168,8 +168,11 @@ def parameter_origin(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def alternative_use(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that alternatives affect only the places of fields, because generated code can use them only there."""
-    parameters = mapping(raw, "parameters")
+    """Check that alternatives affect only the places of fields, because generated code can use them only there.
+
+    Those with a default affect only verdicts, which do not need a choice.
+    """
+    parameters, alternatives = mapping(raw, "parameters"), by_name(raw, "alternatives")
     decided = {name for name in parameters if "alternative" in mapping(parameters, name)}
     used = [*expressions(spec), *((path, text) for path, _, text in uses(spec, raw) if path[-1] == "when")]
     for path, text in used:
@@ -180,6 +183,11 @@ def alternative_use(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 f"{quoted(name)} is set by the alternative {quoted(of)}, so only frames and registers can depend on it"
             )
             report.add("alternative-use", path, f"{wrong}; use it only in 'bits' or 'low_bit' of a field")
+        elif name is not None and "default" in alternatives.get(mapping(parameters, name)["alternative"], {}):
+            of = mapping(parameters, name)["alternative"]
+            wrong = f"{quoted(name)} is set by the alternative {quoted(of)}, whose default applies without a choice"
+            right = f"use it only in 'makes_position_if' of a flag, or remove 'default' from {quoted(of)}"
+            report.add("alternative-use", path, f"{wrong}; {right}")
 
 
 def units(spec: Spec, raw: Spec, report: DocumentReport) -> None:

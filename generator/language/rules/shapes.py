@@ -32,7 +32,7 @@ PLACES = ("at", "top_bit", "low_bit")
 RESERVED = "reserved"
 #: Each of the values gets a name in every output, so there cannot be many.
 _MOST_RESERVED_BITS = 4
-_OF_FLAGS = ("when_active", "when_inactive", "makes_position", "sums_up")
+_OF_FLAGS = ("when_active", "when_inactive", "makes_position", "makes_position_if", "sums_up")
 _OF_PARITIES = ("parity", "over")
 _OF_NUMBERS = ("signed", "zero_means", "power_of_two", "scale")
 #: Keys that are not allowed next to ``scale``: one gives 0 another meaning, the other gives a unit of its own.

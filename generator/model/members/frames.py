@@ -144,6 +144,24 @@ FRAMES = (
             noun="order codes that have it",
         ),
         Member("only_while", "string", "For a flag with 'only': the parameter that is 0 for the other order codes."),
+        Member(
+            "verdict_parameter",
+            "name",
+            "For a flag: the parameter of an alternative with a default. If the user's answer sets it to 1, the verdict"
+            " is verdict_if_set.",
+            "field-verdict",
+            "answer",
+            refers_to="parameters",
+        ),
+        Member(
+            "verdict_if_set",
+            "|not_usable|usable_with_warning",
+            "Verdict on the position while the flag is active and verdict_parameter is 1. Empty if no answer changes it.",
+            "field-verdict",
+            "makes the position, with the other answer,",
+            read="verdict",
+            noun="verdict with the other answer",
+        ),
         Member("remedy", "text", "For a flag: instructions for clearing it, if no alarm gives them.", "words"),
         Member(
             "by_hand",

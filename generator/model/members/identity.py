@@ -156,11 +156,19 @@ IDENTITY = (
     ),
     Part(
         "alternative",
-        "A question that the manual leaves open. Until the user has decided, frames that depend on it are neither"
-        " decoded nor encoded. For order codes, the first answer applies.",
+        "A question that the manual leaves open. Without a default, frames that depend on it are neither decoded nor"
+        " encoded until the user has decided. For order codes, the first answer applies.",
         NAME,
         Member("meaning", "text", "Question to the user.", "words"),
         Member("answers", "[answer]", "Possible answers."),
+        Member(
+            "default",
+            "name",
+            "Answer that applies unless the user chooses another one. Only verdicts then depend on the answer, and every"
+            " frame is decoded. Empty if there is no default.",
+            "decision-default",
+            refers_to="answer",
+        ),
         identity="answers",
     ),
     Part(

@@ -59,7 +59,7 @@ def _alternative(item: Alternative) -> Data:
     answers = [
         [one.name, one.meaning, {name: number(value) for name, value in one.sets.items()}] for one in item.answers
     ]
-    return kept(name=item.name, meaning=item.meaning, answers=answers)
+    return kept(name=item.name, meaning=item.meaning, answers=answers, default=item.default)
 
 
 def _crc(device: Device, item: Crc) -> Data:

@@ -94,6 +94,7 @@ def _layout(device: Device, codec: Codec, of: Description) -> Data:
         crc=of.crc.crc.name if of.crc is not None else "",
         crc_of=[of.crc.low, of.crc.covered.constant] if of.crc is not None and of.crc.is_part else [],
         asks=[item.name for item in codec.alternatives],
+        offers=[item.name for item in device.verdict_alternatives(codec.layout)],
         held=_held(device, codec.layout, codec),
     )
 

@@ -27,7 +27,8 @@ class Context:
         self.stem = f"{device.name}_{self.interface.name}"
         self.prefix = f"{device.manufacturer.name}_{self.stem}"
         self.PREFIX = self.prefix.upper()
-        self.alternatives = tuple(AlternativeCode(device, self.prefix, item) for item in device.alternatives)
+        asked = (item for item in device.alternatives if not item.default)
+        self.alternatives = tuple(AlternativeCode(device, self.prefix, item) for item in asked)
         held = {one.parameter.name: one.most for item in held_parameters(device) for one in item.parameters}
         largest = {item.name: max(item.largest, held.get(item.name, 0)) for item in device.set_parameters}
         answers = {name: code.argument for code in self.alternatives for name in code.item.answers[0].sets}

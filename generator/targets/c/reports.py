@@ -52,13 +52,13 @@ class FrameReports:
     def told(self) -> Iterator[Expr]:
         """The terms of the mask of its reports."""
         for told in self.reporting.told:
-            says = joined("&&", (*self._holds(told.only), self._says(told.by)))
+            says = joined("&&", (*map(_holds, told.conditions), self._says(told.by)))
             yield Either(says, self.family.constant(told.report), Number(0))
 
     @property
     def verdict_depends(self) -> bool:
-        """True if the verdict depends on the order code."""
-        return any(item.only for _, speaking in self._levels for item in speaking)
+        """True if the verdict depends on the order code or on an answer of the user."""
+        return any(item.conditions for _, speaking in self._levels for item in speaking)
 
     @property
     def reports_depend(self) -> bool:
@@ -68,13 +68,6 @@ class FrameReports:
     @property
     def _levels(self) -> tuple[tuple[Verdict, tuple[Speaks, ...]], ...]:
         return self.judgement.worst_first if self.judgement is not None else ()
-
-    def _holds(self, only: Only | None) -> tuple[Expr, ...]:
-        """Return the condition on the order code, if any."""
-        if only is None:
-            return ()
-        member = Name(f"variant->{c_name(only.parameter)}")
-        return (Operation("!=" if only.holds else "==", (member, Number(0))),)
 
     def _says(self, by: Cause) -> Expr:
         return self._differ([by]) if isinstance(by, Reserved) else joined("&&", tuple(self._active(by)))
@@ -102,7 +95,7 @@ class FrameReports:
         """Return the condition that one of these is active. Unused bits are checked together."""
         unused = [item.by for item in speaking if isinstance(item.by, Reserved)]
         said = [
-            joined("&&", (*self._holds(item.only), *self._active(item.by), *map(_inactive, item.unless)))
+            joined("&&", (*map(_holds, item.conditions), *self._active(item.by), *map(_inactive, item.unless)))
             for item in speaking
             if not isinstance(item.by, Reserved)
         ]
@@ -171,6 +164,11 @@ def _note(device: Device, report: Report) -> str:
     field = report.field
     unused = ", unused" if report.is_unused else ""
     return S.sentence(said(title(field), unused, source=source(field, alarm_of(device, field))))
+
+
+def _holds(only: Only) -> Expr:
+    """Return the condition on a parameter of the order code."""
+    return Operation("!=" if only.holds else "==", (Name(f"variant->{c_name(only.parameter)}"), Number(0)))
 
 
 def _inactive(part: Part) -> Expr:

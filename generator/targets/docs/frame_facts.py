@@ -14,6 +14,7 @@ from ...model import (
     Variant,
     Verdict,
 )
+from ...order_codes.run_time import decided
 from ...plan.reports import reportings
 from ...plan.values import Active, TwosComplement, meaning_of
 from ...plan.verdicts import Judgement, Match, Only, Speaks
@@ -68,7 +69,16 @@ def frame_facts(family: Device, layout: Layout, variant: Variant) -> Iterator[tu
     yield from (("Signed", _signed(family, item, placed)) for item in signed)
     judgement = next((item.judgement for item in reportings(family) if item.codec.layout.name == layout.name), None)
     if judgement is not None:
-        yield "Position", verdict_line(judgement, variant, checked is not None)
+        line = verdict_line(judgement, variant, checked is not None)
+        yield "Position", line
+        for asked in family.verdict_alternatives(layout):
+            for answer in asked.answers[1:]:
+                chosen = decided(family, variant, {asked.name: answer.name})
+                other_line = verdict_line(judgement, chosen, checked is not None)
+                if other_line != line:
+                    choice = link("your choice", f"#alternative-{asked.name}")
+                    about = f"({choice} instead of {code(asked.default)})"
+                    yield f"Position, with {code(answer.name)}", f"{other_line} {about}"
 
 
 def _signed(family: Device, item: PlacedField, placed: PlacedLayout) -> str:
@@ -109,7 +119,7 @@ def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
     """Return the rule for the verdict on the position of an order code."""
     parts = []
     for verdict, items in judgement.worst_first:
-        applying = [item for item in items if _applies(item.only, variant)]
+        applying = [item for item in items if all(_applies(only, variant) for only in item.conditions)]
         if applying:
             parts.append(f"{_VERDICT[verdict]} if {', or if '.join(_causes(applying))}")
     if not parts:
@@ -145,5 +155,5 @@ def _cause(item: Speaks) -> str:
     )
 
 
-def _applies(only: Only | None, variant: Variant) -> bool:
-    return only is None or bool(variant.parameters.get(only.parameter, 0)) == only.holds
+def _applies(only: Only, variant: Variant) -> bool:
+    return bool(variant.parameters.get(only.parameter, 0)) == only.holds

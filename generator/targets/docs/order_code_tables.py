@@ -118,8 +118,9 @@ def alternatives(device: Device) -> list[dict[str, Any]]:
             "frames": [
                 link(code(layout.name), f"#layout-{layout.name}")
                 for _, layout in device.layouts()
-                if item in device.alternatives_of(layout)
+                if item in (*device.alternatives_of(layout), *device.verdict_alternatives(layout))
             ],
+            "members": list(map(code, item.answers[0].sets)),
         }
         for item in device.alternatives
     ]

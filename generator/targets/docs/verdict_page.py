@@ -63,33 +63,47 @@ def _decides(device: Device, told: Sequence[Reporting]) -> Iterator[Row]:
 
 def _speaking(device: Device, interface: Interface, layout: Layout, judgement: Judgement) -> Iterator[Row]:
     """Yield the fields that decide the verdict on a frame, worst verdict first."""
-    speaking = [(verdict, item.by.field, item.only) for verdict, items in judgement.worst_first for item in items]
+    speaking: list[tuple[Verdict, Field, tuple[Only, ...]]] = [
+        (verdict, item.by.field, item.conditions) for verdict, items in judgement.worst_first for item in items
+    ]
     signs = {sign.flag.name: sign for sign in layout.signs}
     order = [*(item.name for item in layout.fields), *signs]
     if judgement.otherwise is Verdict.UNKNOWN:
         # A warning does not improve on an unknown position.
         not_better = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
         warning = (item for item in layout.fields if verdict_of(item) in not_better)
-        speaking += [(judgement.otherwise, item, None) for item in warning]
+        speaking += [(judgement.otherwise, item, ()) for item in warning]
     speaking.sort(key=lambda item: ([*Verdict].index(item[0]), order.index(item[1].name)))
     fields = (*layout.fields, *(sign.flag for sign in signs.values()))
-    speaking += [(Verdict.USABLE, item, None) for item in fields if verdict_of(item) is Verdict.USABLE]
-    for verdict, field, only in speaking:
+    speaking += [(Verdict.USABLE, item, ()) for item in fields if verdict_of(item) is Verdict.USABLE]
+    for verdict, field, conditions_on_codes in speaking:
         sign = signs.get(field.name)
         yield (
             _named(field),
-            _when(field, only) + _unless(field, layout) if sign is None else _conditions(layout, sign),
+            _when(device, field, conditions_on_codes) + _unless(field, layout)
+            if sign is None
+            else _conditions(layout, sign),
             code(verdict.value),
             _cited(device, field),
             _errata(device, interface, layout, field, sign),
         )
 
 
-def _when(field: Field, only: Only | None) -> str:
-    """Return the value of a field that decides the verdict, and the order codes if it does not apply to all."""
-    if only is None:
-        return deciding(field)
-    return f"{deciding(field)} {f'with {code(only.codes)}' if only.holds else 'with all others'}"
+def _when(device: Device, field: Field, conditions_on_codes: Sequence[Only]) -> str:
+    """Return the value of a field that decides the verdict, with the order codes and the answer that it needs."""
+    return " ".join((deciding(field), *(_condition(device, only) for only in conditions_on_codes)))
+
+
+def _condition(device: Device, only: Only) -> str:
+    """Return the order codes, or the answer to a question with a link to it."""
+    asked = next((item for item in device.optional_alternatives if item.parameter == only.parameter), None)
+    if asked is None:
+        return f"with {code(only.codes)}" if only.holds else "with all others"
+    names = [code(item.name) for item in asked.answers if bool(item.sets[only.parameter]) == only.holds]
+    interface = next(item.name for item, layout in device.layouts() if asked in device.verdict_alternatives(layout))
+    question = link("your choice", f"{device.name}/{interface}.md#alternative-{asked.name}")
+    default = "" if only.holds else ", the default"
+    return f"and {question} is {' or '.join(names)}{default}"
 
 
 def _conditions(layout: Layout, sign: Sign) -> str:

@@ -79,7 +79,8 @@ class Context:
         self.registers = {item.name: names.take(camel(item.name), "Register") for item in device.registers}
         self.procedures = {item.name: names.take(attribute(item.name), "_steps") for item in device.procedures}
         self.asked = {item.name: self._asked(item, names) for item in device.alternatives}
-        answered = {name: f"{item.name}.{member}" for item in self.asked.values() for name, member in item.members}
+        required = [item for item in self.asked.values() if not item.alternative.default]
+        answered = {name: f"{item.name}.{member}" for item in required for name, member in item.members}
         self.scope = Scope({**self.scope_of("variant").names, **answered})
         self._enums = {key: names.take(camel(item.name), "Value") for key, item in self.choices.items()}
 

@@ -26,8 +26,10 @@ def _broken(line: str) -> Iterator[str]:
     else:
         indent = line[: len(line) - len(line.lstrip())]
         yield start
+        # A comma would make a tuple of one unpacked value in parentheses.
+        comma = "" if start.endswith("*(") and len(items) == 1 else ","
         for item in items:
-            yield from _broken(f"{indent}    {item},")
+            yield from _broken(f"{indent}    {item}{comma}")
         yield indent + end
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from ...model import Field, Flag, Verdict
 from ...plan.codec import Codec, Part, Reserved
-from ...plan.reports import Reporting
+from ...plan.reports import Reporting, Told
 from ...plan.verdicts import Match, Only, Speaks
 from .expr import Atom, Expr, Not, Operation, coded, joined, mask
 from .names import ClassNames
@@ -34,12 +34,12 @@ class FrameReports:
     def depends(self) -> bool:
         """True if any condition depends on the order code."""
         judged = self._judgement.worst_first if self._judgement is not None else ()
-        conditions = [item.only for item in self._told] + [item.only for _, items in judged for item in items]
-        return any(item is not None for item in conditions)
+        causes: list[Told | Speaks] = [*self._told, *(item for _, items in judged for item in items)]
+        return any(item.conditions for item in causes)
 
-    def _holds(self, only: Only | None) -> list[Expr]:
-        """Return the condition that applies to the order code, if there is one."""
-        return [holding(only, f"{self._own('variant')}.{self._parameters[only.parameter]}")] if only is not None else []
+    def _holds(self, only: Only) -> Expr:
+        """Return the condition on a parameter of the encoder."""
+        return holding(only, f"{self._own('variant')}.{self._parameters[only.parameter]}")
 
     @property
     def worth(self) -> list[tuple[str, list[str]]]:
@@ -74,7 +74,7 @@ class FrameReports:
     def _conditions(self, items: Sequence[Speaks]) -> list[str]:
         """Return a condition for each flag and each match of values, and one for all unused bits."""
         flags = [
-            self._speaks(item.by, [*map(self._flag, item.unless)], item.only)
+            self._speaks(item.by, [*map(self._flag, item.unless)], item.conditions)
             for item in items
             if not isinstance(item.by, Reserved)
         ]
@@ -92,12 +92,12 @@ class FrameReports:
                 conditions.append(Atom(f"{attribute} == {coded(value)}"))
         return conditions
 
-    def _speaks(self, by: Part | Match, unless: Sequence[Expr], only: Only | None) -> str:
+    def _speaks(self, by: Part | Match, unless: Sequence[Expr], only: Sequence[Only]) -> str:
         """Return the condition for a cause. It is ignored while certain flags are active, and for other order codes."""
         others = [Not(joined("or", unless))] if unless else []
         active = self._match(by) if isinstance(by, Match) else [self._flag(by)]
         # The flag comes first, because it is rarely active. The other conditions are then skipped.
-        conditions = [*active, *self._holds(only), *others]
+        conditions = [*active, *map(self._holds, only), *others]
         return str(conditions[0]) if len(conditions) == 1 else f"({joined('and', conditions)})"
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from ...model import Fault, Scale
 from ...model.expressions import Expression
 from ...plan.codec import FrameCrc, allowed_values
-from ...plan.description import Column, Name, describe
+from ...plan.description import Answered, Column, Name, describe
 from ...plan.measurement import position_ranges
 from ...plan.reports import Reporting
 from ...plan.values import is_named, meaning_of
@@ -18,11 +18,14 @@ from ...plan.verdicts import Only
 from .bits import others
 from .codec import Coder
 from .context import byte_order
+from .expr import joined
 from .literals import Call, Code, Literal, Member, Sometimes, call, literal, record
 from .reports import holding
 
 #: Number of members that are printed without their names, by class.
 _POSITIONAL = {"BitField": 3, "Column": 1, "Join": 2, "Speaks": 1, "Tells": 1}
+#: Members that say for which encoders a cause applies.
+_CONDITIONS = ("only", "chosen")
 
 
 class Shape:
@@ -112,17 +115,20 @@ class Shape:
                 return tuple(map(self._shown, value))
             case None | bool() | int() | str():
                 return value
-        only: Only | None = getattr(value, "only", None)
-        if only is None:
-            return self._record(value)
-        member = f"variant.{self.coder.context.parameters[only.parameter]}"
-        return Sometimes(self._record(value), str(holding(only, member)))
+            case Answered(parameter, verdict):
+                return Code(f"Verdict.{verdict.name} if {self._member(parameter)} else None")
+        conditions: list[Only | None] = [getattr(value, name, None) for name in _CONDITIONS]
+        holds = [holding(only, self._member(only.parameter)) for only in conditions if only is not None]
+        return Sometimes(self._record(value), str(joined("and", holds))) if holds else self._record(value)
+
+    def _member(self, parameter: str) -> str:
+        return f"variant.{self.coder.context.parameters[parameter]}"
 
     def _record(self, item: Any) -> Call:
         """Return the call of the class of the same name. A cause other than a flag has no name."""
         kind = type(item).__name__
         is_flag = not getattr(item, "mask", 0) and not getattr(item, "when", ())
-        omitted = ("only",) if is_flag else ("only", "flag")
+        omitted = _CONDITIONS if is_flag else (*_CONDITIONS, "flag")
         given = [(each, getattr(item, each.name)) for each in fields(item) if each.name not in omitted]
         shown = [(each.name, self._shown(value)) for each, value in given if value != each.default]
         count = _POSITIONAL.get(kind, 0)

@@ -131,7 +131,11 @@ def of_variant(device: Device, names: dict[str, str]) -> str:
 def of_alternative(device: Device, item: Alternative) -> str:
     """Return the docstring of a question that the manual leaves open."""
     head = S.sentence(said(item.meaning, source=item.source))
-    decide = "The manual leaves this open, or other evidence contradicts it. There is no default."
+    decide = "The manual leaves this open, or other evidence contradicts it."
+    if item.default:
+        decide += f" The default is {item.default.upper()}. Variant.with_answers() chooses another answer."
+    else:
+        decide += " There is no default."
     return docstring(head, decide, *of_errata(device, f"alternatives.{item.name}"), indent=4)
 
 

@@ -344,6 +344,24 @@ class Variants:
         )
         return ", or ".join([*of_bytes, *is_open])
 
+    # -- answers with a default
+
+    @property
+    def answers(self) -> list[Asked]:
+        """Questions whose default applies unless the user chooses another answer."""
+        optional = self.device.optional_alternatives
+        return [self.context.asked[item.name] for item in optional]
+
+    @property
+    def some_code(self) -> str:
+        """Last order code with a frame whose verdict such an answer decides."""
+        interfaces = {item.name for item, layout in self.device.layouts() if self.device.verdict_alternatives(layout)}
+        return next(item.code for item in reversed(self.device.variants) if item.interface in interfaces)
+
+    def answered(self, asked: Asked) -> list[tuple[str, str]]:
+        """Return the parameters that an answer sets, with the names of their values in its Enum."""
+        return [(self.context.parameters[name], member) for name, member in asked.members]
+
     # -- parameters in registers
 
     @cached_property

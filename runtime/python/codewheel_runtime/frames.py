@@ -167,7 +167,7 @@ class Sent(Coded):
         if not tells:
             return ()
         known: Mapping[str, Report] = _module_of(type(self), "facts").REPORTS
-        return tuple(known[item.report] for item in tells if item.is_active(self))
+        return tuple(item.of(known) for item in tells if item.is_active(self))
 
 
 class Fixed(Coded):

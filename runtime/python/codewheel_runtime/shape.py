@@ -3,14 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from enum import IntEnum
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
 from .codec import BitField, assert_never
 from .facts import Scale
-from .reports import Verdict
+from .reports import Report, Verdict
 from .table import ErrorKind
 
 
@@ -136,12 +136,21 @@ class Speaks(NamedTuple):
 
 
 class Tells(NamedTuple):
-    """Condition for a ``report``: a flag is active, unused bits in ``mask`` differ, or ``when`` as in ``Speaks``."""
+    """Condition for a ``report``: a flag is active, unused bits in ``mask`` differ, or ``when`` as in ``Speaks``.
+
+    ``answered`` is the verdict of the report if your choice changes it.
+    """
 
     report: str
     flag: str = ""
     mask: int = 0
     when: tuple[tuple[str, int], ...] = ()
+    answered: Verdict | None = None
+
+    def of(self, known: Mapping[str, Report]) -> Report:
+        """Return the report with its verdict."""
+        report = known[self.report]
+        return report if self.answered is None else report._replace(makes_position=self.answered)
 
     def is_active(self, frame: Any) -> bool:
         """Return whether a decoded frame has the report."""

@@ -113,20 +113,25 @@ typedef struct lika_amm5_biss {
      * Unit: bits.
      */
     uint8_t multiturn_bits;
+    /**
+     * 1 if an active warning bit is taken for a low battery [6.2.1 p.33]. Set by your choice of
+     * warning_cause: 0 for either_cause (default), 1 for low_battery.
+     */
+    uint8_t low_battery_only;
 } lika_amm5_biss;
 
-static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A17_1SC1 = { 17U, 0U }; /**< AMM5A17/1SC1 */
-static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A17_65KSC1 = { 17U, 16U }; /**< AMM5A17/65KSC1 */
-static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A21_1SC1 = { 21U, 0U }; /**< AMM5A21/1SC1 */
-static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A21_65KSC1 = { 21U, 16U }; /**< AMM5A21/65KSC1 */
-static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A23_1SC1 = { 23U, 0U }; /**< AMM5A23/1SC1 */
-static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A23_65KSC1 = { 23U, 16U }; /**< AMM5A23/65KSC1 */
-static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B17_1SC1 = { 17U, 0U }; /**< AMM5B17/1SC1 */
-static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B17_65KSC1 = { 17U, 16U }; /**< AMM5B17/65KSC1 */
-static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B21_1SC1 = { 21U, 0U }; /**< AMM5B21/1SC1 */
-static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B21_65KSC1 = { 21U, 16U }; /**< AMM5B21/65KSC1 */
-static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B23_1SC1 = { 23U, 0U }; /**< AMM5B23/1SC1 */
-static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B23_65KSC1 = { 23U, 16U }; /**< AMM5B23/65KSC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A17_1SC1 = { 17U, 0U, 0U }; /**< AMM5A17/1SC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A17_65KSC1 = { 17U, 16U, 0U }; /**< AMM5A17/65KSC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A21_1SC1 = { 21U, 0U, 0U }; /**< AMM5A21/1SC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A21_65KSC1 = { 21U, 16U, 0U }; /**< AMM5A21/65KSC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A23_1SC1 = { 23U, 0U, 0U }; /**< AMM5A23/1SC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_A23_65KSC1 = { 23U, 16U, 0U }; /**< AMM5A23/65KSC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B17_1SC1 = { 17U, 0U, 0U }; /**< AMM5B17/1SC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B17_65KSC1 = { 17U, 16U, 0U }; /**< AMM5B17/65KSC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B21_1SC1 = { 21U, 0U, 0U }; /**< AMM5B21/1SC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B21_65KSC1 = { 21U, 16U, 0U }; /**< AMM5B21/65KSC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B23_1SC1 = { 23U, 0U, 0U }; /**< AMM5B23/1SC1 */
+static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B23_65KSC1 = { 23U, 16U, 0U }; /**< AMM5B23/65KSC1 */
 
 /**
  * Width of the whole position, revolutions included, 17 to 39 bits. The manual calls it "encoder
@@ -323,10 +328,11 @@ typedef struct lika_amm5_biss_frame {
      * Warning, nW: Reports an error in the magnetic multiturn system, which may make the number of
      * revolutions wrong, or a low battery. The bit does not distinguish the two (erratum
      * position_under_error). Active when 0: warning active in the system. Inactive when 1: no
-     * active warning. While it is active, the position is not usable. This applies only to
-     * .../65K.... For other order codes the manual does not explain the flag, and the position is
-     * usable, with a warning. Remedy: Replace a low battery as soon as possible. For an error in
-     * the multiturn system, the manual gives no remedy. Steps: Battery replacement without error.
+     * active warning. While it is active, the position is not usable. If you set low_battery_only
+     * to 1, the position is usable, with a warning. This applies only to .../65K.... For other
+     * order codes the manual does not explain the flag, and the position is usable, with a warning.
+     * Remedy: Replace a low battery as soon as possible. For an error in the multiturn system, the
+     * manual gives no remedy. Steps: Battery replacement without error.
      */
     bool warning;
     /** position consists of multiturn and singleturn, most significant first. */
@@ -413,10 +419,12 @@ CW_CONSTEXPR
 static inline cw_verdict lika_amm5_biss_verdict(
     const lika_amm5_biss *variant, const lika_amm5_biss_frame *frame)
 {
-    if (frame->error || ((variant->multiturn_bits != 0U) && frame->warning)) {
+    if (frame->error || ((variant->multiturn_bits != 0U) && (variant->low_battery_only == 0U) &&
+        frame->warning)) {
         return CW_NOT_USABLE;
     }
-    if ((variant->multiturn_bits == 0U) && frame->warning) {
+    if (((variant->multiturn_bits != 0U) && (variant->low_battery_only != 0U) && frame->warning) ||
+        ((variant->multiturn_bits == 0U) && frame->warning)) {
         return CW_USABLE_WITH_WARNING;
     }
     return CW_USABLE;

@@ -25,18 +25,18 @@ typedef struct lika_amm5_biss_order_code {
 static inline const lika_amm5_biss_order_code *lika_amm5_biss_order_codes(size_t *count)
 {
     static const lika_amm5_biss_order_code codes[] = {
-        { "AMM5A17/1SC1", { 17U, 0U } },
-        { "AMM5A17/65KSC1", { 17U, 16U } },
-        { "AMM5A21/1SC1", { 21U, 0U } },
-        { "AMM5A21/65KSC1", { 21U, 16U } },
-        { "AMM5A23/1SC1", { 23U, 0U } },
-        { "AMM5A23/65KSC1", { 23U, 16U } },
-        { "AMM5B17/1SC1", { 17U, 0U } },
-        { "AMM5B17/65KSC1", { 17U, 16U } },
-        { "AMM5B21/1SC1", { 21U, 0U } },
-        { "AMM5B21/65KSC1", { 21U, 16U } },
-        { "AMM5B23/1SC1", { 23U, 0U } },
-        { "AMM5B23/65KSC1", { 23U, 16U } }
+        { "AMM5A17/1SC1", { 17U, 0U, 0U } },
+        { "AMM5A17/65KSC1", { 17U, 16U, 0U } },
+        { "AMM5A21/1SC1", { 21U, 0U, 0U } },
+        { "AMM5A21/65KSC1", { 21U, 16U, 0U } },
+        { "AMM5A23/1SC1", { 23U, 0U, 0U } },
+        { "AMM5A23/65KSC1", { 23U, 16U, 0U } },
+        { "AMM5B17/1SC1", { 17U, 0U, 0U } },
+        { "AMM5B17/65KSC1", { 17U, 16U, 0U } },
+        { "AMM5B21/1SC1", { 21U, 0U, 0U } },
+        { "AMM5B21/65KSC1", { 21U, 16U, 0U } },
+        { "AMM5B23/1SC1", { 23U, 0U, 0U } },
+        { "AMM5B23/65KSC1", { 23U, 16U, 0U } }
     };
     *count = sizeof(codes) / sizeof(codes[0]);
     return codes;

@@ -74,12 +74,29 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
         ),
         speaks=(
             Speaks(Verdict.NOT_USABLE, flag="error"),
-            *([Speaks(Verdict.NOT_USABLE, flag="warning")] if variant.multiturn_bits else []),
+            *(
+                [
+                    Speaks(Verdict.NOT_USABLE, flag="warning"),
+                ] if variant.multiturn_bits and not variant.low_battery_only else []
+            ),
+            *(
+                [
+                    Speaks(Verdict.USABLE_WITH_WARNING, flag="warning"),
+                ] if variant.multiturn_bits and variant.low_battery_only else []
+            ),
             *([Speaks(Verdict.USABLE_WITH_WARNING, flag="warning")] if not variant.multiturn_bits else []),
         ),
         tells=(
             Tells("error", flag="error"),
-            *([Tells("warning", flag="warning")] if variant.multiturn_bits else []),
+            *(
+                [
+                    Tells(
+                        "warning",
+                        flag="warning",
+                        answered=Verdict.USABLE_WITH_WARNING if variant.low_battery_only else None,
+                    ),
+                ] if variant.multiturn_bits else []
+            ),
             *([Tells("warning_unexplained", flag="warning")] if not variant.multiturn_bits else []),
         ),
         fields=(

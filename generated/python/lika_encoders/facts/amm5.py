@@ -2145,18 +2145,19 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used=(
             "The position is not usable if any of these is active: error, BUSY, PS error or ST error. Latched errors "
             "stay active until they are reset. In multiturn models, the MT error or the warning bit also makes the "
-            "position unusable. With the battery alarm, it is usable with a warning. EE_1, which combines BUSY, PS "
-            "error, battery alarm and MT error, makes the position unusable. If the frame also carries these four "
-            "flags (data ID 3), they decide instead."
+            "position unusable. With the battery alarm, it is usable with a warning. So it is with the warning bit if "
+            "you choose to take it for a low battery. EE_1, which combines BUSY, PS error, battery alarm and MT "
+            "error, makes the position unusable. If the frame also carries these four flags (data ID 3), they decide "
+            "instead."
         ),
         why=(
             "PS error and ST error are faults of the counting itself. The position may have been counted wrongly "
             "before the error was detected. If EE_1 is the only information, the position may be the 0 that is sent "
             "while BUSY is active. The warning bit means a low battery, with which the position is kept (4.3.1), or "
             "an error in the magnetic multiturn system, which may make the number of revolutions wrong. The frame "
-            "does not distinguish them, so the worse case applies. After a depleted battery the singleturn position "
-            "is correct (4.3.2, step 9). The position in replies that carry only the singleturn position is still "
-            "treated as not usable."
+            "does not distinguish them, so the worse case applies by default. After a depleted battery the singleturn "
+            "position is correct (4.3.2, step 9). The position in replies that carry only the singleturn position is "
+            "still treated as not usable."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2165,6 +2166,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "field_groups.alarm_field",
             "interfaces.biss.single_cycle_data.error",
             "interfaces.biss.single_cycle_data.warning",
+            "alternatives.warning_cause",
         ),
         source="6.2.1 p.32, 6.2.1 p.33, 4.3.1 p.23, 4.3.2 p.24, 7.3.2 p.42, 7.4.1 p.44",
     ),

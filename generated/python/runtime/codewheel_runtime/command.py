@@ -366,7 +366,25 @@ def _selected(package: str, chosen: argparse.Namespace) -> Encoder:
         if with_registers is None:
             raise ValueError(f"no register affects the frames of {encoder.code}")
         encoder = with_registers(dict(chosen.register))
-    return encoder
+    return _with_optional_answers(encoder, chosen)
+
+
+def _with_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Encoder:
+    """Return the encoder with the answers that have a default, and remove them from ``chosen.choose``."""
+    with_answers: Callable[..., Encoder] | None = getattr(encoder, "with_answers", None)
+    if with_answers is None:
+        return encoder
+    kinds: dict[str, Any] = get_type_hints(with_answers)
+    asked = {name: kinds[name] for name, _ in chosen.choose if name in kinds and name not in ("self", "return")}
+    answers: dict[str, Any] = {name: next(iter(kind)) for name, kind in kinds.items() if name not in ("self", "return")}
+    for name, answer in chosen.choose:
+        if name in asked:
+            found = [item for item in asked[name] if item.name.lower() == answer.lower()]
+            if not found:
+                raise ValueError(f"--choose {name}={answer} does not apply to {encoder.code}")
+            answers[name] = found[0]
+    chosen.choose = [(name, answer) for name, answer in chosen.choose if name not in asked]
+    return with_answers(**answers) if asked else encoder
 
 
 def _decode(package: str, chosen: argparse.Namespace) -> int | None:
