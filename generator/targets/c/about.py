@@ -54,19 +54,31 @@ def _headed(name: str, items: Iterable[Said]) -> list[Paragraph]:
 
 def about_order_codes(device: Device) -> list[Paragraph]:
     unknown = unknown_parts(device)
-    hidden = [item for part in device.order_code.parts if part.name in unknown for item in order_code.open_values(part)]
-    about: list[Paragraph] = [S.sentence(item) for item in order_code.order_code(device) if item not in hidden]
+    unknown_values = [
+        statement
+        for part in device.order_code.parts
+        if part.name in unknown
+        for statement in order_code.open_values(part)
+    ]
+    about: list[Paragraph] = [
+        S.sentence(statement) for statement in order_code.order_code(device) if statement not in unknown_values
+    ]
     return [*about, f"Only the listed values are known here for: {', '.join(unknown)}."] if unknown else about
 
 
-def about_parameter(device: Device, prefix: str, item: Parameter) -> str:
-    taken = f" {prefix}_take_{item.register}() updates it." if item.read_from else ""
-    in_code = list(parameter.origin(device, item)) if item.equals is not None else ()
-    return S.paragraph(one for one in parameter.parameter(device, item) if one not in in_code) + taken
+def about_parameter(device: Device, prefix: str, stated_parameter: Parameter) -> str:
+    update = f" {prefix}_take_{stated_parameter.register}() updates it." if stated_parameter.read_from else ""
+    in_code = list(parameter.origin(device, stated_parameter)) if stated_parameter.equals is not None else ()
+    return (
+        S.paragraph(
+            statement for statement in parameter.parameter(device, stated_parameter) if statement not in in_code
+        )
+        + update
+    )
 
 
-def about_alarm(device: Device, item: Alarm) -> list[Paragraph]:
-    return _headed(title(item), alarm.alarm(device, item))
+def about_alarm(device: Device, stated_alarm: Alarm) -> list[Paragraph]:
+    return _headed(title(stated_alarm), alarm.alarm(device, stated_alarm))
 
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
@@ -78,24 +90,24 @@ def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
     return ["Return the CRC of bits. Bit 0 is the last one sent.", *about]
 
 
-def about_word_crc(device: Device, item: Crc, folds: bool) -> list[Paragraph]:
+def about_word_crc(device: Device, word_crc: Crc, folds: bool) -> list[Paragraph]:
     """Return the comment on the function that computes a CRC over a whole word."""
     use = "The result is 0 if a received word is valid. With 0 in place of the CRC, it is the CRC to send."
     return [
-        f"Compute CRC {item.name} over a whole word. {use}",
-        *map(S.sentence, crc.crc(device, item)),
-        _derivation(item) if folds else "",
+        f"Compute CRC {word_crc.name} over a whole word. {use}",
+        *map(S.sentence, crc.crc(device, word_crc)),
+        _derivation(word_crc) if folds else "",
     ]
 
 
-def about_bits_crc(device: Device, item: Crc) -> list[Paragraph]:
+def about_bits_crc(device: Device, bits_crc: Crc) -> list[Paragraph]:
     """Return the comment on the function that computes a CRC over the bits of a frame in bytes."""
-    return [f"Return CRC {item.name} of a frame, bit by bit.", *map(S.sentence, crc.crc(device, item))]
+    return [f"Return CRC {bits_crc.name} of a frame, bit by bit.", *map(S.sentence, crc.crc(device, bits_crc))]
 
 
-def _derivation(item: Crc) -> str:
+def _derivation(word_crc: Crc) -> str:
     """Explain why the straight-line code leaves the remainder."""
-    width, middle = item.width, (item.poly >> 1).bit_length()
+    width, middle = word_crc.width, (word_crc.poly >> 1).bit_length()
     if not middle:
         return (
             f"How it folds: the remainder of x^{width} is 1, so the bits from {width} up are XORed into those "
@@ -118,77 +130,91 @@ def _power(exponent: int) -> str:
 
 def about_layout(device: Device, interface: Interface, struct: Struct) -> list[Paragraph]:
     """Return the purpose of the frame, the positions of its bits, and finally its errata, which few readers need."""
-    item = struct.layout
-    elsewhere = list(layout.joins(item))  # Their members say it.
-    errata = list(layout.errata_of(device, interface, item))
-    about = [one for one in layout.layout(device, interface, item) if one not in (*elsewhere, *errata)]
-    head = layout.head(interface, item, Code(item.name), device.alternatives)
+    frame_layout = struct.layout
+    elsewhere = list(layout.joins(frame_layout))  # Their members say it.
+    errata = list(layout.errata_of(device, interface, frame_layout))
+    about = [
+        statement
+        for statement in layout.layout(device, interface, frame_layout)
+        if statement not in (*elsewhere, *errata)
+    ]
+    head = layout.head(interface, frame_layout, Code(frame_layout.name), device.alternatives)
     return [*map(S.sentence, (head, *about)), *table(struct), *map(S.sentence, errata)]
 
 
-def about_member(struct: Struct, item: Field) -> str:
+def about_member(struct: Struct, member: Field) -> str:
     """Return the facts of a field that its enumeration does not show."""
-    choice = struct.enumeration(item)
-    about = [one for one in field.field(struct.device, item) if choice is None or one not in choice.said]
-    ending = "No terminator." if isinstance(meaning_of(item), Characters) else ""
-    return " ".join(filter(None, (S.paragraph(about) or f"{title(item)}.", ending)))
+    choice = struct.enumeration(member)
+    about = [
+        statement for statement in field.field(struct.device, member) if choice is None or statement not in choice.said
+    ]
+    ending = "No terminator." if isinstance(meaning_of(member), Characters) else ""
+    return " ".join(filter(None, (S.paragraph(about) or f"{title(member)}.", ending)))
 
 
 def about_unused(struct: Struct) -> str:
     """Describe the member for all unused bits."""
-    fields = listed([f"{bit_range(at + item.widest - 1, at)} {item.name}" for item, at in struct.layout.unused])
+    fields = listed(
+        [
+            f"{bit_range(at + unused_field.widest - 1, at)} {unused_field.name}"
+            for unused_field, at in struct.layout.unused
+        ]
+    )
     return f"Unused bits, each 1 if it differs from the manual: {S.phrase(said(*fields))}."
 
 
-def place(item: Layout, of: Field) -> str:
+def place(frame_layout: Layout, placed_field: Field) -> str:
     """Return the position of a field."""
-    return S.phrase(said(*field_place(item, of)))
+    return S.phrase(said(*field_place(frame_layout, placed_field)))
 
 
-def _holds(struct: Struct, item: Field) -> str:
+def _holds(struct: Struct, stated_field: Field) -> str:
     """Return the facts of a field that no member shows, and its width unless its place shows it."""
-    is_member = item.carries_data and item is not struct.plan.selector
-    about = () if is_member else field.field(struct.device, item)
-    if item.is_fixed:
+    is_member = stated_field.carries_data and stated_field is not struct.plan.selector
+    about = () if is_member else field.field(struct.device, stated_field)
+    if stated_field.is_fixed:
         return S.paragraph(about)
-    width = item.width.constant if item.width.is_constant else S.number(item.width)
+    width = stated_field.width.constant if stated_field.width.is_constant else S.number(stated_field.width)
     return S.paragraph((said(counted(width, "bit")), *about))
 
 
 def table(struct: Struct) -> Iterator[Paragraph]:
     """Yield one line for each field: its place, its name, and the facts that no member shows."""
-    rows = [
-        (place(struct.layout, item), "-" if item.fills_gap else item.name, _holds(struct, item))
-        for item in struct.layout.fields
-        if struct.plan.by_word or not item.padding_of
-    ]
+    fields = [item for item in struct.layout.fields if struct.plan.by_word or not item.padding_of]
+    rows = [(place(struct.layout, item), "-" if item.fills_gap else item.name, _holds(struct, item)) for item in fields]
     # The text of a long place goes below it, so that it does not widen the column for the others.
-    places = max((len(row[0]) for row in rows if len(row[0]) <= _PLACE), default=0)
-    names = max((len(row[1]) for row in rows), default=0)
-    for where, name, holds in rows:
-        yield (f"  {where:{places}}  {name:{names}}  ", holds) if holds else (f"  {where:{places}}  ", name)
+    place_widths = (len(place_text) for place_text, _, _ in rows)
+    place_width = max((width for width in place_widths if width <= _PLACE), default=0)
+    name_width = max((len(name) for _, name, _ in rows), default=0)
+    for place_text, name, description in rows:
+        line = f"  {place_text:{place_width}}  "
+        yield (f"{line}{name:{name_width}}  ", description) if description else (line, name)
 
 
 # -- registers
 
 
-def about_register(device: Device, item: Register) -> list[Paragraph]:
-    head = register.head(device, item, full_title(item))
-    about = [one for one in register.register(device, item) if one.label not in _IN_CODE]
+def about_register(device: Device, stated_register: Register) -> list[Paragraph]:
+    head = register.head(device, stated_register, full_title(stated_register))
+    about = [statement for statement in register.register(device, stated_register) if statement.label not in _IN_CODE]
     return list(map(S.sentence, (head, *about)))
 
 
-def about_access(device: Device, item: Register, writes: bool, read_state: str) -> Iterator[Paragraph]:
+def about_access(device: Device, accessed_register: Register, writes: bool, read_state: str) -> Iterator[Paragraph]:
     """Yield the comment on a function that reads or writes a register."""
-    waits = f", then wait {item.wait_at_least_ms} ms" if writes and item.wait_at_least_ms is not None else ""
-    name = title(item)
+    waits = (
+        f", then wait {accessed_register.wait_at_least_ms} ms"
+        if writes and accessed_register.wait_at_least_ms is not None
+        else ""
+    )
+    name = title(accessed_register)
     kind = "" if name.lower().endswith(("register", "registers")) else " register"
-    yield f"{'Write' if writes else 'Read'} the {name}{kind} ({addresses(item)}){waits}."
-    selector = device.bank_selector(item)
+    yield f"{'Write' if writes else 'Read'} the {name}{kind} ({addresses(accessed_register)}){waits}."
+    selector = device.bank_selector(accessed_register)
     if selector:
-        yield f"It first writes to {title(device.register(selector))} to select bank {item.bank}."
-    elif item.bank is not None:
-        yield f"Select bank {item.bank} before you call this function."
+        yield f"It first writes to {title(device.register(selector))} to select bank {accessed_register.bank}."
+    elif accessed_register.bank is not None:
+        yield f"Select bank {accessed_register.bank} before you call this function."
     if writes and read_state:
         yield f"The frames depend on the register, so call {read_state}() afterwards to update the variant."
 
@@ -196,17 +222,17 @@ def about_access(device: Device, item: Register, writes: bool, read_state: str) 
 # -- procedures
 
 
-def about_procedure(device: Device, item: Procedure) -> list[Paragraph]:
-    head = S.sentence(said(item.title, source=item.source))
-    return [head, *map(S.sentence, procedure.procedure(device, item))]
+def about_procedure(device: Device, stated_procedure: Procedure) -> list[Paragraph]:
+    head = S.sentence(said(stated_procedure.title, source=stated_procedure.source))
+    return [head, *map(S.sentence, procedure.procedure(device, stated_procedure))]
 
 
-def about_argument(device: Device, item: Argument) -> str:
-    return S.sentence(procedure.argument(device, item))
+def about_argument(device: Device, stated_argument: Argument) -> str:
+    return S.sentence(procedure.argument(device, stated_argument))
 
 
 def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
-    *calls, last = (CALLS[item] for item in run.calls)
+    *calls, last = (CALLS[call] for call in run.calls)
     needed = f"{', '.join(calls)} and {last}" if calls else last
     interface = device.interface(run.procedure.interface)
     yield f"{run.procedure.title}, over {interface.title}. The transport needs {needed}."
@@ -214,31 +240,31 @@ def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
         yield f"The frames depend on the bytes written, so call {read_state}() afterwards to update the variant."
 
 
-def note_of_step(device: Device, item: Operation) -> str:
+def note_of_step(device: Device, operation: Operation) -> str:
     """Return the purpose of a step. Its row already has the address, the bytes and the times."""
-    meaning = item.step.meaning
-    match item:
+    meaning = operation.step.meaning
+    match operation:
         case Waits(step):
             return meaning or S.phrase(procedure.step(device, step))
         case Sends(step=step):
             alone = "in succession, with no other request in between" if step.in_succession else ""
             return "; ".join(filter(None, (step.data_id, alone, meaning)))
         case Writes(step):
-            of = meaning or f"{_where(device, item)}: {step.value_name}"
-            return f"{of}, also done if an earlier step fails" if item.closes else of
+            purpose = meaning or f"{_where(device, operation)}: {step.value_name}"
+            return f"{purpose}, also done if an earlier step fails" if operation.closes else purpose
         case Verifies():
-            return f"{_where(device, item)}: read back, which is added to the given steps"
+            return f"{_where(device, operation)}: read back, which is added to the given steps"
         case Reads() | Polls():
-            return ": ".join(filter(None, (title(item.field or item.register), meaning)))
+            return ": ".join(filter(None, (title(operation.field or operation.register), meaning)))
         case _:
-            assert_never(item)
+            assert_never(operation)
 
 
-def note_of_read(device: Device, item: Reads) -> str:
+def note_of_read(device: Device, read: Reads) -> str:
     """Describe a member for bytes that are read."""
-    return ": ".join(filter(None, (_where(device, item), item.step.meaning)))
+    return ": ".join(filter(None, (_where(device, read), read.step.meaning)))
 
 
-def _where(device: Device, item: Writes | Reads | Verifies) -> str:
-    field_name = f".{item.field.name}" if item.field is not None else ""
-    return register_field(device, item.register.name + field_name).title
+def _where(device: Device, step: Writes | Reads | Verifies) -> str:
+    field_name = f".{step.field.name}" if step.field is not None else ""
+    return register_field(device, step.register.name + field_name).title

@@ -86,12 +86,12 @@ class Reader:
 
     def joined(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
         """Return the fields of a join as one number of the join's type."""
-        first, *others = whole.fields
+        first, *lower_fields = whole.fields
         kind = unsigned(whole.widest)
         number: Expr = Cast(kind, name_of(first))
-        for field in others:
+        for field in lower_fields:
             number = Operation("|", (left(number, self.scope.of(field.width)), name_of(field)))
-        return Cast(kind, number) if others and size_of(whole.widest) < 32 else number
+        return Cast(kind, number) if lower_fields and size_of(whole.widest) < 32 else number
 
     def parity(self, parts: Sequence[tuple[Expr, int]], mask: int) -> Expr:
         """Return the common parity of these numbers, 1 for an odd number of ones. Each comes with its largest width.
@@ -100,9 +100,9 @@ class Reader:
         """
         widest = max(width for _, width in parts)
         kind = unsigned(max(widest, 32))
-        (number, _), *others = parts
-        if others:
-            number = Operation("^", tuple(Cast(kind, item) for item, _ in parts))
+        (number, _), *further = parts
+        if further:
+            number = Operation("^", tuple(Cast(kind, part) for part, _ in parts))
         if mask:
             number = masked(number, mask)
         if widest > 32:

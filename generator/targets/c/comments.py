@@ -39,16 +39,14 @@ def _apart(text: str) -> str:
 
 def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
     """Format paragraphs as a comment. Empty ones are omitted."""
-    items = (
-        [paragraphs]
-        if isinstance(paragraphs, str)
-        else [item for item in paragraphs if (item if isinstance(item, str) else item[1])]
-    )
+    if isinstance(paragraphs, str):
+        leads_and_texts = [("", paragraphs)]
+    else:
+        leads_and_texts = [(lead, text) for lead, text in map(_lead_and_text, paragraphs) if text]
     margin = " " * indent
     lines: list[str] = []
-    for item in items:
-        lead, text = ("", item) if isinstance(item, str) else item
-        lead = in_comment_lead(lead)
+    for unsafe_lead, text in leads_and_texts:
+        lead = in_comment_lead(unsafe_lead)
         if lead.startswith("@") and lines and not lines[-1].startswith(("@", " ")):
             # The parameters of a function come after an empty line.
             lines.append("")
@@ -58,11 +56,16 @@ def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
             lead = "        "
         width = COLUMNS - indent - 3 - len(lead)
         wrapped = textwrap.wrap(in_comment(text), width, break_long_words=False, break_on_hyphens=False) or [""]
-        lines += [_apart((lead if index == 0 else " " * len(lead)) + line) for index, line in enumerate(wrapped)]
+        lines.append(_apart(lead + wrapped[0]))
+        lines += (_apart(" " * len(lead) + line) for line in wrapped[1:])
     if len(lines) == 1 and len(lines[0]) + indent + 6 <= COLUMNS:
         return f"{margin}/* {lines[0]} */"
     body = "\n".join(f"{margin} * {line}".rstrip() for line in lines)
     return f"{margin}/*\n{body}\n{margin} */"
+
+
+def _lead_and_text(paragraph: Paragraph) -> tuple[str, str]:
+    return ("", paragraph) if isinstance(paragraph, str) else paragraph
 
 
 def comment_lines(paragraphs: Sequence[Paragraph] | str) -> str:
