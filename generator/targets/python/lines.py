@@ -26,8 +26,8 @@ def _broken(line: str) -> Iterator[str]:
     else:
         indent = line[: len(line) - len(line.lstrip())]
         yield start
-        for item in items:
-            yield from _broken(f"{indent}    {item},")
+        for element in items:
+            yield from _broken(f"{indent}    {element},")
         yield indent + end
 
 
@@ -46,7 +46,7 @@ def _items(line: str) -> tuple[str, list[str], str]:
             items.append("")
         else:
             items[-1] += token
-    return start, [item.strip() for item in items if item.strip()], line[place:]
+    return start, [element.strip() for element in items if element.strip()], line[place:]
 
 
 def _in_pieces(text: str, indent: int) -> str:
