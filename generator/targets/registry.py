@@ -20,7 +20,7 @@ BUILT_IN = ("python", "c", "biss", "docs", "browser", "masters")
 #: Those of them that cannot express everything. ``check`` asks only these for problems.
 WITH_PROBLEMS = ("c",)
 GROUP = "codewheel.targets"
-_Given = TypeVar("_Given")
+_Result = TypeVar("_Result")
 
 
 class PackageMissing(TargetError):
@@ -62,9 +62,9 @@ def files_of(
         TargetError: The target cannot express something, or fails.
         TemplateFault: A user's template has an error.
     """
-    own = library.own_templates / target.name if library.own_templates is not None else None
-    given = replace(library, own_templates=own, parts=parts)
-    files = _guarded(target.name, lambda: target.files(given, options))
+    templates = library.own_templates / target.name if library.own_templates is not None else None
+    target_library = replace(library, own_templates=templates, parts=parts)
+    files = _guarded(target.name, lambda: target.files(target_library, options))
     if fault := _fault_of_files(files):
         raise TargetError(f"the target '{target.name}' must return text by path; {fault}")
     return files
@@ -76,11 +76,11 @@ def problems_of(target: Target, library: Library) -> list[TargetProblem]:
     Raises:
         TargetError: The target fails.
     """
-    found = _guarded(target.name, lambda: list(target.problems(library)))
-    for problem in found:
+    problems = _guarded(target.name, lambda: list(target.problems(library)))
+    for problem in problems:
         if fault := _fault_of_problem(problem, library):
             raise TargetError(f"the target '{target.name}' must return problems as TargetProblem; {fault}")
-    return found
+    return problems
 
 
 def _fault_of_problem(problem: object, library: Library) -> str:
@@ -90,8 +90,8 @@ def _fault_of_problem(problem: object, library: Library) -> str:
     if problem.device.name not in {device.name for device in library.devices}:
         return f"the device '{problem.device.name}' is not in its library"
     texts = (problem.rule, problem.message, *problem.place, *problem.other)
-    wrong = [item for item in texts if not isinstance(item, (str, int))]
-    return f"a part of it is {_kind(wrong[0])}" if wrong else ""
+    wrong_parts = [part for part in texts if not isinstance(part, (str, int))]
+    return f"a part of it is {_kind(wrong_parts[0])}" if wrong_parts else ""
 
 
 def _fault_of_files(files: object) -> str:
@@ -116,43 +116,43 @@ def _registered() -> dict[str, list[EntryPoint]]:
     """Return the entry points by name. Several packages may use the same name."""
     from importlib.metadata import entry_points
 
-    found: dict[str, list[EntryPoint]] = {}
-    for entry in entry_points(group=GROUP):
-        found.setdefault(entry.name, []).append(entry)
-    return dict(sorted(found.items()))
+    by_name: dict[str, list[EntryPoint]] = {}
+    for entry_point in entry_points(group=GROUP):
+        by_name.setdefault(entry_point.name, []).append(entry_point)
+    return dict(sorted(by_name.items()))
 
 
-def _owner(entry: EntryPoint) -> str:
-    return entry.dist.name if entry.dist is not None else entry.value
+def _owner(entry_point: EntryPoint) -> str:
+    return entry_point.dist.name if entry_point.dist is not None else entry_point.value
 
 
 def _loaded(name: str, load: Callable[[], object]) -> Target:
     try:
-        found = load()
+        target = load()
     except ModuleNotFoundError as error:
         package = (error.name or "").partition(".")[0]
         if not package or package == __package__.partition(".")[0]:
-            raise TargetError(f"the target '{name}' cannot be loaded: {_told(error)}") from error
+            raise TargetError(f"the target '{name}' cannot be loaded: {_error_line(error)}") from error
         raise PackageMissing(f"the target '{name}' needs the Python package '{package}', which is missing") from error
     except Exception as error:
-        raise TargetError(f"the target '{name}' cannot be loaded: {_told(error)}") from error
-    if not isinstance(found, Target):
-        raise TargetError(f"the target '{name}' must be a codewheel.targets.Target; this is {_kind(found)}")
-    if found.name != name:
-        raise TargetError(f"the target '{name}' calls itself '{found.name}'; both names must be the same")
-    return found
+        raise TargetError(f"the target '{name}' cannot be loaded: {_error_line(error)}") from error
+    if not isinstance(target, Target):
+        raise TargetError(f"the target '{name}' must be a codewheel.targets.Target; this is {_kind(target)}")
+    if target.name != name:
+        raise TargetError(f"the target '{name}' calls itself '{target.name}'; both names must be the same")
+    return target
 
 
-def _guarded(name: str, work: Callable[[], _Given]) -> _Given:
+def _guarded(name: str, work: Callable[[], _Result]) -> _Result:
     try:
         return work()
     except (TargetError, TemplateFault):
         raise
     except Exception as error:
-        raise TargetError(f"the target '{name}' fails: {_told(error)}") from error
+        raise TargetError(f"the target '{name}' fails: {_error_line(error)}") from error
 
 
-def _told(error: Exception) -> str:
+def _error_line(error: Exception) -> str:
     """Return an error in one line, with its origin."""
     frames = traceback.extract_tb(error.__traceback__)
     place = f" ({frames[-1].filename}:{frames[-1].lineno})" if frames else ""
