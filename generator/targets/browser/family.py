@@ -94,6 +94,7 @@ def _parameters(crc: Crc) -> Data:
 
 def _interface(device: Device, interface: Interface, shared: Pool) -> Data:
     by_frame = {reporting.codec.layout.name: reporting for reporting in reportings(device)}
+    registers = device.registers_over(interface.name)
     return without_empty(
         name=interface.name,
         title=interface.title,
@@ -101,9 +102,7 @@ def _interface(device: Device, interface: Interface, shared: Pool) -> Data:
         exact=[sender for sender in ("encoder", "master") if have_lengths(interface.layouts, sender)],
         frames=[shared.parts(frame(device, layout, by_frame.get(layout.name))) for layout in interface.layouts],
         told=[_dispatch(interface, dispatch) for dispatch in dispatches(interface.layouts)],
-        registers=[
-            shared.parts(register(device, memory_register)) for memory_register in device.registers_over(interface.name)
-        ],
+        registers=[shared.parts(register(device, memory_register)) for memory_register in registers],
     )
 
 

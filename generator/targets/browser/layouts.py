@@ -71,9 +71,7 @@ def register(device: Device, register: Register) -> Data:
         about=[BY_NAME.sentence(fact) for fact in about if fact.label != "Limits"],
         writable=register.writable,
         default=default.hex(" ").upper() if default is not None else "",
-        limits=[
-            _limits(register_meaning, limits_of(device, register, register_meaning)) for register_meaning in meanings
-        ],
+        limits=[_limits(case, limits_of(device, register, case)) for case in meanings],
         tells=[_alarm_report(field, alarm) for field, alarm in field_alarms if alarm is not None],
         strange=[*_strange(device, register)],
     )

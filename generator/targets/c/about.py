@@ -54,27 +54,20 @@ def _headed(name: str, items: Iterable[Said]) -> list[Paragraph]:
 
 def about_order_codes(device: Device) -> list[Paragraph]:
     unknown = unknown_parts(device)
-    unknown_values = [
-        statement
-        for part in device.order_code.parts
-        if part.name in unknown
-        for statement in order_code.open_values(part)
-    ]
-    about: list[Paragraph] = [
-        S.sentence(statement) for statement in order_code.order_code(device) if statement not in unknown_values
-    ]
-    return [*about, f"Only the listed values are known here for: {', '.join(unknown)}."] if unknown else about
+    unknown_parts_ = (part for part in device.order_code.parts if part.name in unknown)
+    unknown_values = [statement for part in unknown_parts_ for statement in order_code.open_values(part)]
+    statements = order_code.order_code(device)
+    about: list[Paragraph] = [S.sentence(statement) for statement in statements if statement not in unknown_values]
+    if unknown:
+        about.append(f"Only the listed values are known here for: {', '.join(unknown)}.")
+    return about
 
 
 def about_parameter(device: Device, prefix: str, stated_parameter: Parameter) -> str:
     update = f" {prefix}_take_{stated_parameter.register}() updates it." if stated_parameter.read_from else ""
     in_code = list(parameter.origin(device, stated_parameter)) if stated_parameter.equals is not None else ()
-    return (
-        S.paragraph(
-            statement for statement in parameter.parameter(device, stated_parameter) if statement not in in_code
-        )
-        + update
-    )
+    statements = parameter.parameter(device, stated_parameter)
+    return S.paragraph(statement for statement in statements if statement not in in_code) + update
 
 
 def about_alarm(device: Device, stated_alarm: Alarm) -> list[Paragraph]:
@@ -133,11 +126,8 @@ def about_layout(device: Device, interface: Interface, struct: Struct) -> list[P
     frame_layout = struct.layout
     elsewhere = list(layout.joins(frame_layout))  # Their members say it.
     errata = list(layout.errata_of(device, interface, frame_layout))
-    about = [
-        statement
-        for statement in layout.layout(device, interface, frame_layout)
-        if statement not in (*elsewhere, *errata)
-    ]
+    statements = layout.layout(device, interface, frame_layout)
+    about = [statement for statement in statements if statement not in (*elsewhere, *errata)]
     head = layout.head(interface, frame_layout, Code(frame_layout.name), device.alternatives)
     return [*map(S.sentence, (head, *about)), *table(struct), *map(S.sentence, errata)]
 
@@ -145,21 +135,16 @@ def about_layout(device: Device, interface: Interface, struct: Struct) -> list[P
 def about_member(struct: Struct, member: Field) -> str:
     """Return the facts of a field that its enumeration does not show."""
     choice = struct.enumeration(member)
-    about = [
-        statement for statement in field.field(struct.device, member) if choice is None or statement not in choice.said
-    ]
+    statements = field.field(struct.device, member)
+    about = [statement for statement in statements if choice is None or statement not in choice.said]
     ending = "No terminator." if isinstance(meaning_of(member), Characters) else ""
     return " ".join(filter(None, (S.paragraph(about) or f"{title(member)}.", ending)))
 
 
 def about_unused(struct: Struct) -> str:
     """Describe the member for all unused bits."""
-    fields = listed(
-        [
-            f"{bit_range(at + unused_field.widest - 1, at)} {unused_field.name}"
-            for unused_field, at in struct.layout.unused
-        ]
-    )
+    unused = struct.layout.unused
+    fields = listed([f"{bit_range(low + field.widest - 1, low)} {field.name}" for field, low in unused])
     return f"Unused bits, each 1 if it differs from the manual: {S.phrase(said(*fields))}."
 
 
@@ -178,10 +163,17 @@ def _holds(struct: Struct, stated_field: Field) -> str:
     return S.paragraph((said(counted(width, "bit")), *about))
 
 
+def _table_rows(struct: Struct) -> Iterator[tuple[str, str, str]]:
+    """Yield the place of each field, its name, and the facts that no member shows."""
+    for placed_field in struct.layout.fields:
+        if struct.plan.by_word or not placed_field.padding_of:
+            name = "-" if placed_field.fills_gap else placed_field.name
+            yield place(struct.layout, placed_field), name, _holds(struct, placed_field)
+
+
 def table(struct: Struct) -> Iterator[Paragraph]:
     """Yield one line for each field: its place, its name, and the facts that no member shows."""
-    fields = [item for item in struct.layout.fields if struct.plan.by_word or not item.padding_of]
-    rows = [(place(struct.layout, item), "-" if item.fills_gap else item.name, _holds(struct, item)) for item in fields]
+    rows = list(_table_rows(struct))
     # The text of a long place goes below it, so that it does not widen the column for the others.
     place_widths = (len(place_text) for place_text, _, _ in rows)
     place_width = max((width for width in place_widths if width <= _PLACE), default=0)

@@ -33,9 +33,8 @@ class StructCodec:
         self.about = tuple(about)
         self.decoder = Decoder(struct)
         self.encoder = Encoder(struct, outside)
-        self.asked = tuple(
-            question for question in struct.context.alternatives if question.item in self.plan.alternatives
-        )
+        questions = struct.context.alternatives
+        self.asked = tuple(question for question in questions if question.item in self.plan.alternatives)
         #: Whether a program that talks to an encoder decodes it, and encodes it. A simulator does the rest.
         self.decodes = struct.register is not None or struct.layout.sender == "encoder"
         self.encodes = struct.register is not None or not self.decodes

@@ -119,16 +119,15 @@ class Decoder:
             )
             return joined("||", (other_value, other_parity))
         # The other constants in it have been checked.
-        constant_bits = next(
-            (constant_byte for constant_byte in _constant_bytes(self.plan.checks) if constant_byte.byte == byte),
-            ByteIs(byte, 0, 0, ()),
-        )
-        mask = constant_bits.mask | sum(piece.mask << piece.right for piece, _ in pieces)
-        value = constant_bits.value | sum(
-            (number >> piece.left & piece.mask) << piece.right for piece, number in pieces
-        )
-        bits = Name(f"bytes[{byte}]")
-        return Operation("!=", (masked(bits, mask) if mask != 0xFF else bits, Number(value, hexadecimal=True)))
+        constants = (constant for constant in _constant_bytes(self.plan.checks) if constant.byte == byte)
+        constant_bits = next(constants, ByteIs(byte, 0, 0, ()))
+        mask, value = constant_bits.mask, constant_bits.value
+        for piece, number in pieces:
+            mask |= piece.mask << piece.right
+            value |= (number >> piece.left & piece.mask) << piece.right
+        whole_byte = Name(f"bytes[{byte}]")
+        bits = masked(whole_byte, mask) if mask != 0xFF else whole_byte
+        return Operation("!=", (bits, Number(value, hexadecimal=True)))
 
     def parity(self, fields: Sequence[Field], mask: int) -> Expr:
         return self.reader.parity([(self.local(field), field.widest) for field in fields], mask)

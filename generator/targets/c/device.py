@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence, Set
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import chain
 from typing import Protocol, TypeVar
 
-from ...model import Device, Document, Layout, Parameter, Ssi
+from ...model import Device, Document, Layout, Parameter, Procedure, Register, Ssi
 from ...model.record import dataclass
 from ...order_codes.narrowing import for_codes
 from ...plan.crcs import crc_functions
@@ -94,25 +94,26 @@ class DeviceView:
         # A register that selects banks comes first: the functions of the registers in its banks use its address.
         selecting = {device.bank_selector(register) for register in device.registers}
         registers = sorted(device.registers, key=lambda register: register.name not in selecting)
-        self.registers = [
-            _at(partial(RegisterCode, context, register), "registers", register.name) for register in registers
-        ]
+        self.registers = [self._register(register) for register in registers]
         register_codecs = (register.codec for register in self.registers if register.codec is not None)
         codecs = [*self.interface.codecs, *register_codecs]
         crcs = (crc_code(context, function, codecs) for function in crc_functions(device))
         self.crcs = [crc for crc in crcs if crc.is_called or crc.table]
-        codes = {register.register.name: register for register in self.registers}
-        held_by = held_parameters(device)
-        self.takers = [Taker(context, register, codes[register.register.name].access) for register in held_by]
+        codes = {code.register.name: code for code in self.registers}
+        self.takers = [Taker(context, group, codes[group.register.name].access) for group in held_parameters(device)]
         self.initial = initial(device)
         self.read_state = f"{self.prefix}_read_state" if state_registers(device) else ""
         self.identities = list(identity_codes(context, codes))
-        build_procedure = partial(ProcedureCode, context, codes, self.read_state)
-        self.procedures = [
-            _at(partial(build_procedure, procedure), "procedures", procedure.name) for procedure in device.procedures
-        ]
+        self.procedures = [self._procedure(procedure, codes) for procedure in device.procedures]
         self.alarms = [AlarmCode(context, alarm) for alarm in device.alarms]
         self.timings = [macro for timing in device.timings for macro in timing_macros(timing, self.PREFIX)]
+
+    def _register(self, register: Register) -> RegisterCode:
+        return _at(partial(RegisterCode, self.context, register), "registers", register.name)
+
+    def _procedure(self, procedure: Procedure, codes: Mapping[str, RegisterCode]) -> ProcedureCode:
+        build = partial(ProcedureCode, self.context, codes, self.read_state, procedure)
+        return _at(build, "procedures", procedure.name)
 
     @property
     def header(self) -> str:
@@ -123,22 +124,21 @@ class DeviceView:
     def parts(self) -> list[Part]:
         """The other headers. Each includes the first one, and what else it needs."""
         own, encoder, transport = self.header, "codewheel/encoder.h", "codewheel/transport.h"
-        texts = self.reports.all or self.alarms or self.timings
         labels = (f"{self.maker.name}/{self.stem}_labels.h",) if self.identities else ()
         registers = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else own
-        register_includes = (encoder, transport, own, *labels)
-        headers = (
-            ("labels", "find the order code that a label shows", True, (encoder, own)),
-            ("reports", "texts that describe reports, alarms and times", texts, (encoder, own)),
-            ("registers", "registers, and identification of encoders", self.registers, register_includes),
-            ("procedures", "procedures, step by step", self.procedures, (transport, registers)),
-            ("simulate", "the encoder's side, for simulators and tests", True, (own,)),
-        )
-        return [
-            Part(name=name, file=f"{self.stem}_{name}.h", about=about, includes=includes)
-            for name, about, is_needed, includes in headers
-            if is_needed
-        ]
+        parts = [self._part("labels", "find the order code that a label shows", encoder, own)]
+        if self.reports.all or self.alarms or self.timings:
+            parts.append(self._part("reports", "texts that describe reports, alarms and times", encoder, own))
+        if self.registers:
+            about = "registers, and identification of encoders"
+            parts.append(self._part("registers", about, encoder, transport, own, *labels))
+        if self.procedures:
+            parts.append(self._part("procedures", "procedures, step by step", transport, registers))
+        parts.append(self._part("simulate", "the encoder's side, for simulators and tests", own))
+        return parts
+
+    def _part(self, name: str, about: str, *includes: str) -> Part:
+        return Part(name=name, file=f"{self.stem}_{name}.h", about=about, includes=includes)
 
     @property
     def headers(self) -> list[str]:

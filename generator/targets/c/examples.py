@@ -205,12 +205,9 @@ class ExampleCode:
         """The request for the position that the frame answers over SPI, if there is one."""
         interface = self.interface
         spi_exchanges = interface.exchanges if isinstance(interface, Spi) else ()
-        matching = (
-            exchange
-            for exchange in spi_exchanges
-            if exchange.purpose == "position" and exchange.reply == self.frame.layout.name
-        )
-        exchange = next(matching, None)
+        position_exchanges = (exchange for exchange in spi_exchanges if exchange.purpose == "position")
+        answered = (exchange for exchange in position_exchanges if exchange.reply == self.frame.layout.name)
+        exchange = next(answered, None)
         if exchange is None:
             return None
         structs = (codec.struct for codec in self.view.interface.codecs)

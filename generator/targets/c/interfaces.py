@@ -117,12 +117,10 @@ class InterfaceCode:
         interface = self.interface
         if not isinstance(interface, Rs485):
             return ""
-        names = (
-            f"{self.upper}_CONTROL_{data_id.name}"
-            for data_id in interface.data_ids
-            if answer(interface, data_id.id) is reply
-        )
-        return next(names, "").upper()
+        for request in interface.data_ids:
+            if answer(interface, request.id) is reply:
+                return f"{self.upper}_CONTROL_{request.name}".upper()
+        return ""
 
     def asking(self, reply: Layout, values: Mapping[str, int] = MappingProxyType({})) -> Asking | None:
         """Return the request whose reply is a frame in bytes, with the given numbers in its fields, or None."""
@@ -162,19 +160,15 @@ class InterfaceCode:
     def _about(self) -> Iterator[Paragraph]:
         """Yield the comment on the interface, without the layouts, which have their own."""
         interface = self.interface
-        yield from (
-            S.sentence(statement)
-            for statement in said_of(self.device, interface)
-            if statement not in self._macro_statements
-        )
+        statements = said_of(self.device, interface)
+        yield from (S.sentence(statement) for statement in statements if statement not in self._macro_statements)
         if any(layout.sender == "master" and layout.data_fields for layout in interface.layouts):
             yield "Set all members of a request, because those that an initial value leaves out are 0."
         yield from self._receiving()
         path = f"interfaces.{interface.name}"
         layouts = [f"{path}.{layout.name}" for layout in interface.layouts]
-        groups = {
-            f"field_groups.{field.group}" for layout in interface.layouts for field in layout.fields if field.group
-        }
+        fields = (field for layout in interface.layouts for field in layout.fields)
+        groups = {f"field_groups.{field.group}" for field in fields if field.group}
         below = errata(self.device, *layouts)
         corrections = errata(self.device, path, *groups, without=layouts)
         yield from (S.sentence(erratum(correction)) for correction in corrections if correction not in below)
@@ -272,12 +266,9 @@ class InterfaceCode:
     def exchanged(self) -> str:
         """Macro of the request for the position over SPI, or an empty text."""
         exchanges = self.interface.exchanges if isinstance(self.interface, Spi) else ()
-        macros = (
-            f"{self.upper}_REQUEST_{exchange.request}".upper()
-            for exchange in exchanges
-            if exchange.purpose == "position"
-        )
-        return next(macros, "")
+        requests = (exchange.request for exchange in exchanges if exchange.purpose == "position")
+        request = next(requests, None)
+        return f"{self.upper}_REQUEST_{request}".upper() if request is not None else ""
 
     def _controls(self) -> Iterator[Macro]:
         if isinstance(self.interface, Rs485):

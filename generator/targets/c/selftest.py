@@ -156,18 +156,22 @@ class SelfTest:
             case CrcExample():
                 yield from self._crc(example)
             case ProcedureExample():
-                code = next(
-                    candidate for candidate in self.view.procedures if candidate.run.procedure.name == example.procedure
-                )
-                arguments = tuple(
-                    number(example.arguments[argument.given.argument.name]) for argument in code.arguments
-                )
-                writes = tuple(byte for write in example.writes for byte in self._written(write))
-                yield ProcedureCheck(code, self._variant(example.order_code), arguments, writes)
+                yield self._procedure(example)
             case MeasureExample():
                 yield from self._measure(example)
             case _:
                 assert_never(example)
+
+    def _procedure(self, example: ProcedureExample) -> ProcedureCheck:
+        codes = {code.run.procedure.name: code for code in self.view.procedures}
+        code = codes[example.procedure]
+        names = (argument.given.argument.name for argument in code.arguments)
+        return ProcedureCheck(
+            code=code,
+            variant=self._variant(example.order_code),
+            arguments=tuple(number(example.arguments[name]) for name in names),
+            writes=tuple(byte for write in example.writes for byte in self._written(write)),
+        )
 
     def _written(self, write: Write) -> Iterator[tuple[str, str]]:
         """Yield the bytes of a write, each with its address."""
@@ -327,7 +331,8 @@ def selftest_files(
 ) -> dict[str, str]:
     """Return the files of the self-test other than those of the families, by their path in the C folder."""
     files = {}
-    names = [maker.name for maker in manufacturers(view.device for view in views)]
+    makers = manufacturers(view.device for view in views)
+    names = [maker.name for maker in makers]
     values: AllTests = {"makers": {name: _tests_of(name, tests) for name in names}}
     for name, template in (("selftest.h", "selftest.h.jinja"), ("selftest.c", "selftest_all.c.jinja")):
         files[f"selftest/{name}"] = render(template, values)

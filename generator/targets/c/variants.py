@@ -32,17 +32,15 @@ class VariantCode:
         self.context, self.device = context, context.device
         self.parameters = self.device.set_parameters
         #: Without those that the functions of positions return.
-        self._named = [
-            parameter for parameter in self._in_order_of_use() if parameter.name not in also_measured(self.device)
-        ]
+        measured = also_measured(self.device)
+        self._named = [parameter for parameter in self._in_order_of_use() if parameter.name not in measured]
         self.derived: Sequence[Function] = [self._derived(parameter) for parameter in self._named]
         self.rows = [self._row(variant) for variant in self.device.variants]
         unknown = set(unknown_parts(self.device))
         left_open = [part for part in self.device.order_code.parts if part.open and part.name not in unknown]
-        unlisted = enumerate(part.name for part in left_open)
-        self.unlisted = [
-            Macro(self._unlisted(name), number(1 << bit, hexadecimal=True), name) for bit, name in unlisted
-        ]
+        masks = [number(1 << index, hexadecimal=True) for index, _ in enumerate(left_open)]
+        names = [part.name for part in left_open]
+        self.unlisted = [Macro(self._unlisted(name), mask, name) for name, mask in zip(names, masks, strict=True)]
         self.patterns = open_codes(self.device)
         self.about = about_order_codes(self.device)
 

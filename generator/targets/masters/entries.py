@@ -75,19 +75,15 @@ class Channel:
     def registers(self) -> list[tuple[str, list[Entry]]]:
         """The entries of each register, in the order of their first bits."""
         ordered = sorted(self.entries, key=lambda entry: (entry.register, entry.place.low_bit or 0))
-        return [
-            (name, list(register_entries))
-            for name, register_entries in groupby(ordered, key=lambda entry: entry.register)
-        ]
+        groups = groupby(ordered, key=lambda entry: entry.register)
+        return [(name, list(register_entries)) for name, register_entries in groups]
 
     @property
     def structures(self) -> list[tuple[str, list[Entry]]]:
         """The entries of each structure."""
         ordered = sorted(self.entries, key=lambda entry: entry.symbol[0])
-        return [
-            (name, list(structure_entries))
-            for name, structure_entries in groupby(ordered, key=lambda entry: entry.symbol[0])
-        ]
+        groups = groupby(ordered, key=lambda entry: entry.symbol[0])
+        return [(name, list(structure_entries)) for name, structure_entries in groups]
 
 
 @dataclass(frozen=True, slots=True)

@@ -95,10 +95,9 @@ def _origin(device: Device, sheet: Sheet, rule: Raw, master_device: str) -> Iter
     format_, manual = FILE_FORMATS[rule["format"]], device.manual
     yield f"From the spec of {device.title}, manual {manual.title}, revision {manual.revision}."
     used = {word for place in _places(sheet, master_device) for word in re.split(r"[;:]\s*", place.source)}
-    documents = "; ".join(
-        f"{document.key}: {document.title}" for document in sheet.master.documents if document.key in used
-    )
-    yield f"From the documents of the master: {documents}."
+    documents = (document for document in sheet.master.documents if document.key in used)
+    cited_documents = "; ".join(f"{document.key}: {document.title}" for document in documents)
+    yield f"From the documents of the master: {cited_documents}."
     read = f"Read by {format_.reader}, see docs/master-files.md." if format_.reader else "Not yet read by its tool."
     yield f"Not yet tested on hardware. {read} Form of the file: {cited(rule['source'])}."
 
@@ -127,9 +126,8 @@ def comment(paragraphs: Sequence[str], prefix: str) -> str:
         lines = (wrapped(note(paragraph), _WIDTH, "       ", "     ") for paragraph in paragraphs)
         return "\n".join(["<!--", *lines, "-->"])
     if prefix == "//":
-        paragraphs = [
-            paragraph.replace("\\", "/") for paragraph in paragraphs
-        ]  # at the end of a line it would continue it
+        # A backslash at the end of a line would continue it.
+        paragraphs = [paragraph.replace("\\", "/") for paragraph in paragraphs]
     return "\n".join(wrapped(paragraph, _WIDTH, f"{prefix}   ", f"{prefix} ") for paragraph in paragraphs)
 
 

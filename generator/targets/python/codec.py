@@ -240,7 +240,7 @@ class Coder:
     def decimals(self) -> list[Field]:
         """Fields of decimal digits whose name is not that of a run of digits."""
         decimals = (part.field for part in self.plan.parts if part.field.runs)
-        return [field for field in decimals if field.name not in {run.name for run in field.runs}]
+        return [field for field in decimals if not _has_run_of_its_name(field)]
 
     @property
     def is_strict(self) -> bool:
@@ -267,7 +267,8 @@ class Coder:
         measurement = self.context.device.measurement_of(self.layout_interface)
         name = measurement.of if measurement is not None else "position"
         numbers = {part.field.name for part in self.plan.parts if is_number(part.meaning)}
-        return self.names.attribute(name) if name in numbers.union(join.name for join in self.layout.joins) else ""
+        numbers.update(join.name for join in self.layout.joins)
+        return self.names.attribute(name) if name in numbers else ""
 
     @property
     def usable(self) -> str:
@@ -356,6 +357,10 @@ class Coder:
         reserved = {bits.field.name for bits in self.plan.reserved}
         without_data = [field for field in self.layout.fields if not field.carries_data and not field.padding_of]
         return [field for field in without_data if field.name not in reserved]
+
+
+def _has_run_of_its_name(field: Field) -> bool:
+    return any(run.name == field.name for run in field.runs)
 
 
 def _in_words(value: Expression | int | str | None) -> str:

@@ -120,7 +120,7 @@ class Decoder:
     def lookups(self) -> str:
         """XOR of the tables. The word is halved first, because operations on short numbers are faster."""
         shifts = [TABLE_BITS * place for place in range(self.tables - 1)]
-        shifted_high = [f"high >> {shift}" if shift else "high" for shift in shifts]
+        shifted_high = ["high", *(f"high >> {shift}" for shift in shifts[1:])]
         ones = mask((1 << TABLE_BITS) - 1)
         masked_high = [f"{shifted} & {ones}" for shifted in shifted_high[:-1]]
         indices = ["low", *masked_high, *shifted_high[-1:]][: self.tables]

@@ -90,10 +90,12 @@ def _only(allowed: Mapping[str, tuple[str, ...]]) -> Call | None:
 
 def tables(device: Device) -> list[Table]:
     """Return the tables at the end of a module."""
-    all_tables = (
-        Table(comment, name, kind, rows(kind, getattr(device, name.lower()))) for comment, name, kind in _TABLES
-    )
-    return [table for table in all_tables if table.rows or table.name in _ALWAYS]
+    tables_of_device = [_table(device, *table) for table in _TABLES]
+    return [table for table in tables_of_device if table.rows or table.name in _ALWAYS]
+
+
+def _table(device: Device, comment: str, name: str, kind: str) -> Table:
+    return Table(comment, name, kind, rows(kind, getattr(device, name.lower())))
 
 
 def reports(device: Device) -> list[Call]:

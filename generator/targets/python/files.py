@@ -101,14 +101,33 @@ def runtime_version() -> str:
 def _package(
     maker: Manufacturer, devices: tuple[Device, ...], library: Library, folders: Mapping[str, str]
 ) -> dict[str, str]:
-    package, folder = maker.python_package, folders[maker.name]
+    package = maker.python_package
+    biss = (BISS,) if has_biss(devices) else ()
+    values = _package_values(maker, devices, folders, biss)
+    user_templates = library.own_templates
+    files = {name: TEMPLATES.render(f"{name}.jinja", values, user_templates) for name in _PROJECT_FILES}
+    for name in _PACKAGE_FILES:
+        files[f"{package}/{name}.py"] = TEMPLATES.render(f"{name}.py.jinja", values, user_templates)
+    files["setup.py"] = (_PROJECT / "setup.py").read_text(encoding="utf-8")
+    files |= copied(_PROJECT / "package", package)
+    if not biss:
+        del files[f"{package}/{BISS}.py"]
+    for device in devices:
+        files |= library.part(_family, device, NO_OPTIONS)
+    return files
+
+
+def _package_values(
+    maker: Manufacturer, devices: tuple[Device, ...], folders: Mapping[str, str], biss: tuple[str, ...]
+) -> Package:
+    folder = folders[maker.name]
     # pip would take a path without a dot for the name of a package.
     prefix = "./" if folder == "python" else ""
+    other_folders = (other_folder for name, other_folder in folders.items() if name != maker.name)
     modules = [Module(device) for device in devices]
     module_overlays = [(module, overlay) for module in modules for overlay in module.device.overlays]
-    biss = (BISS,) if has_biss(devices) else ()
-    values: Package = {
-        "package": package,
+    return {
+        "package": maker.python_package,
         "distribution": maker.distribution,
         "title": plain(maker.title),
         "maker": maker,
@@ -122,24 +141,10 @@ def _package(
         "rs485": any(device.over(Rs485) for device in devices),
         "runtime": runtime_version(),
         "shared": relpath(_RUNTIME, folder),
-        "neighbours": [
-            f"{prefix}{relpath(other_folder, folder)}" for name, other_folder in folders.items() if name != maker.name
-        ],
+        "neighbours": [f"{prefix}{relpath(other_folder, folder)}" for other_folder in other_folders],
         "public": sorted([*(module.name for module in modules), *biss]),
         "identified": [module.name for module in modules if module.identities and not module.device.base],
     }
-    user_templates = library.own_templates
-    files = {name: TEMPLATES.render(f"{name}.jinja", values, user_templates) for name in _PROJECT_FILES}
-    files |= {
-        f"{package}/{name}.py": TEMPLATES.render(f"{name}.py.jinja", values, user_templates) for name in _PACKAGE_FILES
-    }
-    files["setup.py"] = (_PROJECT / "setup.py").read_text(encoding="utf-8")
-    files |= copied(_PROJECT / "package", package)
-    if not biss:
-        del files[f"{package}/{BISS}.py"]
-    for device in devices:
-        files |= library.part(_family, device, NO_OPTIONS)
-    return files
 
 
 def _family(device: Device, library: Library, options: Options) -> dict[str, str]:

@@ -248,12 +248,9 @@ class Readme:
         code = next((example.order_code for example in register_examples.values()), "")
         if code not in {variant.code for variant in self.device.variants}:
             return []
-        data_by_register = {
-            name: example.bytes for name, example in register_examples.items() if example.order_code == code
-        }
-        return [
-            Shown(code, ", ".join(f'"{name}": {_bytes(data)}' for name, data in data_by_register.items()), "", "True")
-        ]
+        same_encoder = (example for example in register_examples.values() if example.order_code == code)
+        contents = ", ".join(f'"{example.register}": {_bytes(example.bytes)}' for example in same_encoder)
+        return [Shown(code=code, text=contents, shown="", result="True")]
 
 
 def _is_number_of(coder: Coder, name: str) -> bool:

@@ -19,9 +19,8 @@ from ..runtime import our_runtime
 from .literals import Call, Hex, Literal, Member, is_empty
 
 #: Sources with classes of records and enumerations.
-_SOURCES = tuple(
-    our_runtime("python") / "codewheel_runtime" / name for name in ("facts.py", "order_codes.py", "reports.py")
-)
+_RUNTIME = our_runtime("python") / "codewheel_runtime"
+_SOURCES = (_RUNTIME / "facts.py", _RUNTIME / "order_codes.py", _RUNTIME / "reports.py")
 #: Records whose required members are printed without their names.
 _POSITIONAL = frozenset(
     "Contact Document Edition Family LedState LostFigure NamedValue PrintedTimeout RegisterMeaning Revision"
