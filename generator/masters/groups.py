@@ -68,10 +68,10 @@ def records_of(device: Device, interface: Interface) -> Iterator[Record]:
     """Yield the records of all listed order codes of an interface, once for each choice on which the frame depends."""
     for variant in device.variants_over(interface.name):
         with suppress(NoRecord):
-            yield from _by_answers(device, variant)
+            yield from _records_by_answers(device, variant)
 
 
-def _by_answers(device: Device, variant: Variant) -> Iterator[Record]:
+def _records_by_answers(device: Device, variant: Variant) -> Iterator[Record]:
     """Yield the record of an order code, once for each choice on which its frame depends."""
     try:
         yield record(device, variant)

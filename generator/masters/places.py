@@ -82,19 +82,19 @@ def places_of(
     """Return the places of a setting, one for each channel of each device."""
     named = any("{" in str(rule.get("symbol", "")) for rule in setting["places"])
     if named:
-        return _places_of(setting, value, devices, standing, filled)
+        return _uncached_places(setting, value, devices, standing, filled)
     key = (id(setting), value, standing)
-    cached_places = _KNOWN.get(key)
+    cached_places = _CACHED_PLACES.get(key)
     if cached_places is None or cached_places[0] is not setting:
-        cached_places = _KNOWN[key] = (setting, _places_of(setting, value, devices, standing, filled))
+        cached_places = _CACHED_PLACES[key] = (setting, _uncached_places(setting, value, devices, standing, filled))
     return cached_places[1]
 
 
 #: Places that are the same for all order codes with a value, with the item that they are for.
-_KNOWN: dict[tuple[int, int | bool | str | None, str], tuple[Raw, tuple[Place, ...]]] = {}
+_CACHED_PLACES: dict[tuple[int, int | bool | str | None, str], tuple[Raw, tuple[Place, ...]]] = {}
 
 
-def _places_of(
+def _uncached_places(
     setting: Raw,
     value: int | bool | str | None,
     devices: Sequence[Device],
@@ -234,7 +234,7 @@ def _words(group: Sequence[Place], in_hex: bool) -> PlaceWords:
         location=", ".join(map(_location_and_channel, group)),
         type=kind,
         unit=place.unit,
-        range=_range(place.minimum, place.maximum) if has_range else "",
+        range=_range_in_words(place.minimum, place.maximum) if has_range else "",
         default=default,
         is_default=place.is_default,
         mark=" *" if place.standing == "inferred" else "",
@@ -246,7 +246,7 @@ def _location_and_channel(place: Place) -> str:
     return f"{place.location} ({place.channel})" if place.channel else place.location
 
 
-def _range(lowest: int | None, highest: int | None) -> str:
+def _range_in_words(lowest: int | None, highest: int | None) -> str:
     if lowest is None:
         return f"at most {highest}"
     return f"at least {lowest}" if highest is None else f"{lowest} to {highest}"

@@ -146,7 +146,7 @@ def record(
     notes = (
         *_answer_notes(deciding, needed_answers),
         *_clock_notes(numbers, cables, cable_m),
-        *_notes(device, frame.measurement.of, frame.placed, parts, as_delivered),
+        *_frame_notes(device, frame.measurement.of, frame.placed, parts, as_delivered),
     )
     unlimited = _record(frame, parts, numbers, cables, notes, needed_answers)
     return unlimited if cable_m is None else _with_cable(unlimited, cable_m)
@@ -158,7 +158,7 @@ def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]
         only = f"there are masters for {Ssi.title} and {Biss.title} only"
         raise NoRecord(f"{variant.code} has the interface {interface.title}; {only}")
     measurement = device.measurement_of(variant.interface) or _WITHOUT_UNIT
-    placed = _frame(interface, measurement, decided(device, variant, answers))
+    placed = _frame_with_position(interface, measurement, decided(device, variant, answers))
     deciding = device.alternatives_of(placed.layout)
     missing = [alternative.name for alternative in deciding if alternative.name not in answers]
     if missing:
@@ -203,10 +203,15 @@ def _record(
 def _numbers(frame: _PositionFrame, parts: Sequence[Part]) -> dict[str, int | None]:
     """Return the numbers of a record, in their order there."""
     variant = frame.variant
-    crc = _crc(frame.device, frame.placed)
+    crc = _checked_crc(frame.device, frame.placed)
     widths = _widths(parts)
-    numbers = widths | _crc_numbers(crc) | _times(frame.interface, variant.code) | _supply(frame.device, variant)
-    numbers |= _measured(frame.measurement, variant, widths["multiturn_bits"] or 0)
+    numbers = (
+        widths
+        | _crc_numbers(crc)
+        | _clock_and_times(frame.interface, variant.code)
+        | _supply_voltage(frame.device, variant)
+    )
+    numbers |= _measurement_numbers(frame.measurement, variant, widths["multiturn_bits"] or 0)
     return {name: numbers[name] for name in NUMBERS}
 
 
@@ -253,7 +258,7 @@ def _with_cable(unlimited: Record, metres: int) -> Record:
     return replace(unlimited, numbers=numbers, cable_m=metres, cable_row=limiting_row)
 
 
-def _frame(interface: Interface, measurement: Measurement, variant: Variant) -> PlacedLayout:
+def _frame_with_position(interface: Interface, measurement: Measurement, variant: Variant) -> PlacedLayout:
     """Return the frame that carries the position. With several BiSS channels, this is the first."""
     layouts = sorted(interface.layouts, key=lambda layout: layout.channel or 0)
     for layout in layouts:
@@ -285,10 +290,10 @@ def _parts(placed: PlacedLayout, measurement: Measurement, variant: Variant) -> 
             stage = "status"  # Zero bits from here on are not next to the position.
         if role == "position":
             is_last, is_joined = field.name == of_position[-1], len(of_position) > 1
-            yield from _position(field, is_last, is_joined, measurement, variant)
+            yield from _position_parts(field, is_last, is_joined, measurement, variant)
         else:
             printed_role = "padding" if role in ("before", "after") else role
-            yield Part(field.name, printed_role, field.width, _active(field.field) if role == "status" else "")
+            yield Part(field.name, printed_role, field.width, _active_level(field.field) if role == "status" else "")
     if top:
         raise NoRecord(f"the last bits of '{layout.name}' have no meaning in the spec")
 
@@ -330,7 +335,7 @@ def _is_zero(field: PlacedField) -> bool:
     return isinstance(field.field.kind, (Constant, Unused)) and field.field.kind.value == 0
 
 
-def _position(
+def _position_parts(
     field: PlacedField, is_last: bool, is_joined: bool, measurement: Measurement, variant: Variant
 ) -> Iterator[Part]:
     """Yield turns and position within a turn: two fields, or one that holds both."""
@@ -347,13 +352,13 @@ def _position(
     yield Part(field.name, "singleturn", field.width - turn_bits)
 
 
-def _active(field: Field) -> str:
+def _active_level(field: Field) -> str:
     if not isinstance(field.kind, Flag):
         return ""
     return "low" if field.kind.active_low else "high"
 
 
-def _crc(device: Device, placed: PlacedLayout) -> Crc | None:
+def _checked_crc(device: Device, placed: PlacedLayout) -> Crc | None:
     crc = device.crc_of(placed.layout)
     if crc is None:
         return None
@@ -425,7 +430,7 @@ def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
     }
 
 
-def _times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
+def _clock_and_times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
     """Return clock and times of an order code. A time-out in clock periods is longest at the slowest clock."""
     timeout = interface.timeout if isinstance(interface, Biss) else None
     longest = None
@@ -445,13 +450,13 @@ def _times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
     }
 
 
-def _supply(device: Device, variant: Variant) -> dict[str, int | None]:
+def _supply_voltage(device: Device, variant: Variant) -> dict[str, int | None]:
     supply = device.supply_of(variant)
     lowest, highest = (supply.min_mv, supply.max_mv) if supply is not None else (None, None)
     return {"supply_min_mv": lowest, "supply_max_mv": highest}
 
 
-def _measured(measurement: Measurement, variant: Variant, multiturn_bits: int) -> dict[str, int | None]:
+def _measurement_numbers(measurement: Measurement, variant: Variant, multiturn_bits: int) -> dict[str, int | None]:
     counts, turns = measurement.counts_per_turn, measurement.turns
     turn_count = None
     if turns is not None:
@@ -461,8 +466,8 @@ def _measured(measurement: Measurement, variant: Variant, multiturn_bits: int) -
     return {
         "counts_per_turn": counts.value(variant.parameters) if counts is not None else None,
         "turns": turn_count,
-        "step_um": _whole(step, 1),
-        "step_pm": _whole(step, 1_000_000),
+        "step_um": _in_whole_units(step, 1),
+        "step_pm": _in_whole_units(step, 1_000_000),
     }
 
 
@@ -475,7 +480,7 @@ def _singleturn_codes(movement: str, singleturn_bits: int | None, counts_per_tur
     return "all" if counts_per_turn == 1 << singleturn_bits else "some"
 
 
-def _whole(step: Fraction | None, per_um: int) -> int | None:
+def _in_whole_units(step: Fraction | None, per_um: int) -> int | None:
     """Return a length in micrometres in another unit, or None if it is not a whole number of that unit."""
     return int(step * per_um) if step is not None and (step * per_um).denominator == 1 else None
 
@@ -495,13 +500,13 @@ def _clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m:
         )
 
 
-def _deciding(device: Device, name: str) -> str:
+def _register_in_words(device: Device, name: str) -> str:
     """Return a register in words. One that is only reached over another interface has no address here."""
     register = next((candidate for candidate in device.registers if candidate.name == name), None)
     return name if register is None else f"{register.printed_name or name} ({addresses(register)})"
 
 
-def _notes(
+def _frame_notes(
     device: Device, position_name: str, placed: PlacedLayout, parts: Sequence[Part], as_delivered: bool
 ) -> Iterator[str]:
     for dependence, names in (
@@ -510,7 +515,7 @@ def _notes(
     ):
         needed = device.needed_parameters(names)
         names_of = (parameter.register for parameter in device.run_time_parameters if parameter.name in needed)
-        deciding = ", ".join(dict.fromkeys(_deciding(device, name) for name in names_of))
+        deciding = ", ".join(dict.fromkeys(_register_in_words(device, name) for name in names_of))
         if deciding:
             values = (
                 f"their {initial(device)}. Other values need other settings" if as_delivered else "the given values"

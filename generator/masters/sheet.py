@@ -167,14 +167,14 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report
 def shipped_masters(cache: Cache | None = None) -> tuple[Master, ...]:
     """Return the shipped masters. They are read once, from the cache if they are in it."""
     if not _SHIPPED:
-        _SHIPPED.extend(_shipped(cache or Cache(None)))
+        _SHIPPED.extend(_load_shipped(cache or Cache(None)))
     return tuple(_SHIPPED)
 
 
 _SHIPPED: list[Master] = []
 
 
-def _shipped(cache: Cache) -> tuple[Master, ...]:
+def _load_shipped(cache: Cache) -> tuple[Master, ...]:
     content = content_of(sorted(packaged_masters().iterdir()))
     with suppress(KeyError, TypeError):  # There is no such entry, or it is damaged.
         return tuple(_from_data(row) for row in cache.get("masters", content))
@@ -227,7 +227,7 @@ def sheet(master: Master, record: Record) -> Sheet:
         only = listed(INTERFACES[name].title for name in master.takes)
         reason = f"This master is described for {only} only, but {record.code} has {INTERFACES[interface].title}."
         return Sheet(master, (Refusal(reason, master.standing, ""),), (), (), speaks=False)
-    broken_limits = (rule for rule in master.limits if _applies(rule, record) and not _keeps(rule, record))
+    broken_limits = (rule for rule in master.limits if _applies(rule, record) and not _is_within_limits(rule, record))
     refusals = [_limit_refusal(rule, master, record) for rule in broken_limits]
     refusals += _refusals_of_parts(master, record)
     settings: list[Setting] = []
@@ -248,14 +248,14 @@ def sheet(master: Master, record: Record) -> Sheet:
     if refusals:
         return Sheet(master, tuple(refusals), (), ())
     notes = tuple(_filled(note["text"], record) for note in master.notes if _applies(note, record))
-    rules = [_named(rule, record) for rule in master.writing if _applies(rule, record)]
+    rules = [_with_setting_names(rule, record) for rule in master.writing if _applies(rule, record)]
     writing = writing_of(rules, [setting.name for setting in settings], master.devices, master.standing)
     unusable = (f"Not for {listed(sorted(devices))}. {refusal.reason}" for refusal, devices in refused)
     return Sheet(master, (), tuple(settings), (*unusable, *notes), writing, barred=barred)
 
 
 def _limit_refusal(rule: Raw, master: Master, record: Record) -> Refusal:
-    reason = f"{rule['reason']} For this encoder: {_actual(rule['item'], record)}."
+    reason = f"{rule['reason']} For this encoder: {_actual_value(rule['item'], record)}."
     return Refusal(reason, rule.get("standing", master.standing), rule["source"])
 
 
@@ -271,7 +271,7 @@ def _refusals_of_parts(master: Master, record: Record) -> list[Refusal]:
     """Return a refusal if the frame has parts that the master's description does not mention."""
     pairs = zip(record.parts, _items_of_parts(record.parts), strict=True)
     uncommon_parts = {part.name: item_name for part, item_name in pairs if item_name}
-    mentioned = _mentioned((master.limits, master.settings)) if uncommon_parts else set[str]()
+    mentioned = _mentioned_items((master.limits, master.settings)) if uncommon_parts else set[str]()
     names = [f"'{name}'" for name, item_name in uncommon_parts.items() if item_name not in mentioned]
     if not names:
         return []
@@ -288,13 +288,13 @@ def _items_of_parts(parts: Sequence[Part]) -> Iterator[str]:
         yield {"other": f"other_bits_{side}", "parity": "parity_bits"}.get(part.role, "")
 
 
-def _mentioned(rule: Any) -> set[str]:
+def _mentioned_items(rule: Any) -> set[str]:
     """Return the items of a record on which rules depend."""
     if isinstance(rule, (list, tuple)):
-        return set[str]().union(*map(_mentioned, rule))
+        return set[str]().union(*map(_mentioned_items, rule))
     if not isinstance(rule, Mapping):
         return set()
-    names = _mentioned(tuple(rule.values())) | {str(rule[key]) for key in ("item", "of") if key in rule}
+    names = _mentioned_items(tuple(rule.values())) | {str(rule[key]) for key in ("item", "of") if key in rule}
     return names | set(Expression.parse(rule["value"]).parameters) if isinstance(rule.get("value"), str) else names
 
 
@@ -304,7 +304,7 @@ def _devices_of(rule: Raw, master: Master) -> set[str]:
     return {name for place in rule["places"] for name in place.get("on", names)}
 
 
-def _named(rule: Raw, record: Record) -> Raw:
+def _with_setting_names(rule: Raw, record: Record) -> Raw:
     """Return a condition for writing with the names of settings used on the sheet."""
     named = {key: _filled_names(rule[key], record) for key in ("of", "after") if key in rule}
     return {**rule, **named}
@@ -315,16 +315,16 @@ def _filled_names(names: Sequence[str], record: Record) -> list[str]:
 
 
 def _applies(rule: Raw, record: Record) -> bool:
-    return all(_holds(condition, record) for condition in rule.get("when", ()))
+    return all(_condition_holds(condition, record) for condition in rule.get("when", ()))
 
 
-def _holds(condition: Raw, record: Record) -> bool:
+def _condition_holds(condition: Raw, record: Record) -> bool:
     """Return whether a condition is known to hold."""
     is_known = condition["item"] in record.words or record.numbers[condition["item"]] is not None
-    return is_known and _keeps(condition, record)
+    return is_known and _is_within_limits(condition, record)
 
 
-def _keeps(limit: Raw, record: Record) -> bool:
+def _is_within_limits(limit: Raw, record: Record) -> bool:
     """Return whether an item is within its limits or unknown."""
     name = limit["item"]
     if name in record.words:
@@ -336,7 +336,7 @@ def _keeps(limit: Raw, record: Record) -> bool:
     return is_within and number in limit.get("one_of", (number,)) and number not in limit.get("none_of", ())
 
 
-def _actual(name: str, record: Record) -> str:
+def _actual_value(name: str, record: Record) -> str:
     if name in record.words:
         return f"{name.replace('_', ' ')} {record.words[name]}"
     number = record.numbers[name]
@@ -346,7 +346,7 @@ def _actual(name: str, record: Record) -> str:
 
 def _setting(rule: Raw, master: Master, record: Record) -> Setting:
     try:
-        value, text, bound = _value(rule, record)
+        value, text, bound = _value_of_setting(rule, record)
     except _Unknown as reason:
         value, text, bound = None, f"unknown: {reason}", ""
     notes = (rule.get("note", ""), _start_note(bound, record), _cable_note(rule, value, record))
@@ -374,35 +374,35 @@ def _cable_note(rule: Raw, value: int | bool | str | None, record: Record) -> st
     """Return the cables that allow the clock of a setting, or an empty string if the user gave a cable length."""
     if value is None or record.cable_m is not None or not {"clocks", "any_clock"} & rule.keys():
         return ""
-    chosen = _best_listed(rule, record)["hz"] if "clocks" in rule else _best_of_any(rule["any_clock"], record)
+    chosen = _best_listed_clock(rule, record)["hz"] if "clocks" in rule else _best_free_clock(rule["any_clock"], record)
     return record.cables.about(chosen)
 
 
-def _value(rule: Raw, record: Record) -> tuple[int | bool | str | None, str, str]:
+def _value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None, str, str]:
     """Return the value, its text, and its bound."""
     if "unknown" in rule:
         raise _Unknown(rule["unknown"])
     if "value" in rule:
-        number = _number(rule["value"], rule["name"], record)
+        number = _evaluated(rule["value"], rule["name"], record)
         if rule.get("as") == "boolean":
             return bool(number), "TRUE" if number else "FALSE", ""
         text = f"0x{number:02X}" if rule.get("as") == "hex" else str(number)
         return number, text, rule.get("bound", "")
     if "choice" in rule:
-        chosen = _chosen(rule, record)
+        chosen = _chosen_value(rule, record)
         return chosen, str(chosen), ""
     if "clocks" in rule:
         return _listed_clock(rule, record)
     if "any_clock" in rule:
-        return _any_clock(rule["any_clock"], record)
+        return _free_clock(rule["any_clock"], record)
     if "text" in rule:
-        text = _text(rule["text"], record)
+        text = _filled_if_known(rule["text"], record)
         return text, text, ""
-    text = "".join(_string(rule["string"], rule["name"], record))
+    text = "".join(_field_texts(rule["string"], rule["name"], record))
     return text, text, ""
 
 
-def _number(value: int | str, name: str, record: Record) -> int:
+def _evaluated(value: int | str, name: str, record: Record) -> int:
     expression = Expression.parse(value)
     for used in expression.parameters:
         if record.numbers[used] is None:
@@ -416,7 +416,7 @@ def _number(value: int | str, name: str, record: Record) -> int:
     return number
 
 
-def _chosen(rule: Raw, record: Record) -> int | str:
+def _chosen_value(rule: Raw, record: Record) -> int | str:
     name = rule["choice"]["of"]
     actual = record.words.get(name, record.numbers.get(name))
     if actual is None:
@@ -425,14 +425,14 @@ def _chosen(rule: Raw, record: Record) -> int | str:
         if case["is"] == actual:
             chosen: int | str = case["set"]
             return chosen
-    raise _Refused(f"{rule['name']} has no value for {_actual(name, record)}")
+    raise _Refused(f"{rule['name']} has no value for {_actual_value(name, record)}")
 
 
 def _has_limits(record: Record) -> bool:
     return record.numbers["clock_max_hz"] is not None
 
 
-def _bounds(record: Record) -> tuple[int, int]:
+def _clock_limits(record: Record) -> tuple[int, int]:
     slowest, fastest = record.numbers["clock_min_hz"], record.numbers["clock_max_hz"]
     if fastest is None:
         raise _not_in_manual("clock_max_hz")
@@ -440,18 +440,18 @@ def _bounds(record: Record) -> tuple[int, int]:
 
 
 def _listed_clock(rule: Raw, record: Record) -> tuple[int | str, str, str]:
-    best = _best_listed(rule, record)
+    best = _best_listed_clock(rule, record)
     frequency, value = hertz(best["hz"]), best["set"]
     text = frequency if str(value) == frequency else f"{value} ({frequency})"
     return value, text, "" if _has_limits(record) else _START
 
 
-def _best_listed(rule: Raw, record: Record) -> Raw:
+def _best_listed_clock(rule: Raw, record: Record) -> Raw:
     """Return the fastest of the master's clocks that the encoder supports, or that is in use if this is not known."""
     in_use = [clock for clock in rule["clocks"] if clock["hz"] in record.used_hz]
     if in_use:
         return _fastest_of(in_use)
-    slowest, fastest = _bounds(record)
+    slowest, fastest = _clock_limits(record)
     fitting = [clock for clock in rule["clocks"] if slowest <= clock["hz"] <= fastest]
     if not fitting:
         with_cable = f" with a cable of {record.cable_m} m" if record.cable_m is not None else ""
@@ -472,8 +472,8 @@ def _fastest(record: Record) -> str:
     return hertz(row.hz if row is not None else record.known["clock_max_hz"])
 
 
-def _any_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
-    best, unit = _best_of_any(clock, record), clock["unit"]
+def _free_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
+    best, unit = _best_free_clock(clock, record), clock["unit"]
     bound = "at_most" if _has_limits(record) else _START
     row = record.cable_row
     if row is not None and row.is_below and best == row.highest_hz:
@@ -485,13 +485,13 @@ def _any_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
     return (int(number) if number.isdigit() else number), text, bound
 
 
-def _best_of_any(clock: Raw, record: Record) -> int:
+def _best_free_clock(clock: Raw, record: Record) -> int:
     """Return the fastest clock that the encoder and the master support, for a master with freely selectable clocks."""
     lowest, highest = clock.get("at_least_hz", 0), clock.get("at_most_hz", math.inf)
     in_use = [hz for hz in record.used_hz if lowest <= hz <= highest]
     if in_use:
         return max(in_use)
-    slowest, fastest = _bounds(record)
+    slowest, fastest = _clock_limits(record)
     best = min(fastest, int(clock.get("at_most_hz", fastest)))
     if best < max(slowest, lowest):
         supported = f"at most {hertz(highest)}" if highest < slowest else f"at least {hertz(lowest)}"
@@ -501,7 +501,7 @@ def _best_of_any(clock: Raw, record: Record) -> int:
     return best
 
 
-def _text(text: str, record: Record) -> str:
+def _filled_if_known(text: str, record: Record) -> str:
     """Return the text with the items in braces filled in, all of which must be known."""
     for name in NUMBERS:
         if f"{{{name}}}" in text and record.numbers[name] is None and not (name == "step_um" and record.step):
@@ -518,19 +518,19 @@ def _filled(text: str, record: Record) -> str:
     return text
 
 
-def _string(rule: Raw, name: str, record: Record) -> Iterator[str]:
+def _field_texts(rule: Raw, name: str, record: Record) -> Iterator[str]:
     """Yield the text of each field of the frame, according to its kind."""
     texts: dict[str, str] = {}
     for field in rule["fields"]:
         if _applies(field, record):
             texts.setdefault(field["of"], field["text"])
-    yield _text(rule.get("start", ""), record)
+    yield _filled_if_known(rule.get("start", ""), record)
     parts = _with_whole_position(record) if "position" in texts else record.parts
     for part in parts if rule["first"] == "sent_first" else reversed(parts):
         kind = f"status_active_{part.active or 'low'}" if part.role == "status" else part.role
         if kind not in texts:
             raise _Refused(f"{name} cannot express '{part.name}'")
-        yield _text(texts[kind].replace("{bits}", str(part.bits)).replace("{name}", part.name), record)
+        yield _filled_if_known(texts[kind].replace("{bits}", str(part.bits)).replace("{name}", part.name), record)
 
 
 def _with_whole_position(record: Record) -> tuple[Part, ...]:

@@ -87,7 +87,7 @@ def _writing(
         takes_effect=effect,
         standing=rule.get("standing", standing),
         source=rule["source"],
-        text=_sentence(settings, needs, after, then, effect),
+        text=_condition_text(settings, needs, after, then, effect),
     )
 
 
@@ -119,7 +119,7 @@ def _order(names: tuple[str, ...], rules: tuple[tuple[tuple[str, ...], tuple[str
     return tuple(order)
 
 
-def _sentence(
+def _condition_text(
     settings: tuple[str, ...],
     needs: tuple[Write, ...],
     after: tuple[str, ...],
@@ -136,10 +136,11 @@ def _sentence(
         values = listed(f"{write.title} to {write.text}" for write in then)
         return f"After writing {listed(settings) or 'all settings'}, set {values}."
     assert effect is not None
-    return f"{listed(settings) or 'All settings'} {'takes' if len(settings) == 1 else 'take'} effect {_when(effect)}."
+    verb = "takes" if len(settings) == 1 else "take"
+    return f"{listed(settings) or 'All settings'} {verb} effect {_when_effective(effect)}."
 
 
-def _when(effect: Effect) -> str:
+def _when_effective(effect: Effect) -> str:
     if effect.in_state:
         return f"only in the {effect.in_state} state"
     if effect.restart_of:

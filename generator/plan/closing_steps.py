@@ -20,7 +20,7 @@ def closing_steps(device: Device, steps: Sequence[Step]) -> frozenset[int]:
     for index, step in enumerate(steps):
         if not isinstance(step, WriteStep | ModifyStep) or step.value is None:
             continue
-        opened_here = [register for register in openers if _is_place(step, register)]
+        opened_here = [register for register in openers if _writes_opening_place(step, register)]
         if any(step.value == _opening_number(device, register) for register in opened_here):
             opened.add(step.register)
         elif opened_here and step.register in opened:
@@ -29,7 +29,7 @@ def closing_steps(device: Device, steps: Sequence[Step]) -> frozenset[int]:
     return frozenset(closing)
 
 
-def _is_place(step: WriteStep | ModifyStep, opened: Register) -> bool:
+def _writes_opening_place(step: WriteStep | ModifyStep, opened: Register) -> bool:
     """Return whether the step writes to the place that opens the register."""
     if step.register != opened.opened_by:
         return False

@@ -386,14 +386,14 @@ def codec_of(device: Device, layout: Layout) -> Codec:
         wholes=tuple(_wholes(layout, by_word)),
         alternatives=device.alternatives_of(layout),
         reserved=tuple(_reserved(layout)),
-        checks=(*_constants(layout, by_word), *_ranges(layout), *_positions(device, layout)),
+        checks=(*_constants(layout, by_word), *_ranges(layout), *_position_checks(device, layout)),
         terms=tuple(_terms(layout)),
     )
 
 
 def _reserved(layout: Layout) -> Iterator[Reserved]:
     for field, place in layout.unused:
-        yield Reserved(field, bits_of(layout, field), _unused(field), place)
+        yield Reserved(field, bits_of(layout, field), _unused_value(field), place)
 
 
 def fixed_selector(layout: Layout) -> Field | None:
@@ -488,7 +488,7 @@ def _constants(layout: Layout, by_word: bool) -> Iterator[Check]:
                     of=fields,
                     of_bits=of_bits,
                     odd=odd,
-                    mask=_mask(kind, fields),
+                    mask=_parity_mask(kind, fields),
                     known=_known_parity(layout, fields, kind),
                 )
 
@@ -504,7 +504,7 @@ def _ranges(layout: Layout) -> Iterator[Check]:
             yield AtMost(field, bits, first.divisor * first.modulus - 1, field.runs)
 
 
-def _positions(device: Device, layout: Layout) -> Iterator[Check]:
+def _position_checks(device: Device, layout: Layout) -> Iterator[Check]:
     position = device.range_in(layout)
     if position is not None and position.field.number.signed:
         yield IsBetween(position.field, bits_of(layout, position.field), position.lowest, position.highest)
@@ -527,7 +527,7 @@ def _known_parity(layout: Layout, fields: tuple[Field, ...], kind: Parity) -> in
     return parity(value & kind.mask, kind.odd) if value is not None else None
 
 
-def _mask(kind: Parity, fields: tuple[Field, ...]) -> int:
+def _parity_mask(kind: Parity, fields: tuple[Field, ...]) -> int:
     """Return the mask of the bits that count, no wider than the fields, or 0 if all of them count."""
     if not kind.over:
         return 0
@@ -539,7 +539,7 @@ def parity(number: int, odd: bool) -> int:
     return (number.bit_count() & 1) ^ odd
 
 
-def _unused(field: Field) -> int:
+def _unused_value(field: Field) -> int:
     return field.kind.value if isinstance(field.kind, Unused) else 0
 
 
@@ -552,7 +552,7 @@ def _terms(layout: Layout) -> Iterator[Term]:
                 continue
             case Parity(of=names, odd=odd) as kind:
                 fields = tuple(map(layout.field, names))
-                bit, mask = _known_parity(layout, fields, kind), _mask(kind, fields)
+                bit, mask = _known_parity(layout, fields, kind), _parity_mask(kind, fields)
                 value: Fixed | Given | ParityOf | Turned = ParityOf(fields, odd, mask) if bit is None else Fixed(bit)
             case Unused(number):
                 value = Turned(number, places[field.name])

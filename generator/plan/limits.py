@@ -44,7 +44,7 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
     signed = join is None and any(field.number.signed for field in fields)
     width = sum((field.width for field in fields), Expression(0)) if fields else layout.bits
     parameter_sets = [variant.parameters for variant in device.variants_over(register.interface)]
-    ranges = [(parameters, *_fitting(width, signed, parameters)) for parameters in parameter_sets]
+    ranges = [(parameters, *_representable_range(width, signed, parameters)) for parameters in parameter_sets]
     # A limit that rules out no value with the factory defaults may do so with other register values.
     run_time_names = {parameter.name for parameter in device.run_time_parameters}
     binds_low = low is not None and (
@@ -84,7 +84,7 @@ def limited_member(register: Register) -> str:
     return layout.fields[0].name if len(layout.fields) == 1 else ""
 
 
-def _fitting(width: Expression, signed: bool, parameters: Mapping[str, int]) -> tuple[int, int]:
+def _representable_range(width: Expression, signed: bool, parameters: Mapping[str, int]) -> tuple[int, int]:
     """Return the lowest and highest number of this width."""
     bits = width.value(parameters)
     return (-(1 << (bits - 1)), (1 << (bits - 1)) - 1) if signed else (0, (1 << bits) - 1)

@@ -68,9 +68,9 @@ def position_ranges(device: Device, interface: Interface) -> tuple[PositionRange
     groups: dict[Hashable, PositionRange] = {}
     for layout in layouts:
         layout_range = _position_range(measurement, layout)
-        shared_range = groups.setdefault(_numbers_of(layout_range), layout_range)
+        shared_range = groups.setdefault(_range_key(layout_range), layout_range)
         if shared_range is not layout_range:
-            groups[_numbers_of(layout_range)] = replace(shared_range, layouts=(*shared_range.layouts, layout))
+            groups[_range_key(layout_range)] = replace(shared_range, layouts=(*shared_range.layouts, layout))
     return tuple(groups.values()) or (PositionRange(measurement, False, None, tuple(sent_layouts)),)
 
 
@@ -81,7 +81,7 @@ def _position_range(measurement: Measurement, layout: Layout) -> PositionRange:
     return PositionRange(measurement.within(own_range), never_wraps, fields[0] if fields else None, (layout,))
 
 
-def _numbers_of(position_range: PositionRange) -> Hashable:
+def _range_key(position_range: PositionRange) -> Hashable:
     """Return what determines the range, without sources. The width of a signed position matters without a highest."""
     measurement, field = position_range.measurement, position_range.signed_field
     width = field.width if field is not None and measurement.highest is None else None
@@ -94,10 +94,10 @@ def also_measured(device: Device) -> frozenset[str]:
     These quantities are the counts per revolution and the number of counts after which a position wraps around.
     """
     derived = [parameter for parameter in device.parameters if parameter.equals is not None]
-    return frozenset(parameter.name for parameter in derived if _is_measured(device, parameter))
+    return frozenset(parameter.name for parameter in derived if _equals_quantity(device, parameter))
 
 
-def _is_measured(device: Device, parameter: Parameter) -> bool:
+def _equals_quantity(device: Device, parameter: Parameter) -> bool:
     equal_quantities: list[set[str]] = []
     for variant in device.variants:
         if parameter.interface not in ("", variant.interface):

@@ -40,7 +40,7 @@ def received(device: Device, interface: Interface) -> Iterator[Received]:
     A frame whose length depends on a question that the manual leaves open is yielded once for each answer.
     """
     register_parameters = {parameter.name for parameter in device.set_parameters if parameter.register}
-    around = _around(interface)
+    around = _bits_around(interface)
     for layout in interface.layouts:
         needed = device.needed_parameters(layout.bits.parameters)
         if layout.sender != "encoder" or around is None:
@@ -53,7 +53,7 @@ def received(device: Device, interface: Interface) -> Iterator[Received]:
             yield Received(variant=variant, layout=layout, bits=bits, bytes=size, held=moves, answers=answers)
 
 
-def _around(interface: Interface) -> int | None:
+def _bits_around(interface: Interface) -> int | None:
     """Return the number of bits around a frame, or None if a peripheral receives bytes or words by itself."""
     match interface:
         case Ssi():

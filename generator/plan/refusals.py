@@ -174,7 +174,7 @@ def _of_field(layout: Layout, field: Field) -> Iterator[Refusal]:
         case _ if values:
             yield NotOneOf(field, values)
         case Number() as number:
-            yield _of_number(field, number)
+            yield _number_refusal(field, number)
             if number.power_of_two:
                 yield NoPowerOfTwo(field)
         case Choice():
@@ -188,7 +188,7 @@ def _of_field(layout: Layout, field: Field) -> Iterator[Refusal]:
             assert_never(field.kind)
 
 
-def _of_number(field: Field, number: Number) -> Refusal:
+def _number_refusal(field: Field, number: Number) -> Refusal:
     if number.signed:
         return NotSigned(field)
     return NotZeroFor(field, number.zero_means) if number.zero_means else TooWide(field, field.width)

@@ -59,10 +59,10 @@ def exchanges(interface: Interface) -> tuple[Exchanged, ...]:
     """Return the requests of an interface with their replies. T-format requests have data IDs instead."""
     spec_exchanges = interface.exchanges if isinstance(interface, (Rs485, Spi)) else ()
     layouts = {layout.name: layout for layout in interface.layouts}
-    return tuple(_exchanged(spec, layouts[spec.request], layouts.get(spec.reply)) for spec in spec_exchanges)
+    return tuple(_with_reply(spec, layouts[spec.request], layouts.get(spec.reply)) for spec in spec_exchanges)
 
 
-def _exchanged(exchange: Exchange, request: Layout, reply: Layout | None) -> Exchanged:
+def _with_reply(exchange: Exchange, request: Layout, reply: Layout | None) -> Exchanged:
     first = _first_byte(request)
     repeats = reply is not None and first is not None and first == _first_byte(reply)
     return Exchanged(exchange, request, reply, repeats)

@@ -59,7 +59,7 @@ def _held(register: Register, parameter: Parameter) -> Held:
             high=None,
             most=max(row.value for row in parameter.by_code),
         )
-    meaning, lowest, highest = _meaning(field), 0, (1 << field.widest) - 1
+    meaning, lowest, highest = _unsigned_meaning(field), 0, (1 << field.widest) - 1
     if isinstance(meaning, ZeroMeans):
         lowest, highest = 1, max(highest, meaning.number)
     low = parameter.min if parameter.min is not None and parameter.min > lowest else None
@@ -75,7 +75,7 @@ def _held(register: Register, parameter: Parameter) -> Held:
     )
 
 
-def _meaning(field: Field) -> Raw | ZeroMeans:
+def _unsigned_meaning(field: Field) -> Raw | ZeroMeans:
     match meaning_of(field):
         case ZeroMeans() as meaning:
             return meaning

@@ -229,14 +229,16 @@ class Run:
 
 def run_of(device: Device, procedure: Procedure) -> Run:
     closing = closing_steps(device, procedure.steps)
-    steps = (_operation(device, procedure, step) for step in procedure.steps)
+    steps = (_operation_of_step(device, procedure, step) for step in procedure.steps)
     marked = [_with_closing_mark(operation, index in closing) for index, operation in enumerate(steps)]
-    operations = tuple(_with_verification(_taught(device, marked)))
+    operations = tuple(_with_verification(_with_taught_parameters(device, marked)))
     writes = [operation for operation in operations if isinstance(operation, Writes)]
     return Run(
         procedure=procedure,
         operations=operations,
-        arguments=tuple(_given(device, argument, _writes_of(argument, writes)) for argument in procedure.arguments),
+        arguments=tuple(
+            _checked_argument(device, argument, _writes_of(argument, writes)) for argument in procedure.arguments
+        ),
         changes_frames=any(_changes_frames(device, write) for write in writes),
     )
 
@@ -246,7 +248,7 @@ def _with_closing_mark(operation: Operation, closes: bool) -> Operation:
 
 
 def _writes_of(argument: Argument, writes: Sequence[Writes]) -> tuple[Writes, ...]:
-    return tuple(write for write in writes if _argument(write.value) is argument)
+    return tuple(write for write in writes if _argument_in(write.value) is argument)
 
 
 def _changes_frames(device: Device, write: Writes) -> bool:
@@ -255,7 +257,7 @@ def _changes_frames(device: Device, write: Writes) -> bool:
     return any(write.field is None or parameter.field == write.field.name for parameter in in_register)
 
 
-def _taught(device: Device, operations: Sequence[Operation]) -> Iterator[Operation]:
+def _with_taught_parameters(device: Device, operations: Sequence[Operation]) -> Iterator[Operation]:
     """Yield the operations, with the written parameters on which later limits depend."""
     for index, operation in enumerate(operations):
         if isinstance(operation, Writes) and operation.field is None and not isinstance(operation.value, Stated):
@@ -284,20 +286,20 @@ def _with_verification(operations: Iterable[Operation]) -> Iterator[Operation]:
     written: list[Verifies] = []
     for operation in operations:
         if isinstance(operation, Writes) and (
-            _acts(operation) or any(_same_place(operation, before.write) for before in written)
+            _makes_writes_effective(operation) or any(_writes_same_place(operation, before.write) for before in written)
         ):
             yield from written
             written.clear()
         yield operation
         if isinstance(operation, Writes) and _can_be_read_back(operation):
-            written.append(Verifies(operation, tuple(_stored(operation))))
+            written.append(Verifies(operation, tuple(_meaningful_pieces(operation))))
 
 
-def _acts(write: Writes) -> bool:
+def _makes_writes_effective(write: Writes) -> bool:
     return write.closes or not write.register.readable
 
 
-def _same_place(write: Writes, earlier_write: Writes) -> bool:
+def _writes_same_place(write: Writes, earlier_write: Writes) -> bool:
     whole = write.field is None or earlier_write.field is None
     return write.register is earlier_write.register and (whole or write.field is earlier_write.field)
 
@@ -309,7 +311,7 @@ def _can_be_read_back(write: Writes) -> bool:
     return write.register.readable and not write.register.clears_itself and not write.closes and is_fixed
 
 
-def _stored(write: Writes) -> Iterator[Piece]:
+def _meaningful_pieces(write: Writes) -> Iterator[Piece]:
     """Yield the bytes with the written bits that have a meaning. Reserved bits can have any value when read."""
     for piece in write.pieces:
         mask = piece.mask & ~(_unused_bits(write.register, piece.byte) >> piece.right)
@@ -324,7 +326,7 @@ def _unused_bits(register: Register, byte: int) -> int:
     return register.bytes_of(number)[byte]
 
 
-def _operation(device: Device, procedure: Procedure, step: Step) -> Operation:
+def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Operation:
     match step:
         case WaitStep():
             return Waits(step)
@@ -341,12 +343,18 @@ def _operation(device: Device, procedure: Procedure, step: Step) -> Operation:
         case ModifyStep():
             register = device.register(step.register)
             field = register.layout.field(step.field)
-            argument = _named(procedure, step)
+            argument = _argument_of_step(procedure, step)
             value = InField(argument, field) if argument is not None else Stated(step.value or 0)
             return Writes(step, register, field, pieces_of(register, field), value)
         case WriteStep():
             register = device.register(step.register)
-            return Writes(step, register, None, pieces_of(register), _source(register, step, _named(procedure, step)))
+            return Writes(
+                step,
+                register,
+                None,
+                pieces_of(register),
+                _written_value(register, step, _argument_of_step(procedure, step)),
+            )
         case _:
             assert_never(step)
 
@@ -367,20 +375,20 @@ def pieces_of(register: Register, field: Field | None = None) -> tuple[Piece, ..
     return tuple(Piece(byte, 0, 0xFF, 8 * place) for byte, place in enumerate(places))
 
 
-def _named(procedure: Procedure, step: WriteStep | ModifyStep) -> Argument | None:
+def _argument_of_step(procedure: Procedure, step: WriteStep | ModifyStep) -> Argument | None:
     if step.value is not None:
         return None
     return next(candidate for candidate in procedure.arguments if candidate.name == step.value_name)
 
 
-def _source(register: Register, step: WriteStep, argument: Argument | None) -> Source:
+def _written_value(register: Register, step: WriteStep, argument: Argument | None) -> Source:
     if argument is None:
         return Stated(step.value or 0)
     member = limited_member(register)
     return AsMember(argument, member) if member else AsNumber(argument)
 
 
-def _argument(value: Source) -> Argument | None:
+def _argument_in(value: Source) -> Argument | None:
     match value:
         case Stated():
             return None
@@ -390,22 +398,22 @@ def _argument(value: Source) -> Argument | None:
             assert_never(value)
 
 
-def _given(device: Device, argument: Argument, writes: tuple[Writes, ...]) -> Given:
+def _checked_argument(device: Device, argument: Argument, writes: tuple[Writes, ...]) -> Given:
     refusals: list[ArgumentRefusal] = []
     for write in writes:
         # An argument that is written to the same register twice is checked only once.
-        refusals += [refusal for refusal in _refusals(device, write, argument) if refusal not in refusals]
+        refusals += [refusal for refusal in _argument_refusals(device, write, argument) if refusal not in refusals]
     return Given(argument, writes, tuple(refusals))
 
 
-def _refusals(device: Device, write: Writes, argument: Argument) -> Iterator[ArgumentRefusal]:
+def _argument_refusals(device: Device, write: Writes, argument: Argument) -> Iterator[ArgumentRefusal]:
     match write.value:
         case AsMember():
             # The limits of the register are checked when the member is encoded.
             if argument.meant_as:
-                yield from _beyond(device, write.register, argument)
+                yield from _limit_refusals(device, write.register, argument)
         case AsNumber():
-            yield from _beyond(device, write.register, argument)
+            yield from _limit_refusals(device, write.register, argument)
             if codec_of(device, write.register.layout).checks:
                 yield Undecodable(write.register)
         case InField(field=field):
@@ -422,13 +430,13 @@ def field_refusals(
     """Yield the reasons to reject an argument for one field of a register. If a meaning is given, its limits apply."""
     yield TooWide(field, field.width)
     if argument.meant_as or limited_member(register) == field.name:
-        yield from _beyond(device, register, argument)
+        yield from _limit_refusals(device, register, argument)
     values = allowed_values(register.layout, field)
     if values:
         yield NotOneOf(field, values)
 
 
-def _beyond(device: Device, register: Register, argument: Argument) -> Iterator[Beyond]:
+def _limit_refusals(device: Device, register: Register, argument: Argument) -> Iterator[Beyond]:
     meaning = next((candidate for candidate in register.meanings if candidate.name == argument.meant_as), None)
     limits = limits_of(device, register, meaning)
     if limits.low is not None or limits.high is not None:

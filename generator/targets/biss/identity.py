@@ -95,7 +95,7 @@ def _holds_identity(register: Register) -> bool:
 def _register_bits(register: Register) -> Iterator[IdBits]:
     below = 8 * (LAST - register.last_address)
     for field in register.layout.fields:
-        number = _fixed(register.layout, field)
+        number = _fixed_value(register.layout, field)
         if number is None or not field.low.is_constant or not field.width.is_constant:
             continue
         low = below + field.low.constant
@@ -112,7 +112,7 @@ def _register_bits(register: Register) -> Iterator[IdBits]:
         )
 
 
-def _fixed(layout: Layout, field: Field) -> int | None:
+def _fixed_value(layout: Layout, field: Field) -> int | None:
     """Return the value that the field has in every device of the family, or None if there is no such value."""
     only = only_value(layout, field)
     if only is not None:
@@ -147,7 +147,7 @@ def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
             shape = tuple((field.name, field.width) for field in placed_layout.fields)
             placed.setdefault(shape, (placed_layout, []))[1].append(variant.code)
         names = tuple(answer.name for answer in answers)
-        lengths += (_length(placed_layout, tuple(codes), names) for placed_layout, codes in placed.values())
+        lengths += (_data_length(placed_layout, tuple(codes), names) for placed_layout, codes in placed.values())
     return tuple(sorted(lengths, key=lambda length: (length.data_bits, length.codes)))
 
 
@@ -168,7 +168,7 @@ def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
     codes_by_id: dict[int, list[str]] = {}
     for variant in variants:
         placed = register.layout.place(variant.parameters)
-        number = sum(_stated(register.layout, field.field, variant) << field.low for field in placed.fields)
+        number = sum(_stated_value(register.layout, field.field, variant) << field.low for field in placed.fields)
         codes_by_id.setdefault(number, []).append(variant.code)
     return {number: tuple(codes) for number, codes in codes_by_id.items()}
 
@@ -177,7 +177,7 @@ def _is_stated(layout: Layout, field: Field) -> bool:
     return only_value(layout, field) is not None or isinstance(field.equals, (int, Expression))
 
 
-def _stated(layout: Layout, field: Field, variant: Variant) -> int:
+def _stated_value(layout: Layout, field: Field, variant: Variant) -> int:
     if isinstance(field.equals, Expression):
         return field.equals.value(variant.parameters)
     if isinstance(field.equals, int):
@@ -185,7 +185,7 @@ def _stated(layout: Layout, field: Field, variant: Variant) -> int:
     return only_value(layout, field) or 0
 
 
-def _length(placed: PlacedLayout, codes: tuple[str, ...], answers: tuple[str, ...]) -> DataLength:
+def _data_length(placed: PlacedLayout, codes: tuple[str, ...], answers: tuple[str, ...]) -> DataLength:
     crc_field = placed.layout.crc_field
     status_names = [field.name for field in placed.layout.status_fields]
     data_fields = [field for field in placed.fields if field.field is not crc_field and field.name not in status_names]

@@ -98,7 +98,7 @@ def _interface(device: Device, interface: Interface, shared: Pool) -> Data:
     return without_empty(
         name=interface.name,
         title=interface.title,
-        measure=_measure(device, interface),
+        measure=_position_unit(device, interface),
         exact=[sender for sender in ("encoder", "master") if have_lengths(interface.layouts, sender)],
         frames=[shared.parts(frame(device, layout, by_frame.get(layout.name))) for layout in interface.layouts],
         told=[_dispatch(interface, dispatch) for dispatch in dispatches(interface.layouts)],
@@ -106,7 +106,7 @@ def _interface(device: Device, interface: Interface, shared: Pool) -> Data:
     )
 
 
-def _measure(device: Device, interface: Interface) -> Data:
+def _position_unit(device: Device, interface: Interface) -> Data:
     """Return the unit of the position. If the position is not sent as a whole, ``part`` contains the angle."""
     measurement = device.measurement_of(interface.name)
     if measurement is None:

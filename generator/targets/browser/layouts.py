@@ -73,7 +73,7 @@ def register(device: Device, register: Register) -> Data:
         default=default.hex(" ").upper() if default is not None else "",
         limits=[_limits(case, limits_of(device, register, case)) for case in meanings],
         tells=[_alarm_report(field, alarm) for field, alarm in field_alarms if alarm is not None],
-        strange=[*_strange(device, register)],
+        strange=[*_edition_tests(device, register)],
     )
 
 
@@ -98,17 +98,17 @@ def _layout(device: Device, codec: Codec, description: Description) -> Data:
         name=codec.layout.name,
         **{name: described(getattr(description, name)) for name in parts},
         fields=[*_fields(codec, description)],
-        checks=[described(check) | _message(codec.layout, op) for check, op in checks],
+        checks=[described(check) | _message_of_check(codec.layout, op) for check, op in checks],
         # A byte that the bits sent do not fill begins with these zeros.
         fill=(codec.layout.bits - codec.layout.sent_bits).constant,
         crc=crc.crc.name if crc is not None else "",
         crc_of=[crc.low, crc.covered.constant] if crc is not None and crc.is_part else [],
         asks=[alternative.name for alternative in codec.alternatives],
-        held=_held(device, codec.layout, codec),
+        held=_parameters_in_registers(device, codec.layout, codec),
     )
 
 
-def _held(device: Device, layout: Layout, codec: Codec) -> list[str]:
+def _parameters_in_registers(device: Device, layout: Layout, codec: Codec) -> list[str]:
     """Return those parameters of the layout that registers hold."""
     places = (place for field in layout.fields for place in (field.low, field.width))
     names = {name for expression in (layout.bits, *places) for name in expression.parameters}
@@ -127,20 +127,23 @@ def _fields(codec: Codec, description: Description) -> Iterator[Data]:
             on=on,
             off=off,
             only=only.parameter if only is not None else "",
-            values=[_cut(number(value.value), value.name, value.meaning) for value in field.values],
-            runs=[_cut(run.name, number(run.divisor), number(run.modulus), run.meaning) for run in field.runs],
+            values=[_without_empty_end(number(value.value), value.name, value.meaning) for value in field.values],
+            runs=[
+                _without_empty_end(run.name, number(run.divisor), number(run.modulus), run.meaning)
+                for run in field.runs
+            ],
             unit=field.unit,
-            equals=_stated(field),
+            equals=_documented_value(field),
         )
         yield described(column) | texts | _sent(terms.get(field.name))
 
 
-def _cut(*row: Any) -> list[Any]:
+def _without_empty_end(*row: Any) -> list[Any]:
     """Return a row without the empty values at its end."""
     return list(row if row[-1] else row[:-1])
 
 
-def _stated(field: Field) -> Any:
+def _documented_value(field: Field) -> Any:
     """Return the documented value of a field, either as a string or as a list that holds a number or an expression."""
     value = field.equals
     if value is None or isinstance(value, str):
@@ -162,7 +165,7 @@ def _sent(value: object) -> Data:
     return {}
 
 
-def _message(layout: Layout, check: Check) -> Data:
+def _message_of_check(layout: Layout, check: Check) -> Data:
     """Return the message of a check that fails: ``says`` selects it. The other members fill it in."""
     name, says, highest_digit, always = check.field.name, "", 0, False
     match check:
@@ -200,7 +203,7 @@ def _limits(register_meaning: RegisterMeaning | None, limits: Limits) -> Data:
     }
 
 
-def _strange(device: Device, register: Register) -> Iterator[list[Any]]:
+def _edition_tests(device: Device, register: Register) -> Iterator[list[Any]]:
     """Yield digits whose values show that an older edition applies: the digits, their bounds, and the message."""
     for revision, test in tests_of(device, register.name):
         before = edition_before(device, revision)

@@ -43,7 +43,7 @@ def assumptions_files(
         values: Assumptions = {
             "maker": maker,
             "frames": list(_frames(devices)),
-            "silent": list(_silent(devices)),
+            "silent": list(_without_verdict(devices)),
             "unprotected": list(_unprotected(devices)),
             "interfaces": frozenset(interface.name for interface in interfaces),
             "later": any(isinstance(interface, Spi) and interface.reply == "next_word" for interface in interfaces),
@@ -59,7 +59,7 @@ def _frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
             crc = device.crc_of(layout)
             if crc is None:
                 continue
-            name = _name(device, interface.title, layout)
+            name = _frame_name(device, interface.title, layout)
             for bits in sorted(_lengths(device, interface.name, layout)):
                 names = names_by_crc.setdefault((crc.width, crc.poly, bits), (crc, []))[1]
                 if name not in names:
@@ -78,12 +78,12 @@ def _lengths(device: Device, interface: str, layout: Layout) -> set[int]:
     }
 
 
-def _silent(devices: tuple[Device, ...]) -> Iterator[str]:
+def _without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
     for device in devices:
         for reporting in reportings(device):
             judgement = reporting.judgement
             if judgement is not None and judgement.otherwise is Verdict.UNKNOWN and not judgement.worst_first:
-                yield _name(device, reporting.interface.title, reporting.codec.layout)
+                yield _frame_name(device, reporting.interface.title, reporting.codec.layout)
 
 
 def _unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
@@ -91,7 +91,7 @@ def _unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
         for interface, layout in device.layouts():
             has_position = device.tells_position(interface.name, layout)
             if isinstance(interface, Ssi) and has_position and device.crc_of(layout) is None:
-                yield _name(device, interface.title, layout)
+                yield _frame_name(device, interface.title, layout)
 
 
 def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
@@ -99,8 +99,8 @@ def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
         for interface, layout in device.layouts():
             is_alone = layout.has_parity and device.crc_of(layout) is None
             if is_alone and device.tells_position(interface.name, layout):
-                yield _name(device, interface.title, layout)
+                yield _frame_name(device, interface.title, layout)
 
 
-def _name(device: Device, interface: str, layout: Layout) -> str:
+def _frame_name(device: Device, interface: str, layout: Layout) -> str:
     return f"{device.name.upper()} {interface}: {words(layout.name)}"

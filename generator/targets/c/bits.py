@@ -18,13 +18,13 @@ def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
     bits = sum(piece.mask.bit_length() for piece in pieces)
     kind, work = unsigned(bits), "uint64_t" if bits > 32 else "uint32_t"
     if len(pieces) == 1:
-        part = _part(pieces[0])
+        part = _bits_of_piece(pieces[0])
         return kind, part if isinstance(part, Name) else Cast("uint8_t", part)
-    parts = joined("|", tuple(left(Cast(work, _part(piece)), piece.left) for piece in pieces))
+    parts = joined("|", tuple(left(Cast(work, _bits_of_piece(piece)), piece.left) for piece in pieces))
     return kind, parts if kind == work else Cast(kind, parts)
 
 
-def _part(piece: Piece) -> Expr:
+def _bits_of_piece(piece: Piece) -> Expr:
     """Return the bits of a byte that belong to a field, shifted to bit 0."""
     part = right(Name(f"bytes[{piece.byte}]"), piece.right)
     reaches_top = piece.right + piece.mask.bit_length() == 8

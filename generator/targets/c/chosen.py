@@ -46,7 +46,7 @@ class NoFrame(Exception):
 
 def chosen_variant(device: Device, interface: Interface) -> Variant:
     """Return the order code of an interface with the most examples that are used as printed."""
-    examples = (example for example in device.examples if _is_here(device, interface, example))
+    examples = (example for example in device.examples if _is_over_interface(device, interface, example))
     # An example without an order code holds for every one.
     counted = Counter(getattr(example, "order_code", "") for example in examples if not example.erratum)
     variants = device.variants_over(interface.name) or device.variants
@@ -54,7 +54,7 @@ def chosen_variant(device: Device, interface: Interface) -> Variant:
     return max(variants, key=lambda variant: (counted[variant.code], sum(variant.parameters.values())))
 
 
-def _is_here(device: Device, interface: Interface, example: Example) -> bool:
+def _is_over_interface(device: Device, interface: Interface, example: Example) -> bool:
     """Return True if the manual shows it for an order code with this interface."""
     if example_variant(device, example).interface != interface.name:
         return False
@@ -84,7 +84,7 @@ class Chosen:
         self.device, self.interface = device, interface
         self.measurement = device.measurement_of(interface.name)
         self.variant = chosen_variant(device, interface)
-        examples = (example for example in device.examples if _is_here(device, interface, example))
+        examples = (example for example in device.examples if _is_over_interface(device, interface, example))
         self.examples = [example for example in examples if example_variant(device, example).code == self.variant.code]
         self.frame = self._frame()
 
@@ -106,10 +106,10 @@ class Chosen:
         ending = [(procedure, example) for procedure, example in worked if not _polls(procedure)]
         if ending:
             return max(ending, key=lambda candidate: len(candidate[1].writes))
-        clearing = next(self._clearing(), None)
+        clearing = next(self._clearing_procedures(), None)
         return (clearing, None) if clearing is not None else None
 
-    def _clearing(self) -> Iterator[Procedure]:
+    def _clearing_procedures(self) -> Iterator[Procedure]:
         for alarm in self.device.alarms:
             for procedure in map(self.device.procedure, alarm.cleared_by):
                 sends = any(isinstance(step, SendStep) for step in procedure.steps)
@@ -125,7 +125,7 @@ class Chosen:
         """
         worked = [example for example in self.examples if isinstance(example, FrameExample)]
         if not worked:
-            return self._made_up()
+            return self._made_up_frame()
         first = min(
             worked, key=lambda example: (bool(example.erratum), any(source.document for source in example.source))
         )
@@ -133,7 +133,7 @@ class Chosen:
         wire = int(first.bits, 2) if first.bits else number_from_bytes(layout, first.bytes)
         return Frame(layout, wire, f"a worked example [{cite(first.source)}]", first.values)
 
-    def _made_up(self) -> Frame:
+    def _made_up_frame(self) -> Frame:
         layouts = [layout for layout in self.interface.layouts if layout.sender == "encoder"]
         # Prefer one that needs no choice by the user. Order codes have the first answer of each alternative.
         layouts.sort(key=lambda layout: (not self.has_position(layout), bool(self.device.alternatives_of(layout))))

@@ -17,11 +17,11 @@ _NARROWEST = 36
 Paragraph = str | tuple[str, str]
 
 #: Signs that comments spell in their own way.
-_OWN = {"±": "+/-", "°": " deg ", "Ω": "ohm"}
+_ASCII_SPELLINGS = {"±": "+/-", "°": " deg ", "Ω": "ohm"}
 
 
 def ascii_text(text: object) -> str:
-    return re.sub(" +", " ", in_ascii(plain(text).replace("N°", "No."), _OWN)).strip()
+    return re.sub(" +", " ", in_ascii(plain(text).replace("N°", "No."), _ASCII_SPELLINGS)).strip()
 
 
 def in_comment(text: object) -> str:
@@ -29,10 +29,10 @@ def in_comment(text: object) -> str:
     safe = ascii_text(text).replace("\\", "|")
     while "??" in safe:
         safe = safe.replace("??", "? ?")
-    return _apart(safe)
+    return _separate_comment_marks(safe)
 
 
-def _apart(text: str) -> str:
+def _separate_comment_marks(text: str) -> str:
     """Put a space between every adjacent star and slash."""
     return re.sub(r"\*(?=/)|/(?=\*)", lambda match: match[0] + " ", text)
 
@@ -52,12 +52,12 @@ def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
             lines.append("")
         if len(lead) > COLUMNS - indent - _NARROWEST:
             # The lead is too long: the text goes below.
-            lines.append(_apart(lead.rstrip()))
+            lines.append(_separate_comment_marks(lead.rstrip()))
             lead = "        "
         width = COLUMNS - indent - 3 - len(lead)
         wrapped = textwrap.wrap(in_comment(text), width, break_long_words=False, break_on_hyphens=False) or [""]
-        lines.append(_apart(lead + wrapped[0]))
-        lines += (_apart(" " * len(lead) + line) for line in wrapped[1:])
+        lines.append(_separate_comment_marks(lead + wrapped[0]))
+        lines += (_separate_comment_marks(" " * len(lead) + line) for line in wrapped[1:])
     if len(lines) == 1 and len(lines[0]) + indent + 6 <= COLUMNS:
         return f"{margin}/* {lines[0]} */"
     body = "\n".join(f"{margin} * {line}".rstrip() for line in lines)

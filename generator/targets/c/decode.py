@@ -142,13 +142,13 @@ class Decoder:
         for op in self._members:
             yield op
             if isinstance(op, FlagsIn) and op.byte in waiting:
-                yield from self._gathered(waiting, op.byte, Name("flags"))
+                yield from self._gather_unused(waiting, op.byte, Name("flags"))
         for byte in tuple(waiting):
-            yield from self._gathered(waiting, byte, Name(f"bytes[{byte}]"))
+            yield from self._gather_unused(waiting, byte, Name(f"bytes[{byte}]"))
         if unused and (self.plan.by_word or unused.single):
             yield UnusedAre(unused.gathered)
 
-    def _gathered(self, waiting: dict[int, Moved], byte: int, bits: Expr) -> Iterator[UnusedIn | UnusedAre]:
+    def _gather_unused(self, waiting: dict[int, Moved], byte: int, bits: Expr) -> Iterator[UnusedIn | UnusedAre]:
         """Yield the unused bits of a byte, and after the last such byte the whole member."""
         unused, moved = self.struct.unused, waiting.pop(byte)
         if len(unused.moved) > 1:
@@ -175,7 +175,7 @@ class Decoder:
         type_ = self.struct.type_of(part.field)
         match part.meaning:
             case Raw() | Named():
-                yield name, self._as(type_, part)
+                yield name, self._bits_as(type_, part)
             case TwosComplement():
                 width = self.struct.scope.of(part.field.width)
                 yield name, Cast(type_, Call("cw_signed", (bits, width)))
@@ -185,7 +185,7 @@ class Decoder:
                 bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits
                 yield name, Name(Operation("==" if low else "!=", (bit, Number(0))).operand)
             case DigitRuns(runs):
-                yield name, self._as(type_, part)
+                yield name, self._bits_as(type_, part)
                 for run in runs:
                     digit = digits(bits, part.field, run)
                     yield c_name(run.name), Cast(unsigned((run.modulus - 1).bit_length()), digit)
@@ -195,7 +195,7 @@ class Decoder:
             case never:
                 assert_never(never)
 
-    def _as(self, type_: str, part: Part) -> Expr:
+    def _bits_as(self, type_: str, part: Part) -> Expr:
         """Return the bits of a part, with a cast if the member has another type."""
         bits = self.local(part.field)
         return bits if self.raw(part.field)[0] == type_ else Cast(type_, bits)

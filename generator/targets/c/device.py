@@ -86,7 +86,9 @@ class DeviceView:
         self.maker, self.prefix, self.PREFIX, self.stem = context.maker, context.prefix, context.PREFIX, context.stem
         self.reports, self.alternatives = context.reports, context.alternatives
         self.variants = VariantCode(context)
-        self.interface = _at(partial(InterfaceCode, context, context.interface), "interfaces", context.interface.name)
+        self.interface = _with_path(
+            partial(InterfaceCode, context, context.interface), "interfaces", context.interface.name
+        )
         #: The order code in all samples.
         self.row = self.variants.rows[device.variants.index(chosen_variant(device, context.interface))]
         self.lengths = LengthCode(context, context.interface, self.variants.rows, self.row)
@@ -109,11 +111,11 @@ class DeviceView:
         self.timings = [macro for timing in device.timings for macro in timing_macros(timing, self.PREFIX)]
 
     def _register(self, register: Register) -> RegisterCode:
-        return _at(partial(RegisterCode, self.context, register), "registers", register.name)
+        return _with_path(partial(RegisterCode, self.context, register), "registers", register.name)
 
     def _procedure(self, procedure: Procedure, codes: Mapping[str, RegisterCode]) -> ProcedureCode:
         build = partial(ProcedureCode, self.context, codes, self.read_state, procedure)
-        return _at(build, "procedures", procedure.name)
+        return _with_path(build, "procedures", procedure.name)
 
     @property
     def header(self) -> str:
@@ -300,7 +302,7 @@ def _with_known_register(parameter: Parameter, known_registers: Set[str]) -> Par
     return parameter if parameter.register in known_registers else replace(parameter, read_from="")
 
 
-def _at(build: Callable[[], _Built], *path: str) -> _Built:
+def _with_path(build: Callable[[], _Built], *path: str) -> _Built:
     """Return the result of ``build``. An error from it names this part of the spec."""
     try:
         return build()

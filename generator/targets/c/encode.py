@@ -32,7 +32,7 @@ class Encoder:
         self.struct = struct
         self.plan = struct.plan
         self.reader = struct.reader
-        self.refusals = tuple(op for op in (*_powers_first(refusals(self.plan)), *limits) if not _cannot_be(op))
+        self.refusals = tuple(op for op in (*_powers_first(refusals(self.plan)), *limits) if not _never_applies(op))
         self._parities = frozenset(op.field.name for op in self.plan.checks if isinstance(op, ParityIs))
         self._padded = frozenset(op.field.name for op in self.plan.checks if isinstance(op, ZerosAbove))
         self._reserved = frozenset(op.field.name for op in self.plan.reserved)
@@ -48,19 +48,19 @@ class Encoder:
         return Cast("uint32_t", self.given(field)) if self.struct.enumeration(field) else self.given(field)
 
     def joined(self, whole: Whole) -> Expr:
-        return self.reader.joined(whole, self._bits_given)
+        return self.reader.joined(whole, self._bits_of_member)
 
     def total(self, field: Field) -> Expr:
         """Return the number that a field's runs of digits form."""
         work = unsigned(max(field.widest, 32))
         runs = ((Name(f"in->{c_name(run.name)}"), run.divisor) for run in field.runs)
-        return joined("+", tuple(_times(work, run, divisor) for run, divisor in runs))
+        return joined("+", tuple(_multiplied(work, run, divisor) for run, divisor in runs))
 
     # -- the word
 
     @property
     def word(self) -> tuple[Expr, ...]:
-        terms = (op for op in self.plan.terms if not isinstance(op.value, Turned) and not self._is_nothing(op))
+        terms = (op for op in self.plan.terms if not isinstance(op.value, Turned) and not self._is_always_zero(op))
         return (*map(self._term, terms), *self.struct.unused.in_word)
 
     def _term(self, op: Term) -> Expr:
@@ -74,22 +74,22 @@ class Encoder:
             case Fixed(number):
                 return Number(number, hexadecimal=op.field.name not in self._parities)
             case ParityOf(of, odd, mask):
-                parts = [(self._bits_given(field), field.widest) for field in of]
+                parts = [(self._bits_of_member(field), field.widest) for field in of]
                 if len(parts) == 1 and parts[0][1] <= 32:
                     parts = [(Cast("uint32_t", parts[0][0]), parts[0][1])]
                 ones = self.reader.parity(parts, mask)
                 return Operation("^", (ones, Number(1))) if odd else ones
             case Given(field):
-                return self._bits_given(field)
+                return self._bits_of_member(field)
             case Turned():
                 return self.struct.unused.given(op.field)
 
-    def _is_nothing(self, op: Term) -> bool:
+    def _is_always_zero(self, op: Term) -> bool:
         """Return True if none of its bits is ever set."""
         is_derived = op.field.name in self.plan.constants or op.field.name in self._parities
         return is_derived and op.value == Fixed(0)
 
-    def _bits_given(self, field: Field) -> Expr:
+    def _bits_of_member(self, field: Field) -> Expr:
         if field.name in self._reserved:
             return self.struct.unused.given(field)
         name = self.given(field)
@@ -171,15 +171,18 @@ class Encoder:
                 # Copies of the sign must not reach the zeros above the field.
                 bits = self._value(op) if field.name in self._padded else Cast("uint64_t", name)
                 for piece in field.pieces:
-                    yield piece.byte, self._put(field, piece, bits, may_be_wider=True)
+                    yield piece.byte, self._placed_piece(field, piece, bits, may_be_wider=True)
             case Raw() | ZeroMeans() | Named() | DigitRuns():
                 for piece in field.pieces:
                     if piece.left < size_of(widest_value(field)):
-                        yield piece.byte, self._put(field, piece, self._value(op), may_be_wider=len(field.pieces) > 1)
+                        yield (
+                            piece.byte,
+                            self._placed_piece(field, piece, self._value(op), may_be_wider=len(field.pieces) > 1),
+                        )
             case never:
                 assert_never(never)
 
-    def _put(self, field: Field, piece: Piece, bits: Expr, may_be_wider: bool) -> Expr:
+    def _placed_piece(self, field: Field, piece: Piece, bits: Expr, may_be_wider: bool) -> Expr:
         """Return one piece of the bits of a field, shifted to its place in its byte."""
         value = right(bits, piece.left)
         if may_be_wider and piece.mask != 0xFF:
@@ -197,7 +200,7 @@ def _as_byte(value: Expr) -> Expr:
     return Cast("uint8_t", value.value if isinstance(value, Cast) and isinstance(value.value, Name) else value)
 
 
-def _times(type_: str, run: Expr, divisor: int) -> Expr:
+def _multiplied(type_: str, run: Expr, divisor: int) -> Expr:
     return Operation("*", (Cast(type_, run), Number(divisor))) if divisor > 1 else run
 
 
@@ -209,6 +212,6 @@ def _powers_first(ops: Iterable[Refusal]) -> list[Refusal]:
     return ordered
 
 
-def _cannot_be(op: Refusal) -> bool:
+def _never_applies(op: Refusal) -> bool:
     """Return True if no value of the member's type would be refused."""
     return isinstance(op, TooWide) and op.width.is_constant and size_of(op.field.widest) == op.field.widest

@@ -45,7 +45,7 @@ from .variants import CodeRow
 #: Names of the program and the README that a register must not take: the function show_frame, and variables.
 _TAKEN = frozenset(("bus", "encoder", "failure", "frame", "result"))
 #: Maximum number of characters of explanation after a number.
-_FEW = 40
+_LONGEST_EXPLANATION = 40
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +130,7 @@ class ExampleCode:
         self.name = view.stem
         self.row: CodeRow = view.variants.rows[view.device.variants.index(chosen.variant)]
         self.frame: Frame = chosen.frame
-        self.run = self._run()
+        self.run = self._shown_run()
         self.reads = [self._read(register) for register, _ in chosen.registers.values()]
         self.memory = list(self._memory())
 
@@ -314,7 +314,7 @@ class ExampleCode:
     def _steps(self) -> tuple[object, ...]:
         return self.run.code.run.procedure.steps if self.run is not None else ()
 
-    def _run(self) -> ShownRun | None:
+    def _shown_run(self) -> ShownRun | None:
         if self._chosen.procedure is None:
             return None
         procedure, example = self._chosen.procedure
@@ -355,7 +355,7 @@ class ExampleCode:
             case TwosComplement():
                 yield Printed(part.field.name, "%lld", f"(long long){member}")
             case Named(values):
-                yield replace(self.number(part.field.name, variable), known=_known(values))
+                yield replace(self.number(part.field.name, variable), known=_value_meanings(values))
             case DigitRuns(runs):
                 names = (part.field.name, *(run.name for run in runs))
                 yield from (self.number(name, variable) for name in names)
@@ -375,10 +375,10 @@ def _has_only_answers(frame: Received, answers: Sequence[Answer]) -> bool:
     return all(answer in answers for answer in frame.answers)
 
 
-def _known(values: Iterable[Value]) -> str:
+def _value_meanings(values: Iterable[Value]) -> str:
     """Return the meanings of the values, if there are only a few."""
     text = ", ".join(f"{value.value} {ascii_text(title(value))}" for value in values)
-    return text if len(text) <= _FEW else ""
+    return text if len(text) <= _LONGEST_EXPLANATION else ""
 
 
 def example_codes(view: DeviceView) -> Iterator[ExampleCode]:

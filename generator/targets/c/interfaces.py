@@ -134,15 +134,15 @@ class InterfaceCode:
         size = (exchanged.request.widest + reply.widest) // 8
         parameters = next(variant.parameters for variant in self.device.variants_over(self.interface.name))
         initial = codec.struct.initial(parameters, values)
-        answered = set(_members(reply))
-        names = [name for name in _members(exchanged.request) if name in answered]
+        answered = set(_member_names(reply))
+        names = [name for name in _member_names(exchanged.request) if name in answered]
         # C does not compare texts by !=.
         repeated = tuple(c_name(name) for name in names if codec.struct.member_type(name) != "char")
         line_us = -(-1_000_000 * size * bits // port.baud)
         return Asking(
             codec=codec,
             initial=initial,
-            take=_take(exchanged),
+            take=_take_function(exchanged),
             late_us=ANSWER_US + line_us,
             repeated=repeated,
         )
@@ -178,7 +178,7 @@ class InterfaceCode:
         byte_exchanges = [item for item in exchanges(self.interface) if item.reply is not None and item.reply.in_bytes]
         requests: dict[str, list[str]] = {}
         for exchanged in byte_exchanges:
-            requests.setdefault(_take(exchanged), []).append(exchanged.request.name)
+            requests.setdefault(_take_function(exchanged), []).append(exchanged.request.name)
         if requests:
             takes = ", or ".join(f"{name} ({', '.join(names)})" for name, names in requests.items())
             yield (
@@ -286,12 +286,12 @@ class InterfaceCode:
         return first if isinstance(self.interface, Rs485) else "requests, for codewheel/spi.h"
 
 
-def _take(exchanged: Exchanged) -> str:
+def _take_function(exchanged: Exchanged) -> str:
     """Return the function that receives a reply."""
     return "cw_rs485_take" if exchanged.repeats_first else "cw_rs485_take_any"
 
 
-def _members(layout: Layout) -> Iterator[str]:
+def _member_names(layout: Layout) -> Iterator[str]:
     """Yield the names of the fields with data and of the joins."""
     yield from (field.name for field in layout.data_fields)
     yield from (join.name for join in layout.joins)

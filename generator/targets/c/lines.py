@@ -109,10 +109,10 @@ def _lines(line: str, goes_on: bool) -> Iterator[str]:
         yield f"{head}("
         yield from _lines(f"    {arguments}", goes_on=True)
     else:
-        yield from _broken(code.lstrip(), margin, margin + " " * (0 if goes_on else 4))
+        yield from _broken_line(code.lstrip(), margin, margin + " " * (0 if goes_on else 4))
 
 
-def _broken(line: str, margin: str, hang: str) -> Sequence[str]:
+def _broken_line(line: str, margin: str, hang: str) -> Sequence[str]:
     """Break a line after an assignment or a question mark if that is enough, else between conditions or anywhere."""
     without_strings = _STRING.sub(lambda text: "x" * len(text[0]), line)
     first, mark, _ = without_strings.partition(" ? ")

@@ -31,7 +31,7 @@ _CLASSES = {
 }
 _FITS = {"#": "[0-9]", "@": "[A-Z]", "%": "[A-Z0-9]", "~": "[0-9]?"}
 #: An open part with more patterns than this is omitted.
-_MOST = 16
+_MOST_PATTERNS = 16
 #: Largest number of combinations of listed values and patterns, over all spellings of the labels.
 _MOST_COMBINATIONS = 100_000
 
@@ -70,23 +70,23 @@ def written_out(expression: str) -> tuple[str, ...]:
             match = _ATOM.match(alternative, at)
             if match is None:
                 return ()
-            atoms.append(_repeated(match, match.end() == len(alternative)))
+            atoms.append(_repetitions(match, match.end() == len(alternative)))
             at = match.end()
         if not all(atoms):
             return ()
         patterns += map("".join, itertools.product(*atoms))
-        if len(patterns) > _MOST:
+        if len(patterns) > _MOST_PATTERNS:
             return ()
     return tuple(sorted(patterns, key=len, reverse=True))
 
 
-def _repeated(match: re.Match[str], is_last: bool) -> tuple[str, ...]:
+def _repetitions(match: re.Match[str], is_last: bool) -> tuple[str, ...]:
     """Return one unit with its repetitions, or an empty text if its kind has no mark."""
     unit = match["unit"]
     mark = _CLASSES.get(unit, unit[-1] if len(unit) == 1 or (unit[0] == "\\" and not unit[1].isalnum()) else "")
     fewest = 0 if match["maybe"] else int(match["least"] or 1)
     most_repetitions = 1 if match["maybe"] else int(match["most"] or fewest)
-    if not mark or most_repetitions > _MOST:
+    if not mark or most_repetitions > _MOST_PATTERNS:
         return ()
     if mark == "#" and is_last:
         return ("#" * fewest + "~" * (most_repetitions - fewest),)
@@ -140,7 +140,7 @@ class _Codes:
             self._indices[names] = indices_by_texts
         indices = self._indices[names].get(tuple(chosen[name].text for name in names), ())
         parts, variants = self._device.order_code.parts, self._device.variants
-        return next((index for index in indices if all(_open_here(parts, chosen, variants[index]))), None)
+        return next((index for index in indices if all(_open_combinations(parts, chosen, variants[index]))), None)
 
 
 def _rows(codes: _Codes, pattern: str, choices: Sequence[Sequence[_Choice]], is_listed: bool) -> list[OpenCode]:
@@ -180,7 +180,7 @@ def _choices(part: CodePart) -> list[_Choice]:
     return [*listed, *(_Choice(pattern, True) for pattern in patterns)]
 
 
-def _open_here(parts: Sequence[CodePart], chosen: Mapping[str, _Choice], variant: Variant) -> Iterator[bool]:
+def _open_combinations(parts: Sequence[CodePart], chosen: Mapping[str, _Choice], variant: Variant) -> Iterator[bool]:
     for part in parts:
         if chosen[part.name].is_open:
             for other_part, allowed in part.open_only_with.items():

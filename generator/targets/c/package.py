@@ -69,11 +69,11 @@ def package_files(views: Sequence[DeviceView], tests: Iterable[str], render: Ren
     makers = manufacturers(view.device for view in views)
     main = main_manufacturer(makers)
     namespace = main.name if main else "-".join(maker.name for maker in makers)
-    names = [_named(maker.name, [maker]) for maker in makers]
+    names = [_package_names(maker.name, [maker]) for maker in makers]
     procedures = [procedure for view in views for procedure in view.procedures if procedure.arguments]
     family_headers = [header for view in views for header in (*view.headers, view.cpp_header)]
     values: Package = {
-        **_named(namespace, makers),
+        **_package_names(namespace, makers),
         "makers": [maker.name for maker in makers],
         "others": [maker.name for maker in makers if maker is not main],
         "guide": guide(programs),
@@ -87,20 +87,20 @@ def package_files(views: Sequence[DeviceView], tests: Iterable[str], render: Ren
         "tests": sorted(path for path in tests if path.endswith(".c")),
     }
     files = {path: render(template, values) for path, template in FILES.items()}
-    for named in names if main else [*names, _named(namespace, makers)]:
+    for named in names if main else [*names, _package_names(namespace, makers)]:
         for path, template in FOUND_BY_NAME.items():
             files[path.format(package=named["package"])] = render(template, named)
     return files
 
 
-def _named(namespace: str, makers: Sequence[Manufacturer]) -> Named:
+def _package_names(namespace: str, makers: Sequence[Manufacturer]) -> Named:
     """Return the headers of these manufacturers as a package with a name of its own."""
     package = f"{namespace}-encoders"
     return {
         "package": package,
         "namespace": namespace,
         "option": package.replace("-", "_").upper(),
-        "version": max((maker.version for maker in makers), key=_order),
+        "version": max((maker.version for maker in makers), key=_version_numbers),
         "title": bare(f"Headers for encoders by {' and '.join(maker.title for maker in makers)}"),
     }
 
@@ -111,12 +111,12 @@ def own_programs(view: DeviceView, render: Render) -> Iterator[tuple[str, str]]:
     all_programs: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
     for program in all_programs:
         used = {"maker": maker, "PREFIX": maker.name.upper(), "d": view, "e": program}
-        yield f"examples/{program.name}.c", render(_template(program), used)
+        yield f"examples/{program.name}.c", render(_program_template(program), used)
         if isinstance(program, ReceiverCode):
             yield f"examples/{program.sketch}/{program.sketch}.ino", render("sketch.ino.jinja", used)
 
 
-def _template(program: ExampleCode | ReceiverCode) -> str:
+def _program_template(program: ExampleCode | ReceiverCode) -> str:
     if isinstance(program, ReceiverCode):
         return "receiver.c.jinja"
     return "poller.c.jinja" if program.polls else "example.c.jinja"
@@ -194,7 +194,7 @@ def guide(examples: Sequence[ExampleCode]) -> Guide | None:
     )
 
 
-def _order(version: str) -> tuple[int, ...]:
+def _version_numbers(version: str) -> tuple[int, ...]:
     return tuple(map(int, version.split(".")))
 
 

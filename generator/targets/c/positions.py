@@ -130,13 +130,13 @@ def _range_functions(context: Context, ranges: Sequence[PositionRange]) -> Itera
         if not position_range.has_difference:
             continue
         if len(ranges) == 1:
-            yield _functions_of(context, position_range, "", position_range.layouts)
+            yield _functions_of_range(context, position_range, "", position_range.layouts)
             continue
         for layout in position_range.layouts:
-            yield _functions_of(context, position_range, f"{layout.name}_", (layout,))
+            yield _functions_of_range(context, position_range, f"{layout.name}_", (layout,))
 
 
-def _functions_of(
+def _functions_of_range(
     context: Context, position_range: PositionRange, before: str, layouts: tuple[Layout, ...]
 ) -> RangeFunctions:
     turns, is_signed = position_range.measurement.turns, position_range.signed_field is not None

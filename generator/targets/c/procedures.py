@@ -131,13 +131,13 @@ class ProcedureCode:
         self.steps = f"{self.function}_steps"
         self.count_macro = f"{self.steps}_count".upper()
         self._names = {parameter.argument.name: c_name(parameter.argument.name, _TAKEN) for parameter in run.arguments}
-        self._filled = dict(self._fill())
-        self._wholes = dict(self._whole())
+        self._filled = dict(self._structs_to_fill())
+        self._wholes = dict(self._whole_numbers())
         self._teaching = {step.register.name for step in run.operations if isinstance(step, Writes) and step.teaches}
         self.arguments = [self._argument(parameter) for parameter in run.arguments]
         self.rows = list(self._rows())
         self.count = sum(map(_rows_of, run.operations))
-        self.reads = list(self._reads())
+        self.reads = list(self._read_members())
         self.about = about_procedure(context.device, procedure)
         #: The comment on the function that carries it out.
         self.whole_about = [*self.about, *about_run(context.device, run, read_state), *self._parameters()]
@@ -204,17 +204,17 @@ class ProcedureCode:
     def _argument(self, parameter: Given) -> ArgumentCode:
         refusals = list(parameter.refusals)
         for write in parameter.written:
-            refusals += self._of_byte(write)
+            refusals += self._byte_refusals(write)
         distinct = [refusal for index, refusal in enumerate(refusals) if refusal not in refusals[:index]]
         return ArgumentCode(
             given=parameter,
-            type=self._type(parameter.written[0]),
+            type=self._argument_type(parameter.written[0]),
             name=self._names[parameter.argument.name],
             about=about_argument(self.context.device, parameter.argument),
-            refusals=tuple(refusal for refusal in distinct if not _is_held(refusal)),
+            refusals=tuple(refusal for refusal in distinct if not _is_excluded_by_type(refusal)),
         )
 
-    def _of_byte(self, write: Writes) -> Iterator[ArgumentRefusal]:
+    def _byte_refusals(self, write: Writes) -> Iterator[ArgumentRefusal]:
         """Yield the reasons to refuse an argument that is a whole register of one byte, which has no encoder."""
         match write.value:
             case AsMember(argument, member) if self.registers[write.register.name].is_plain:
@@ -222,7 +222,7 @@ class ProcedureCode:
                     self.context.device, write.register, write.register.layout.field(member), argument
                 )
 
-    def _type(self, write: Writes) -> str:
+    def _argument_type(self, write: Writes) -> str:
         match write.value:
             case InField(field=field):
                 return unsigned(field.widest)
@@ -233,7 +233,7 @@ class ProcedureCode:
             case _:
                 assert_never(write.value)
 
-    def _fill(self) -> Iterator[tuple[tuple[str, str], Filled]]:
+    def _structs_to_fill(self) -> Iterator[tuple[tuple[str, str], Filled]]:
         """Yield the structs that take arguments, by argument and register."""
         for parameter in self.run.arguments:
             argument = parameter.argument.name
@@ -253,7 +253,7 @@ class ProcedureCode:
                     ),
                 )
 
-    def _whole(self) -> Iterator[tuple[tuple[str, str], Whole]]:
+    def _whole_numbers(self) -> Iterator[tuple[tuple[str, str], Whole]]:
         """Yield the registers whose whole number is an argument, if their decoder or a later limit checks it."""
         for parameter in self.run.arguments:
             refusing = {refusal.register.name for refusal in parameter.refusals if isinstance(refusal, Undecodable)}
@@ -288,12 +288,12 @@ class ProcedureCode:
                 yield FilledRows(at, "write", filled, note)
             elif not step.pieces:
                 raise TargetError(
-                    f"the place of '{_place(step)}' depends on the order code; the C target cannot access it alone"
+                    f"the place of '{_place_text(step)}' depends on the order code; the C target cannot access it alone"
                 )
             elif isinstance(step, Polls) and len(step.pieces) > 1 and not step.register.is_accessed_whole:
                 # The bytes could match one after the other, and never all at the same time.
                 raise TargetError(
-                    f"'{_place(step)}' is spread over {len(step.pieces)} bytes, which the C target would poll one "
+                    f"'{_place_text(step)}' is spread over {len(step.pieces)} bytes, which the C target would poll one "
                     "after the other"
                 )
             else:
@@ -341,7 +341,7 @@ class ProcedureCode:
             return bits
         return Cast("uint8_t", left(masked(bits, piece.mask), piece.right) if piece.mask != 0xFF else bits)
 
-    def _reads(self) -> Iterator[ReadMember]:
+    def _read_members(self) -> Iterator[ReadMember]:
         names: list[str] = []
         first = 0
         for read in self.run.reads:
@@ -361,10 +361,10 @@ def _rows_of(step: Operation) -> int:
     return 1 if isinstance(step, (Waits, Sends)) else len(step.pieces)
 
 
-def _is_held(refusal: ArgumentRefusal) -> bool:
+def _is_excluded_by_type(refusal: ArgumentRefusal) -> bool:
     """Return True if the type of the argument already excludes the value."""
     return isinstance(refusal, TooWide) and size_of(refusal.field.widest) == refusal.field.widest
 
 
-def _place(step: Writes | Reads | Polls | Verifies) -> str:
+def _place_text(step: Writes | Reads | Polls | Verifies) -> str:
     return f"{step.register.name}.{step.field.name if step.field is not None else ''}"

@@ -115,7 +115,7 @@ class SelfTest:
         self.view = view
         self.name = f"{view.prefix}_selftest"
         self.path = f"selftest/{view.stem}.c"
-        works = [*self._examples(), *self._vectors()]
+        works = [*self._example_checks(), *self._vector_checks()]
         self.checks = [Check(index, about, work) for index, (about, work) in enumerate(works, 1)]
 
     @property
@@ -128,41 +128,41 @@ class SelfTest:
             "writes": any(isinstance(check.work, ProcedureCheck) for check in self.checks),
         }
 
-    def _examples(self) -> Iterator[tuple[str, Work]]:
+    def _example_checks(self) -> Iterator[tuple[str, Work]]:
         for example in self.view.device.examples:
             about = f"{example.name.replace('_', ' ')} [{cite(example.source)}]"
-            yield from ((about, work) for work in self._works(example))
+            yield from ((about, work) for work in self._checks_of_example(example))
 
-    def _vectors(self) -> Iterator[tuple[str, Work]]:
+    def _vector_checks(self) -> Iterator[tuple[str, Work]]:
         for codec in self.view.interface.codecs:
             crc = codec.word_crc
             if crc is None:
                 continue
             for vector in vectors_of(crc.crc):
                 about = f"{vector.title} [{vector.source}]"
-                yield from ((f"{crc.crc.name}: {about}", work) for work in _whole_word(crc, vector.data, vector.crc))
+                yield from ((f"{crc.crc.name}: {about}", work) for work in _word_check(crc, vector.data, vector.crc))
         interface = self.view.context.interface
         for data_id in interface.data_ids if isinstance(interface, Rs485) else ():
             if data_id.id in CONTROL_FIELDS:
                 macro = f"{self.view.PREFIX}_CONTROL_{data_id.name}".upper()
                 yield f"control field of data ID {data_id.id}", ConstantCheck(macro, _hex(CONTROL_FIELDS[data_id.id]))
 
-    def _works(self, example: Example) -> Iterator[Work]:
+    def _checks_of_example(self, example: Example) -> Iterator[Work]:
         match example:
             case FrameExample():
-                yield from self._frames(example)
+                yield from self._frame_checks(example)
             case RegisterExample():
-                yield from self._register(example)
+                yield from self._register_checks(example)
             case CrcExample():
-                yield from self._crc(example)
+                yield from self._crc_checks(example)
             case ProcedureExample():
-                yield self._procedure(example)
+                yield self._procedure_check(example)
             case MeasureExample():
-                yield from self._measure(example)
+                yield from self._measure_checks(example)
             case _:
                 assert_never(example)
 
-    def _procedure(self, example: ProcedureExample) -> ProcedureCheck:
+    def _procedure_check(self, example: ProcedureExample) -> ProcedureCheck:
         codes = {code.run.procedure.name: code for code in self.view.procedures}
         code = codes[example.procedure]
         names = (argument.given.argument.name for argument in code.arguments)
@@ -170,10 +170,10 @@ class SelfTest:
             code=code,
             variant=self._variant(example.order_code),
             arguments=tuple(number(example.arguments[name]) for name in names),
-            writes=tuple(byte for write in example.writes for byte in self._written(write)),
+            writes=tuple(byte for write in example.writes for byte in self._written_bytes(write)),
         )
 
-    def _written(self, write: Write) -> Iterator[tuple[str, str]]:
+    def _written_bytes(self, write: Write) -> Iterator[tuple[str, str]]:
         """Yield the bytes of a write, each with its address."""
         length = 1
         if self.writes_whole:
@@ -200,14 +200,14 @@ class SelfTest:
             if layout.name == example.layout or (not example.layout and layout.sender == example.sender):
                 yield codec
 
-    def _frames(self, example: FrameExample) -> Iterator[Work]:
+    def _frame_checks(self, example: FrameExample) -> Iterator[Work]:
         for codec in self._codecs(example):
             in_bytes = codec.plan.in_bytes
             fits = bool(example.bytes) if in_bytes else bool(example.bits) or example.refused != "length"
             if fits and (example.layout or example.refused == "length"):
-                yield self._frame(codec, example)
+                yield self._frame_check(codec, example)
 
-    def _frame(self, codec: StructCodec, example: FrameExample) -> FrameCheck:
+    def _frame_check(self, codec: StructCodec, example: FrameExample) -> FrameCheck:
         # A word can be given as its bytes, too.
         word = int(example.bits, 2) if example.bits else int.from_bytes(example.bytes, "big")
         fault = f"CW_FAULT_{example.refused.upper()}" if example.refused else ""
@@ -218,7 +218,7 @@ class SelfTest:
             answers=self._answers(codec, example),
             data=_bytes(example.bytes) if codec.plan.in_bytes else (),
             word="" if codec.plan.in_bytes else _hex(word, 64),
-            expected=() if fault else tuple(self._expected(codec, layout.name, example.values)),
+            expected=() if fault else tuple(self._expected_members(codec, layout.name, example.values)),
             fault=fault,
         )
 
@@ -231,7 +231,7 @@ class SelfTest:
             answers += f"{question.enumeration.entries[at].name}, "
         return answers
 
-    def _register(self, example: RegisterExample) -> Iterator[Work]:
+    def _register_checks(self, example: RegisterExample) -> Iterator[Work]:
         code = next(register for register in self.view.registers if register.register.name == example.register)
         if code.codec is not None:
             yield FrameCheck(
@@ -240,20 +240,22 @@ class SelfTest:
                 answers="",
                 data=_bytes(example.bytes),
                 word="",
-                expected=tuple(self._expected(code.codec, f"reg_{example.register}", example.values)),
+                expected=tuple(self._expected_members(code.codec, f"reg_{example.register}", example.values)),
                 fault="",
             )
 
-    def _expected(self, codec: StructCodec, key: str, values: Mapping[str, int | str | bool]) -> Iterator[Expected]:
+    def _expected_members(
+        self, codec: StructCodec, key: str, values: Mapping[str, int | str | bool]
+    ) -> Iterator[Expected]:
         """Yield the members. Fields without one are constant. They are checked by decoding and encoding the frame."""
-        members = set(_members(codec))
+        members = set(_member_names(codec))
         for name, value in values.items():
             if name not in members:
                 continue
             part = next((part for part in codec.plan.parts if part.field.name == name), None)
-            yield self._member(key, name, value, part)
+            yield self._expected_member(key, name, value, part)
 
-    def _member(self, key: str, name: str, value: int | str | bool, part: Part | None) -> Expected:
+    def _expected_member(self, key: str, name: str, value: int | str | bool, part: Part | None) -> Expected:
         """Return the expected value of a field, or without ``part`` of a join or a run of digits."""
         match part.meaning if part is not None else Raw():
             case Characters():
@@ -272,29 +274,29 @@ class SelfTest:
             case never:
                 assert_never(never)
 
-    def _crc(self, example: CrcExample) -> Iterator[Work]:
+    def _crc_checks(self, example: CrcExample) -> Iterator[Work]:
         for function in self.view.crcs:
             if function.crc.name == example.crc and function.is_called and function.in_bytes:
                 yield CrcCheck(function.name, _bytes(example.bytes), "", _hex(example.check))
         data = int.from_bytes(example.bytes, "big")
         for crc in (codec.word_crc for codec in self.view.interface.codecs):
             if crc is not None and crc.crc.name == example.crc:
-                yield from _whole_word(crc, data, example.check)
+                yield from _word_check(crc, data, example.check)
 
-    def _measure(self, example: MeasureExample) -> Iterator[Work]:
+    def _measure_checks(self, example: MeasureExample) -> Iterator[Work]:
         if isinstance(self.view.positions, LengthPositions):
             function, macro = f"{self.view.prefix}_micrometres", self._variant(example.order_code)
             yield MeasureCheck(function, macro, number(example.counts), number(example.micrometres))
 
 
-def _members(codec: StructCodec) -> Iterator[str]:
+def _member_names(codec: StructCodec) -> Iterator[str]:
     """Yield the names of the members of a struct, as in the spec."""
     yield from (whole.join.name for whole in codec.plan.wholes)
     for part in codec.plan.parts:
         yield from (part.field.name, *(run.name for run in part.field.runs))
 
 
-def _whole_word(crc: WordCrc, data: int, check: int) -> Iterator[Work]:
+def _word_check(crc: WordCrc, data: int, check: int) -> Iterator[Work]:
     """Yield the check of a word that ends in its CRC, if a frame can be as long."""
     word = data << crc.crc.width | check
     if word.bit_length() <= crc.bits:

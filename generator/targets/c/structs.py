@@ -133,7 +133,7 @@ class Struct:
 
         ``parameters`` are those of an order code. The bits of a member ``unused`` that is 0 are as documented.
         """
-        numbers = {part.field.name: values.get(part.field.name, _default(part.field)) for part in self.plan.parts}
+        numbers = {part.field.name: values.get(part.field.name, _default_value(part.field)) for part in self.plan.parts}
         for whole in self.plan.wholes:
             if whole.join.name in values:
                 numbers.update(whole.parts(values[whole.join.name], parameters))
@@ -187,7 +187,7 @@ class Struct:
         return joined("&&", tuple(Operation("!=", (name, written(value))) for value in values))
 
 
-def _default(field: Field) -> int:
+def _default_value(field: Field) -> int:
     """Return the default of a field, or a value that an encoder accepts."""
     if field.default is not None:
         return field.default

@@ -72,8 +72,8 @@ def file_text(
     written_keys = {entry.key for entry in file_content.entries}
     values: MasterFile = {
         "head": [
-            *([] if is_short else _head(device, codes, sheet, rule, master_device)),
-            *_about(file_content, is_short),
+            *([] if is_short else _heading(device, codes, sheet, rule, master_device)),
+            *_content_comments(file_content, is_short),
         ],
         "content": file_content,
         "channels": file_content.channels[:1] if is_short else file_content.channels,
@@ -85,7 +85,7 @@ def file_text(
     return TEMPLATES.render(f"{name}.jinja", values, library.own_templates if library is not None else None)
 
 
-def _head(device: Device, codes: Sequence[str], sheet: Sheet, rule: Raw, master_device: str) -> Iterator[str]:
+def _heading(device: Device, codes: Sequence[str], sheet: Sheet, rule: Raw, master_device: str) -> Iterator[str]:
     format_ = FILE_FORMATS[rule["format"]]
     yield f"{master_device} with {', '.join(codes)}. For {format_.title}."
     yield from _origin(device, sheet, rule, master_device)
@@ -107,7 +107,7 @@ def _places(sheet: Sheet, master_device: str) -> Iterator[Place]:
     yield from (place for setting in sheet.settings for place in setting.places if place.device == master_device)
 
 
-def _about(file_content: Content, is_short: bool) -> Iterator[str]:
+def _content_comments(file_content: Content, is_short: bool) -> Iterator[str]:
     derived = list(dict.fromkeys(entry.name for entry in file_content.entries if "derived" in entry.mark))
     if derived:
         yield f"Derived, not stated in a document: {listed(derived)}."
@@ -157,7 +157,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
 def _family(device: Device, library: Library, options: Options) -> dict[str, str]:
     """Return the files of a family by path."""
-    write = _each if options.get(_BY_CODE.name, _BY_CODE.default) == _EACH else _bulk
+    write = _files_by_code if options.get(_BY_CODE.name, _BY_CODE.default) == _EACH else _bulk_file
     files: dict[str, str] = {}
     masters = shipped_masters()
     interface_sheets = sheets_of(device, masters)
@@ -198,7 +198,7 @@ def _index_row(master: Master, format_name: str) -> dict[str, str]:
 SheetOfCodes = tuple[Sheet, Record, Sequence[str]]
 
 
-def _each(
+def _files_by_code(
     start: str, device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library
 ) -> dict[str, str]:
     suffix = FILE_FORMATS[rule["format"]].suffix
@@ -214,7 +214,7 @@ def _label(code: str, record: Record) -> str:
     return "-".join((code, *record.answers.values()))
 
 
-def _bulk(
+def _bulk_file(
     start: str, device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library
 ) -> dict[str, str]:
     """Return one file in which order codes with the same content share a block."""
@@ -232,10 +232,12 @@ def _bulk(
         sheet = sheets_alike[0][0]
         text = file_text(device, codes, sheet, rule, master_device, library, is_short=True, file_content=file_content)
         blocks.append((title, text))
-    return {f"{start}{device.name}{format_.suffix}": _joined(device, blocks, sheet, rule, master_device)}
+    return {f"{start}{device.name}{format_.suffix}": _joined_blocks(device, blocks, sheet, rule, master_device)}
 
 
-def _joined(device: Device, blocks: Sequence[tuple[str, str]], sheet: Sheet, rule: Raw, master_device: str) -> str:
+def _joined_blocks(
+    device: Device, blocks: Sequence[tuple[str, str]], sheet: Sheet, rule: Raw, master_device: str
+) -> str:
     """Return the files as comments, or as children of one element in XML."""
     format_ = FILE_FORMATS[rule["format"]]
     head = [

@@ -137,7 +137,7 @@ class Decoder:
     @cached_property
     def heads(self) -> list[tuple[int, int]]:
         """Valid first bytes of a frame whose selector is in the first byte, each with its selector."""
-        checks = [check for check in self.codec.checks if self._in_head(check)]
+        checks = [check for check in self.codec.checks if self._is_in_first_byte(check)]
         selector = next((check for check in checks if isinstance(check, IsOneOf) and self.selects(check.field)), None)
         if selector is None:
             return []
@@ -164,7 +164,7 @@ class Decoder:
         """Conditions under which a check fails, if the first byte decides most of them. Empty if it does not."""
         if not self.heads:
             return []
-        other_checks = [check for check in self.codec.checks if not self._in_head(check)]
+        other_checks = [check for check in self.codec.checks if not self._is_in_first_byte(check)]
         if not all(isinstance(check, (AlwaysIs, ZerosAbove)) for check in other_checks):
             return []
         heads = [f"0x{byte:02X}" for byte, _ in self.heads]
@@ -172,16 +172,16 @@ class Decoder:
         head = f"b0 != {heads[0]}" if len(heads) == 1 and not self.members else f"b0 not in {among}"
         # Bits that get a name come first, so that each has one if no condition holds.
         other_checks.sort(key=lambda check: not isinstance(check, ZerosAbove))
-        return [*map(self._fails, other_checks), head]
+        return [*map(self._failing_condition, other_checks), head]
 
-    def _fails(self, check: Check) -> str:
+    def _failing_condition(self, check: Check) -> str:
         if isinstance(check, ZerosAbove):
             bits = self.read.of_bytes(check.field.pieces)
             return f"({self.local(check.field)} := {bits}) >> {self.number(check.bits.width).operand}"
         bits = self.read.bits(check.bits)
         return f"{bits.operand} != {mask(check.value)}" if isinstance(check, AlwaysIs) and check.value else str(bits)
 
-    def _in_head(self, check: Check) -> bool:
+    def _is_in_first_byte(self, check: Check) -> bool:
         """Return whether a check depends only on the first byte."""
         if not self.is_unpacked or not isinstance(check, (AlwaysIs, ParityIs, IsOneOf)):
             return False
@@ -191,10 +191,10 @@ class Decoder:
 
     def _passes(self, checks: Sequence[Check], byte: int) -> bool:
         """Return whether a first byte passes all these checks."""
-        return all(self._holds(check, byte) for check in checks)
+        return all(self._passes_check(check, byte) for check in checks)
 
     @staticmethod
-    def _holds(check: Check, byte: int) -> bool:
+    def _passes_check(check: Check, byte: int) -> bool:
         bits_in_byte = _bits_in_byte(check.bits.pieces, byte)
         match check:
             case AlwaysIs(value=value):
@@ -238,7 +238,7 @@ class Decoder:
             case TwosComplement():
                 return [call("signed", bits, self.number(field.width))]
             case ZeroMeans(stands_for):
-                return [_or(bits, stands_for)]
+                return [_or_if_zero(bits, stands_for)]
             case Active(low):
                 # A shorter number also contains the lowest bits.
                 at = part.bits.low
@@ -275,7 +275,7 @@ def assigned(scope: Scope, names: ClassNames, enum: str, field: Field, bits: Exp
         case TwosComplement():
             yield name(field.name), call("signed", bits, scope.of(field.width))
         case ZeroMeans(stands_for):
-            yield name(field.name), _or(bits, stands_for)
+            yield name(field.name), _or_if_zero(bits, stands_for)
         case Active(low):
             yield name(field.name), _truth(bits, low)
         case Named():
@@ -300,7 +300,7 @@ def digits(value: Expr, runs: Sequence[Digits]) -> Iterator[tuple[Digits, Expr]]
         yield run, quotient if run is runs[0] else Operation(quotient, "%", number(run.modulus))
 
 
-def _or(bits: Expr, stands_for: int) -> Expr:
+def _or_if_zero(bits: Expr, stands_for: int) -> Expr:
     return Atom(f"{bits.operand} or {grouped(stands_for)}")
 
 

@@ -76,11 +76,11 @@ def family(device: Device) -> Call:
 
 
 def order_code(code: OrderCode) -> Call:
-    parts = tuple(row("Part", part, open_only_with=_only(part.open_only_with)) for part in code.parts)
+    parts = tuple(row("Part", part, open_only_with=_allowed_combinations(part.open_only_with)) for part in code.parts)
     return row("OrderCode", code, parts=parts)
 
 
-def _only(allowed: Mapping[str, tuple[str, ...]]) -> Call | None:
+def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> Call | None:
     """Return the values of other parts with which a part can be combined."""
     if not allowed:
         return None

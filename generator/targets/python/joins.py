@@ -75,14 +75,14 @@ class Maker:
     @staticmethod
     def whole_depends(whole: Whole) -> bool:
         """Return whether the expression of a joined number depends on the order code."""
-        truncated_fields = (field for field in whole.fields if _is_cut(meaning_of(field)))
+        truncated_fields = (field for field in whole.fields if _is_truncated(meaning_of(field)))
         return whole.depends or not all(field.width.is_constant for field in truncated_fields)
 
     def _index(self, name: str) -> Expr:
         return call("index", f"self.{self.names.attribute(name)}")
 
 
-def _is_cut(meaning: Meaning) -> bool:
+def _is_truncated(meaning: Meaning) -> bool:
     """Return whether ``_bits`` truncates a number to the width of the field."""
     match meaning:
         case TwosComplement():
