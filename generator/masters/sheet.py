@@ -148,19 +148,14 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report
         for document in read_specs(group, report):
             data = check_document(document, report)
             if data is not None and "master" not in data:
-                report.add(
-                    "not-allowed",
-                    document,
-                    (),
-                    "this is not a description of a master: the key 'master' is missing",
-                )
+                problem = "this is not a description of a master: the key 'master' is missing"
+                report.add("not-allowed", document, (), problem)
             elif data is not None:
-                if data["master"] in group_names:
-                    report.add(
-                        "duplicate-name", document, ("master",), f"there is another description of '{data['master']}'"
-                    )
-                group_names.add(data["master"])
-                masters[data["master"]] = _master(data)
+                name = data["master"]
+                if name in group_names:
+                    report.add("duplicate-name", document, ("master",), f"there is another description of '{name}'")
+                group_names.add(name)
+                masters[name] = _master(data)
     return tuple(sorted(masters.values(), key=lambda master: master.title.lower())), report
 
 

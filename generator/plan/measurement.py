@@ -98,6 +98,7 @@ def also_measured(device: Device) -> frozenset[str]:
 
 
 def _equals_quantity(device: Device, parameter: Parameter) -> bool:
+    """Return whether a parameter equals the counts per revolution or the number of counts for every order code."""
     equal_quantities: list[set[str]] = []
     for variant in device.variants:
         if parameter.interface not in ("", variant.interface):

@@ -35,7 +35,7 @@ def family(device: Device) -> Data:
         evidence=BY_NAME.sentence(grade(device)),
         given=parameter_names,
         derived=[[name, expression(value)] for name, value in device.definitions.items()],
-        held=[_held(device, held) for register in held_parameters(device) for held in register.parameters],
+        held=[_held(device, parameter) for register in held_parameters(device) for parameter in register.parameters],
         alternatives=[_alternative(alternative) for alternative in device.alternatives],
         crcs={crc.name: _crc(device, crc) for crc in device.crcs},
         interfaces=[_interface(device, interface, shared) for interface in device.interfaces],
@@ -51,9 +51,9 @@ def _code_row(variant: Variant, interface_names: Sequence[str], parameter_names:
     return [variant.code, interface_names.index(variant.interface), *values]
 
 
-def _held(device: Device, held: Held) -> Data:
+def _held(device: Device, register_parameter: Held) -> Data:
     """Return a parameter that is held in a register, with its limits."""
-    parameter = held.parameter
+    parameter = register_parameter.parameter
     at = field_at(device, parameter.read_from)
     values = sorted({row.value for row in parameter.by_code})
     return without_empty(

@@ -126,9 +126,7 @@ class Chosen:
         worked = [example for example in self.examples if isinstance(example, FrameExample)]
         if not worked:
             return self._made_up_frame()
-        first = min(
-            worked, key=lambda example: (bool(example.erratum), any(source.document for source in example.source))
-        )
+        first = min(worked, key=_unreliability)
         layout = self.device.layout(first.layout)
         wire = int(first.bits, 2) if first.bits else number_from_bytes(layout, first.bytes)
         return Frame(layout, wire, f"a worked example [{cite(first.source)}]", first.values)
@@ -153,6 +151,11 @@ class Chosen:
     def has_position(self, layout: Layout) -> bool:
         """Return True if a layout has the field or join that contains the position."""
         return self.measurement is not None and self.measurement.of in layout.member_names
+
+
+def _unreliability(example: FrameExample) -> tuple[bool, bool]:
+    """Return a key that is lower for examples used as printed, and then for those from the manual."""
+    return bool(example.erratum), any(source.document for source in example.source)
 
 
 def _polls(procedure: Procedure) -> bool:

@@ -337,7 +337,8 @@ class ExampleCode:
     def _memory(self) -> Iterator[Memory]:
         """Yield the worked examples, and the factory defaults of the registers that the procedure writes."""
         written = {step.register for step in self._steps if isinstance(step, (WriteStep, ModifyStep))}
-        for register, example in sorted(self._chosen.registers.values(), key=lambda shown: shown[0].address):
+        registers = self._chosen.registers.values()
+        for register, example in sorted(registers, key=lambda pair: pair[0].address):
             if register.name in written:
                 delivered = register.default_bytes() or bytes(register.length)
                 yield Memory(register.address, delivered, f"{title(register)}, factory default")

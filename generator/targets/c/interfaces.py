@@ -175,7 +175,9 @@ class InterfaceCode:
 
     def _receiving(self) -> Iterator[Paragraph]:
         """Yield how to send a request and receive its reply over a serial port."""
-        byte_exchanges = [item for item in exchanges(self.interface) if item.reply is not None and item.reply.in_bytes]
+        byte_exchanges = [
+            exchange for exchange in exchanges(self.interface) if exchange.reply is not None and exchange.reply.in_bytes
+        ]
         requests: dict[str, list[str]] = {}
         for exchanged in byte_exchanges:
             requests.setdefault(_take_function(exchanged), []).append(exchanged.request.name)

@@ -26,12 +26,12 @@ _TAKEN = frozenset(("failure", "result", "taken", "transport", "variant"))
 class HeldValue:
     """A parameter held by a register, and its local."""
 
-    def __init__(self, context: Context, held: Held) -> None:
-        parameter, field = held.parameter, held.field
+    def __init__(self, context: Context, parameter_in_register: Held) -> None:
+        parameter, field = parameter_in_register.parameter, parameter_in_register.field
         if not field.pieces:
             problem = f"the place of '{parameter.read_from}' depends on the order code; the C target cannot read it"
             raise TargetError(problem)
-        self.held = held
+        self.held = parameter_in_register
         self.local = c_name(parameter.name, ("bytes", "length", "variant"))
         self.member = c_name(parameter.name)
         self.member_type = context.member_type(parameter)
@@ -106,12 +106,12 @@ def _case(code: int, values: Sequence[HeldValue]) -> tuple[str, tuple[tuple[str,
 class Taker:
     """The function that updates a variant from the content of a register."""
 
-    def __init__(self, context: Context, held: HeldBy, access: Access) -> None:
-        register = held.register
+    def __init__(self, context: Context, register_parameters: HeldBy, access: Access) -> None:
+        register = register_parameters.register
         self.name = f"{context.prefix}_take_{register.name}"
-        names = listed(parameter.parameter.name for parameter in held.parameters)
+        names = listed(parameter.parameter.name for parameter in register_parameters.parameters)
         self.about = f"Update {names} in a variant from the content of the {title(register)} register."
-        self.values = tuple(HeldValue(context, parameter) for parameter in held.parameters)
+        self.values = tuple(HeldValue(context, parameter) for parameter in register_parameters.parameters)
         self.switches = tuple(_switches(self.values))
         code_locals = {value.code for value in self.values if value.is_coded}
         unneeded = code_locals - {switch.local for switch in self.switches}

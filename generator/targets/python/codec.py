@@ -84,7 +84,7 @@ class Coder:
     def takes_variant(self) -> bool:
         """True if anything depends on the order code."""
         stated_expressions = [field.equals for field in self.expected if isinstance(field.equals, Expression)]
-        limited = self.limits is not None and differ(self.limits)
+        limited = self.limits is not None and limits_depend(self.limits)
         reported = self.reports is not None and self.reports.depends
         return (
             self.plan.depends
@@ -322,13 +322,13 @@ class Coder:
     @property
     def limits_functions(self) -> Iterator[LimitsFunction]:
         if self.limits is not None:
-            yield LimitsFunction("limits", "", *between(self.context.scope, self.limits), self.takes_variant)
+            yield LimitsFunction("limits", "", *limit_expressions(self.context.scope, self.limits), self.takes_variant)
         for meaning in self.register.meanings if self.register is not None else ():
             if self.register is not None and (meaning.min is not None or meaning.max is not None):
                 limits = limits_of(self.context.device, self.register, meaning)
                 when = words(meaning.name)
-                low, high = between(self.context.scope, limits)
-                yield LimitsFunction(meaning_limits(meaning), when, low, high, differ(limits))
+                low, high = limit_expressions(self.context.scope, limits)
+                yield LimitsFunction(meaning_limits(meaning), when, low, high, limits_depend(limits))
 
     # -- docstrings
 
@@ -369,7 +369,7 @@ def _in_words(value: Expression | int | str | None) -> str:
     return repr(value) if isinstance(value, str) else coded(value or 0)
 
 
-def between(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
+def limit_expressions(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
     """Return the lowest and the highest value. A missing limit follows from the width."""
     low: Expr = number(0)
     high: Expr = Operation(scope.power(limits.width), "-", number(1))
@@ -384,7 +384,7 @@ def between(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
     )
 
 
-def differ(limits: Limits) -> bool:
+def limits_depend(limits: Limits) -> bool:
     """Return whether limits depend on the order code."""
     bounds = [bound for bound in (limits.low, limits.high) if bound is not None]
     if len(bounds) < 2:

@@ -221,7 +221,7 @@ class Decoder:
         checks = [check for check in self.codec.checks if check.field.name == field.name]
         choice_checks = [check for check in checks if isinstance(check, IsOneOf) and len(check.values) > 1]
         is_looked_up = bool(choice_checks) and self.selects(field) and not self.disagreement
-        return is_looked_up or any(isinstance(item, (ZerosAbove, AtMost, NotAbove, IsBetween)) for item in checks)
+        return is_looked_up or any(isinstance(check, (ZerosAbove, AtMost, NotAbove, IsBetween)) for check in checks)
 
     def bits(self, part: Part) -> Expr:
         """Return the bits of a field after all checks."""

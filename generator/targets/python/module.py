@@ -244,9 +244,8 @@ class Module:
         return Section(interface, facts.interface(interface), notes, coders, tuple(dispatchers))
 
     def _dispatcher(self, interface: Interface, plan: Dispatch, coders: Sequence[Coder]) -> Dispatcher:
-        all_layouts = self.device.layouts()
-        dispatching = {interface_.name for interface_, layout in all_layouts if layout.selector}
-        prefix = f"{interface.name}_" if len(dispatching) > 1 else ""
+        with_selector = {owner.name for owner, layout in self.device.layouts() if layout.selector}
+        prefix = f"{interface.name}_" if len(with_selector) > 1 else ""
         word = prefix + ("reply" if plan.sender == "encoder" else "request")
         coder_of = {coder.layout.name: coder for coder in coders}
         dispatcher = Dispatcher(

@@ -25,7 +25,7 @@ from ...plan.steps import (
 )
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from . import text
-from .codec import Coder, between, differ
+from .codec import Coder, limit_expressions, limits_depend
 from .context import Context
 from .decode import digits
 from .docstrings import Block
@@ -166,10 +166,10 @@ class Steps:
     def limits(self, refusal: Beyond) -> str:
         """Return the limits of an argument: a call to the register's class if it has one, otherwise a tuple."""
         if refusal.register.name not in self.coders:
-            return "({}, {})".format(*between(self.scope, refusal.limits))
+            return "({}, {})".format(*limit_expressions(self.scope, refusal.limits))
         name = "limits" if refusal.meaning is None else meaning_limits(refusal.meaning)
         return f"{self.register(refusal.register)}.{name}({'variant' if self._limits_differ(refusal) else ''})"
 
     def _limits_differ(self, refusal: Beyond) -> bool:
         coder = self.coders.get(refusal.register.name)
-        return coder.takes_variant if coder is not None and refusal.meaning is None else differ(refusal.limits)
+        return coder.takes_variant if coder is not None and refusal.meaning is None else limits_depend(refusal.limits)
