@@ -6,8 +6,8 @@ from collections.abc import Container, Iterator, Sequence
 
 from ..language.problems import quoted, visible
 from ..model import Alternative, Device, Layout, Variant
-from ..order_codes.holding_only import held_by
 from ..order_codes.narrowing import for_interface
+from ..order_codes.reduction import reduced_to_codes
 from .terminal import Stop
 
 
@@ -21,7 +21,7 @@ def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[s
     Raises:
         Stop: This order code has no such alternative or answer, or an alternative has two. The exit code is 2.
     """
-    here = held_by(for_interface(device, variant.interface), [variant.code])
+    here = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
     known = {item.name: item for item in here.alternatives}
     answers: dict[str, str] = {}
     for pair in pairs:

@@ -75,7 +75,7 @@ def cable_table(device: Device, interface: Ssi | Biss, code: str = "") -> CableT
     match interface:
         case Ssi():
             path = f"interfaces.{interface.name}.cable_lengths"
-            rows = tuple(CableRow(item.shorter_than_m, item.below_hz, True) for item in interface.cable_lengths)
+            rows = tuple(CableRow(row.shorter_than_m, row.below_hz, True) for row in interface.cable_lengths)
             errata = applying(device.errata, code) if code else device.errata
             return CableTable(rows, _MANUAL, tuple(erratum.name for erratum in errata if path in erratum.affects))
         case Biss():

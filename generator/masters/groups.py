@@ -23,10 +23,14 @@ class Group:
 
 def groups_of(device: Device, interface: Interface) -> list[Group]:
     """Return the order codes of an interface in groups, each once for each choice on which its frame depends."""
-    found: dict[str, list[Record]] = {}
-    for item in records_of(device, interface):
-        found.setdefault(repr(replace(item, code="")), []).append(item)
-    return [Group(device, tuple(item.code for item in alike), alike[0]) for alike in found.values()]
+    groups: dict[str, list[Record]] = {}
+    for code_record in records_of(device, interface):
+        groups.setdefault(repr(replace(code_record, code="")), []).append(code_record)
+    return [Group(device, _codes_of(alike), alike[0]) for alike in groups.values()]
+
+
+def _codes_of(records: Sequence[Record]) -> tuple[str, ...]:
+    return tuple(code_record.code for code_record in records)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,23 +56,27 @@ _LATEST: list[tuple[Device, tuple[int, ...], tuple[GroupSheets, ...]]] = []
 def _sheets_of(device: Device, masters: Sequence[Master]) -> Iterator[GroupSheets]:
     for interface in device.interfaces:
         if groups := tuple(groups_of(device, interface)):
-            found = ((master, tuple(sheet(master, group.record) for group in groups)) for master in masters)
-            yield GroupSheets(interface, groups, tuple(found))
+            master_sheets = tuple((master, _sheets_for(master, groups)) for master in masters)
+            yield GroupSheets(interface, groups, master_sheets)
+
+
+def _sheets_for(master: Master, groups: Sequence[Group]) -> tuple[Sheet, ...]:
+    return tuple(sheet(master, group.record) for group in groups)
 
 
 def records_of(device: Device, interface: Interface) -> Iterator[Record]:
     """Yield the records of all listed order codes of an interface, once for each choice on which the frame depends."""
     for variant in device.variants_over(interface.name):
         with suppress(NoRecord):
-            yield from _by_answers(device, variant)
+            yield from _records_by_answers(device, variant)
 
 
-def _by_answers(device: Device, variant: Variant) -> Iterator[Record]:
+def _records_by_answers(device: Device, variant: Variant) -> Iterator[Record]:
     """Yield the record of an order code, once for each choice on which its frame depends."""
     try:
         yield record(device, variant)
     except Undecided as error:
         deciding = device.alternatives_of(error.layout)
         for answers, _ in choices(deciding):
-            named = {item.name: answer.name for item, answer in zip(deciding, answers, strict=True)}
-            yield record(device, variant, answers=named)
+            chosen = {alternative.name: answer.name for alternative, answer in zip(deciding, answers, strict=True)}
+            yield record(device, variant, answers=chosen)

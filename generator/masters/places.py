@@ -69,45 +69,45 @@ class Place:
 def devices_of(data: Raw) -> tuple[Device, ...]:
     """Return the devices of a description, or the master itself as the only one."""
     listed = data.get("devices", ({"name": data["title"]},))
-    return tuple(Device(item["name"], tuple(item.get("channels", ("",)))) for item in listed)
+    return tuple(Device(device["name"], tuple(device.get("channels", ("",)))) for device in listed)
 
 
 def places_of(
-    item: Raw,
+    setting: Raw,
     value: int | bool | str | None,
     devices: Sequence[Device],
     standing: str,
     filled: Callable[[str], str],
 ) -> tuple[Place, ...]:
     """Return the places of a setting, one for each channel of each device."""
-    named = any("{" in str(rule.get("symbol", "")) for rule in item["places"])
+    named = any("{" in str(rule.get("symbol", "")) for rule in setting["places"])
     if named:
-        return _places_of(item, value, devices, standing, filled)
-    key = (id(item), value, standing)
-    found = _KNOWN.get(key)
-    if found is None or found[0] is not item:
-        found = _KNOWN[key] = (item, _places_of(item, value, devices, standing, filled))
-    return found[1]
+        return _uncached_places(setting, value, devices, standing, filled)
+    key = (id(setting), value, standing)
+    cached_places = _CACHED_PLACES.get(key)
+    if cached_places is None or cached_places[0] is not setting:
+        cached_places = _CACHED_PLACES[key] = (setting, _uncached_places(setting, value, devices, standing, filled))
+    return cached_places[1]
 
 
 #: Places that are the same for all order codes with a value, with the item that they are for.
-_KNOWN: dict[tuple[int, int | bool | str | None, str], tuple[Raw, tuple[Place, ...]]] = {}
+_CACHED_PLACES: dict[tuple[int, int | bool | str | None, str], tuple[Raw, tuple[Place, ...]]] = {}
 
 
-def _places_of(
-    item: Raw,
+def _uncached_places(
+    setting: Raw,
     value: int | bool | str | None,
     devices: Sequence[Device],
     standing: str,
     filled: Callable[[str], str],
 ) -> tuple[Place, ...]:
-    return tuple(
-        _place(rule, device, number, value, standing, filled)
-        for rule in item["places"]
-        for device in devices
-        if device.name in rule.get("on", (device.name,))
-        for number in range(len(device.channels) if _is_listed(rule) else 1)
-    )
+    places: list[Place] = []
+    for rule in setting["places"]:
+        for device in devices:
+            if device.name in rule.get("on", (device.name,)):
+                numbers = range(len(device.channels) if _is_listed(rule) else 1)
+                places += (_place(rule, device, number, value, standing, filled) for number in numbers)
+    return tuple(places)
 
 
 def _is_listed(rule: Raw) -> bool:
@@ -122,37 +122,37 @@ def _place(
     standing: str,
     filled: Callable[[str], str],
 ) -> Place:
-    def here(key: str, otherwise: Any = None) -> Any:
-        found = rule.get(key, otherwise)
-        return found[number] if isinstance(found, list) else found
+    def of_channel(key: str, otherwise: Any = None) -> Any:
+        content = rule.get(key, otherwise)
+        return content[number] if isinstance(content, list) else content
 
     kind, bits = TYPES.get(rule["type"], ("", None))
     high, low = _bits(str(rule.get("at", "")))
     default = None if rule["default"] == NOT_GIVEN else rule["default"]
     return Place(
-        device.name,
-        device.channels[number] if _is_listed(rule) else "",
-        here("index"),
-        here("subindex"),
-        filled(here("symbol", "")),
-        here("register", ""),
-        here("address"),
-        high,
-        low,
-        _given(rule["type"]),
-        kind,
-        bits if high is None or low is None else high - low + 1,
-        rule.get("min"),
-        rule.get("max"),
-        _given(rule["unit"]),
-        default,
-        default is not None and default == value,
-        rule.get("standing", standing),
-        rule["source"],
+        device=device.name,
+        channel=device.channels[number] if _is_listed(rule) else "",
+        index=of_channel("index"),
+        subindex=of_channel("subindex"),
+        symbol=filled(of_channel("symbol", "")),
+        register=of_channel("register", ""),
+        address=of_channel("address"),
+        high_bit=high,
+        low_bit=low,
+        type=_without_not_given(rule["type"]),
+        kind=kind,
+        bits=bits if high is None or low is None else high - low + 1,
+        minimum=rule.get("min"),
+        maximum=rule.get("max"),
+        unit=_without_not_given(rule["unit"]),
+        default=default,
+        is_default=default is not None and default == value,
+        standing=rule.get("standing", standing),
+        source=rule["source"],
     )
 
 
-def _given(text: str) -> str:
+def _without_not_given(text: str) -> str:
     return "" if text == NOT_GIVEN else text
 
 
@@ -170,11 +170,12 @@ def misfit(name: str, value: int | bool | str | None, places: Sequence[Place]) -
         return ""
     for place in places:
         widest = (1 << place.bits) - 1 if place.kind == "unsigned" and place.bits is not None else value
-        most, least = min(widest, value if place.maximum is None else place.maximum), place.minimum
-        if value > most:
-            return f"{name} would be {value}, but it is at most {most}"
-        if least is not None and value < least:
-            return f"{name} would be {value}, but it is at least {least}"
+        highest = min(widest, value if place.maximum is None else place.maximum)
+        lowest = place.minimum
+        if value > highest:
+            return f"{name} would be {value}, but it is at most {highest}"
+        if lowest is not None and value < lowest:
+            return f"{name} would be {value}, but it is at least {lowest}"
     return ""
 
 
@@ -195,27 +196,27 @@ class PlaceWords:
 
 def place_words(places: Sequence[Place], value: str, devices: Sequence[Device]) -> Iterator[PlaceWords]:
     """Yield the places of a value in words, with factory defaults in its notation. No devices means all of them."""
-    found: dict[PlaceWords, list[str]] = {}
+    devices_by_words: dict[PlaceWords, list[str]] = {}
     in_hex = value.startswith("0x")
-    for device, run in groupby(places, key=lambda item: item.device):
-        group = list(run)
-        found.setdefault(_words(group, in_hex), []).append(device)
-    for words, names in found.items():
+    for device, device_places in groupby(places, key=lambda place: place.device):
+        group = list(device_places)
+        devices_by_words.setdefault(_words(group, in_hex), []).append(device)
+    for words, names in devices_by_words.items():
         yield replace(words, devices=", ".join(names) if len(names) < len(devices) else "")
 
 
 def place_lines(places: Sequence[Place], value: str, devices: Sequence[Device]) -> Iterator[str]:
     """Yield the places of a value as lines of text."""
-    for found in place_words(places, value, devices):
-        unit = f"unit {found.unit}" if found.unit not in ("", "none") else ""
-        default = f"factory default {found.default}" if found.default else ""
-        leave = "leave it" if found.is_default else ""
-        facts = list(filter(None, (found.location, found.type, unit, found.range, default, leave)))
-        names = {"place": found.location, "data type": found.type, "unit": found.unit, "factory default": found.default}
-        missing = [name for name, given in names.items() if not given]
+    for words in place_words(places, value, devices):
+        unit = f"unit {words.unit}" if words.unit not in ("", "none") else ""
+        default = f"factory default {words.default}" if words.default else ""
+        leave = "leave it" if words.is_default else ""
+        facts = list(filter(None, (words.location, words.type, unit, words.range, default, leave)))
+        names = {"place": words.location, "data type": words.type, "unit": words.unit, "factory default": words.default}
+        missing = [name for name, text in names.items() if not text]
         facts += [f"{listed(missing)} not given"] if missing else []
-        on = f"{found.devices}: " if found.devices else ""
-        yield f"{on}{', '.join(facts)}{found.mark} [{found.source}]"
+        on = f"{words.devices}: " if words.devices else ""
+        yield f"{on}{', '.join(facts)}{words.mark} [{words.source}]"
 
 
 def _words(group: Sequence[Place], in_hex: bool) -> PlaceWords:
@@ -227,20 +228,25 @@ def _words(group: Sequence[Place], in_hex: bool) -> PlaceWords:
         default = default.upper()
     elif isinstance(place.default, int) and in_hex:
         default = f"0x{place.default:02X}"
+    has_range = place.minimum is not None or place.maximum is not None
     return PlaceWords(
-        "",
-        ", ".join(f"{item.location} ({item.channel})" if item.channel else item.location for item in group),
-        kind,
-        place.unit,
-        "" if place.minimum is None and place.maximum is None else _range(place.minimum, place.maximum),
-        default,
-        place.is_default,
-        " *" if place.standing == "inferred" else "",
-        place.source.replace("; ", ", "),
+        devices="",
+        location=", ".join(map(_location_and_channel, group)),
+        type=kind,
+        unit=place.unit,
+        range=_range_in_words(place.minimum, place.maximum) if has_range else "",
+        default=default,
+        is_default=place.is_default,
+        mark=" *" if place.standing == "inferred" else "",
+        source=place.source.replace("; ", ", "),
     )
 
 
-def _range(least: int | None, most: int | None) -> str:
-    if least is None:
-        return f"at most {most}"
-    return f"at least {least}" if most is None else f"{least} to {most}"
+def _location_and_channel(place: Place) -> str:
+    return f"{place.location} ({place.channel})" if place.channel else place.location
+
+
+def _range_in_words(lowest: int | None, highest: int | None) -> str:
+    if lowest is None:
+        return f"at most {highest}"
+    return f"at least {lowest}" if highest is None else f"{lowest} to {highest}"

@@ -105,6 +105,17 @@ class Record:
 _WITHOUT_UNIT = Measurement("position", None, None, None, None, None, ())
 
 
+@dataclass(frozen=True, slots=True)
+class _PositionFrame:
+    """The frame of an order code that carries the position."""
+
+    device: Device
+    variant: Variant
+    interface: Biss | Ssi
+    placed: PlacedLayout
+    measurement: Measurement
+
+
 def record(
     device: Device,
     variant: Variant,
@@ -126,85 +137,130 @@ def record(
         NoRecord: The order code has no BiSS or SSI interface, its position is not in one piece, or no clock is known
             for this cable length.
     """
+    frame = _position_frame(device, variant, answers)
+    deciding = device.alternatives_of(frame.placed.layout)
+    parts = tuple(_parts(frame.placed, frame.measurement, variant))
+    numbers = _numbers(frame, parts)
+    cables = cable_table(device, frame.interface, variant.code)
+    needed_answers = {alternative.name: answers[alternative.name] for alternative in deciding}
+    notes = (
+        *_answer_notes(deciding, needed_answers),
+        *_clock_notes(numbers, cables, cable_m),
+        *_frame_notes(device, frame.measurement.of, frame.placed, parts, as_delivered),
+    )
+    unlimited = _record(frame, parts, numbers, cables, notes, needed_answers)
+    return unlimited if cable_m is None else _with_cable(unlimited, cable_m)
+
+
+def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]) -> _PositionFrame:
     interface = device.interface(variant.interface)
     if not isinstance(interface, (Biss, Ssi)):
         only = f"there are masters for {Ssi.title} and {Biss.title} only"
         raise NoRecord(f"{variant.code} has the interface {interface.title}; {only}")
     measurement = device.measurement_of(variant.interface) or _WITHOUT_UNIT
-    placed = _frame(interface, measurement, with_answers(device, variant, answers))
-    measurement = measurement.within(placed.layout.position_range)
+    placed = _frame_with_position(interface, measurement, with_answers(device, variant, answers))
     deciding = device.alternatives_of(placed.layout)
-    missing = [item.name for item in deciding if item.name not in answers]
+    missing = [alternative.name for alternative in deciding if alternative.name not in answers]
     if missing:
         raise Undecided(placed.layout, missing)
-    taken = {item.name: answers[item.name] for item in deciding}
-    parts = tuple(_parts(placed, measurement, variant))
-    crc = _crc(device, placed)
-    actives = {part.active or "low" for part in parts if part.role == "status"}
+    return _PositionFrame(
+        device=device,
+        variant=variant,
+        interface=interface,
+        placed=placed,
+        measurement=measurement.within(placed.layout.position_range),
+    )
+
+
+def _record(
+    frame: _PositionFrame,
+    parts: tuple[Part, ...],
+    numbers: Mapping[str, int | None],
+    cables: CableTable,
+    notes: tuple[str, ...],
+    answers: Mapping[str, str],
+) -> Record:
+    """Return the record without a cable length."""
+    device, interface = frame.device, frame.interface
+    timeout = interface.timeout if isinstance(interface, Biss) else None
+    return Record(
+        code=frame.variant.code,
+        family=device.name,
+        words=_words(frame, parts, numbers),
+        numbers=numbers,
+        parts=parts,
+        timeout=timeout_words(timeout) if timeout is not None else "",
+        cables=cables,
+        notes=notes,
+        answers=answers,
+        step=frame.measurement.micrometres(frame.variant.parameters),
+        document=document(device),
+        mentioned=frozenset(subject for subject in Subject if mentions(device, interface, subject)),
+        used_hz=interface.clock.used_hz if numbers["clock_max_hz"] is None else (),
+    )
+
+
+def _numbers(frame: _PositionFrame, parts: Sequence[Part]) -> dict[str, int | None]:
+    """Return the numbers of a record, in their order there."""
+    variant = frame.variant
+    crc = _checked_crc(frame.device, frame.placed)
     widths = _widths(parts)
-    numbers = widths | _crc_numbers(crc) | _times(interface, variant.code) | _supply(device, variant)
-    numbers |= _measured(measurement, variant, widths["multiturn_bits"] or 0)
-    words = {
-        "interface": variant.interface,
-        "movement": device.movement,
-        "coding": _coding(placed, measurement, parts),
-        "status_active": "none" if not actives else actives.pop() if len(actives) == 1 else "mixed",
-        "parity": _parity(placed, parts),
-        "singleturn_codes": _singleturn_codes(device.movement, widths["singleturn_bits"], numbers["counts_per_turn"]),
+    numbers = (
+        widths
+        | _crc_numbers(crc)
+        | _clock_and_times(frame.interface, variant.code)
+        | _supply_voltage(frame.device, variant)
+    )
+    numbers |= _measurement_numbers(frame.measurement, variant, widths["multiturn_bits"] or 0)
+    return {name: numbers[name] for name in NUMBERS}
+
+
+def _words(frame: _PositionFrame, parts: Sequence[Part], numbers: Mapping[str, int | None]) -> dict[str, str]:
+    movement = frame.device.movement
+    return {
+        "interface": frame.variant.interface,
+        "movement": movement,
+        "coding": _coding(frame.placed, frame.measurement, parts),
+        "status_active": _status_active(parts),
+        "parity": _parity(frame.placed, parts),
+        "singleturn_codes": _singleturn_codes(movement, numbers["singleturn_bits"], numbers["counts_per_turn"]),
     }
-    cables = cable_table(device, interface, variant.code)
-    timeout = timeout_words(interface.timeout) if isinstance(interface, Biss) and interface.timeout is not None else ""
-    notes = (
-        *_answer_notes(deciding, taken),
-        *_clock_notes(numbers, cables, cable_m),
-        *_notes(device, measurement.of, placed, parts, as_delivered),
-    )
-    ordered = {name: numbers[name] for name in NUMBERS}
-    step = measurement.micrometres(variant.parameters)
-    source = document(device)
-    found = Record(
-        variant.code,
-        device.name,
-        words,
-        ordered,
-        parts,
-        timeout,
-        cables,
-        notes,
-        taken,
-        step=step,
-        document=source,
-        mentioned=frozenset(item for item in Subject if mentions(device, interface, item)),
-    )
-    if numbers["clock_max_hz"] is None:
-        found = replace(found, used_hz=interface.clock.used_hz)
-    return found if cable_m is None else _with_cable(found, cable_m)
 
 
-def _with_cable(found: Record, metres: int) -> Record:
+def _status_active(parts: Sequence[Part]) -> str:
+    """Return the level at which the status bits are active, ``mixed`` if they differ, or ``none``."""
+    levels = {part.active or "low" for part in parts if part.role == "status"}
+    if not levels:
+        return "none"
+    return levels.pop() if len(levels) == 1 else "mixed"
+
+
+def _with_cable(unlimited: Record, metres: int) -> Record:
     """Return the record with the highest clock for this cable length."""
-    row = found.cables.row_of(metres)
+    row = unlimited.cables.row_of(metres)
+    place, origin = f"{unlimited.code}, cable of {metres} m", unlimited.cables.origin
     if row is None:
-        longest = max((item.metres for item in found.cables.rows), default=0)
-        wrong = "the spec has no table of clocks by cable length"
-        if longest:
-            wrong = f"the table in {found.cables.origin} ends at {longest} m"
-        raise NoRecord(f"{found.code}, cable of {metres} m: {wrong}")
-    slowest, fastest = found.numbers["clock_min_hz"], found.numbers["clock_max_hz"]
+        longest = max((table_row.metres for table_row in unlimited.cables.rows), default=0)
+        if not longest:
+            raise NoRecord(f"{place}: the spec has no table of clocks by cable length")
+        raise NoRecord(f"{place}: the table in {origin} ends at {longest} m")
+    slowest, fastest = unlimited.numbers["clock_min_hz"], unlimited.numbers["clock_max_hz"]
     if fastest is None:
-        used_hz = tuple(hz for hz in found.used_hz if hz <= row.highest_hz)
-        return replace(found, cable_m=metres, used_hz=used_hz)
+        used_hz = tuple(hz for hz in unlimited.used_hz if hz <= row.highest_hz)
+        return replace(unlimited, cable_m=metres, used_hz=used_hz)
     highest = min(row.highest_hz, fastest)
     if slowest is not None and highest < slowest:
-        wrong = f"the table in {found.cables.origin} has {row.text}, but the encoder needs at least {hertz(slowest)}"
-        raise NoRecord(f"{found.code}, cable of {metres} m: {wrong}")
-    limited = row if highest == row.highest_hz else None
-    return replace(found, numbers={**found.numbers, "clock_max_hz": highest}, cable_m=metres, cable_row=limited)
+        raise NoRecord(
+            f"{place}: the table in {origin} has {row.text}, but the encoder needs at least {hertz(slowest)}"
+        )
+    limiting_row = row if highest == row.highest_hz else None
+    numbers = {**unlimited.numbers, "clock_max_hz": highest}
+    return replace(unlimited, numbers=numbers, cable_m=metres, cable_row=limiting_row)
 
 
-def _frame(interface: Interface, measurement: Measurement, variant: Variant) -> PlacedLayout:
+def _frame_with_position(interface: Interface, measurement: Measurement, variant: Variant) -> PlacedLayout:
     """Return the frame that carries the position. With several BiSS channels, this is the first."""
-    layouts = sorted(interface.layouts, key=lambda item: item.channel or 0)
+    layouts = sorted(interface.layouts, key=lambda layout: layout.channel or 0)
     for layout in layouts:
         placed = layout.place(variant.parameters)
         if placed.place_of(measurement.of)[1]:
@@ -223,85 +279,86 @@ def _parts(placed: PlacedLayout, measurement: Measurement, variant: Variant) -> 
     layout = placed.layout
     of_position = layout.names_in(measurement.of)
     stage, top = "before", placed.bits
-    for item in placed.fields:
-        if item.high + 1 != top:
-            raise NoRecord(f"the bits of '{layout.name}' above '{item.name}' have no meaning in the spec")
-        top = item.low
-        role = _role(item, placed, of_position, stage)
+    for field in placed.fields:
+        if field.high + 1 != top:
+            raise NoRecord(f"the bits of '{layout.name}' above '{field.name}' have no meaning in the spec")
+        top = field.low
+        role = _role(field, placed, of_position, stage)
         if role in _ORDER:
             stage = role
         elif stage in ("position", "after"):
             stage = "status"  # Zero bits from here on are not next to the position.
         if role == "position":
-            yield from _position(item, item.name == of_position[-1], len(of_position) > 1, measurement, variant)
+            is_last, is_joined = field.name == of_position[-1], len(of_position) > 1
+            yield from _position_parts(field, is_last, is_joined, measurement, variant)
         else:
-            shown = "padding" if role in ("before", "after") else role
-            yield Part(item.name, shown, item.width, _active(item.field) if role == "status" else "")
+            printed_role = "padding" if role in ("before", "after") else role
+            yield Part(field.name, printed_role, field.width, _active_level(field.field) if role == "status" else "")
     if top:
         raise NoRecord(f"the last bits of '{layout.name}' have no meaning in the spec")
 
 
-def _role(item: PlacedField, placed: PlacedLayout, of_position: Sequence[str], stage: str) -> str:
+def _role(field: PlacedField, placed: PlacedLayout, of_position: Sequence[str], stage: str) -> str:
     """Return the role of a field, with ``before`` and ``after`` for zero bits. ``stage`` is the last one reached."""
-    if item.name in of_position:
+    if field.name in of_position:
         if stage not in ("before", "position"):
-            raise NoRecord(f"the position is not in one piece: other bits are sent before '{item.name}'")
+            raise NoRecord(f"the position is not in one piece: other bits are sent before '{field.name}'")
         return "position"
-    if stage == "position" and item.low > placed.place_of(of_position[-1])[0]:
-        raise NoRecord(f"the position is not in one piece: '{item.name}' is sent within it")
-    role = _expected_role(item, stage)
+    if stage == "position" and field.low > placed.place_of(of_position[-1])[0]:
+        raise NoRecord(f"the position is not in one piece: '{field.name}' is sent within it")
+    role = _expected_role(field, stage)
     if role in _ORDER[_ORDER.index(stage) :] and (stage != "before" or role == "before"):
         return role
-    return "parity" if _is_parity_of_frame(item, placed) else "other"
+    return "parity" if _is_parity_of_frame(field, placed) else "other"
 
 
-def _expected_role(item: PlacedField, stage: str) -> str:
+def _expected_role(field: PlacedField, stage: str) -> str:
     """Return the role of a field that is not part of the position, from its kind."""
-    kind = item.field.kind
+    kind = field.field.kind
     if isinstance(kind, CrcValue):
         return "crc"
     if isinstance(kind, (Constant, Unused)) and kind.value == 0:
         return "before" if stage == "before" else "after"
-    return "status" if item.width == 1 and isinstance(kind, (Flag, Constant, Unused)) else "other"
+    return "status" if field.width == 1 and isinstance(kind, (Flag, Constant, Unused)) else "other"
 
 
-def _is_parity_of_frame(item: PlacedField, placed: PlacedLayout) -> bool:
+def _is_parity_of_frame(field: PlacedField, placed: PlacedLayout) -> bool:
     """Return whether a field is the last one, and a parity bit over all other bits that are not always 0."""
-    kind = item.field.kind
-    if not isinstance(kind, Parity) or kind.over or item.low:
+    kind = field.field.kind
+    if not isinstance(kind, Parity) or kind.over or field.low:
         return False
     covered = {name for of in kind.of for name in placed.layout.names_in(of)} | {*kind.constants}
-    return all(other.name in covered or other is item or _is_zero(other) for other in placed.fields)
+    return all(candidate.name in covered or candidate is field or _is_zero(candidate) for candidate in placed.fields)
 
 
-def _is_zero(item: PlacedField) -> bool:
-    return isinstance(item.field.kind, (Constant, Unused)) and item.field.kind.value == 0
+def _is_zero(field: PlacedField) -> bool:
+    return isinstance(field.field.kind, (Constant, Unused)) and field.field.kind.value == 0
 
 
-def _position(
-    item: PlacedField, is_last: bool, is_joined: bool, measurement: Measurement, variant: Variant
+def _position_parts(
+    field: PlacedField, is_last: bool, is_joined: bool, measurement: Measurement, variant: Variant
 ) -> Iterator[Part]:
     """Yield turns and position within a turn: two fields, or one that holds both."""
     if is_joined:
-        yield Part(item.name, "singleturn" if is_last else "multiturn", item.width)
+        yield Part(field.name, "singleturn" if is_last else "multiturn", field.width)
         return
     turns = measurement.turns.value(variant.parameters) if measurement.turns is not None else 1
     turn_bits = (turns - 1).bit_length()
     counts = measurement.counts_per_turn.value(variant.parameters) if measurement.counts_per_turn is not None else None
     if turn_bits and counts is not None and counts & (counts - 1):
-        raise NoRecord(f"'{item.name}' has {counts} counts per revolution, so no bits of it are the revolutions")
+        raise NoRecord(f"'{field.name}' has {counts} counts per revolution, so no bits of it are the revolutions")
     if turn_bits:
-        yield Part(f"{item.name}_turns", "multiturn", turn_bits)
-    yield Part(item.name, "singleturn", item.width - turn_bits)
+        yield Part(f"{field.name}_turns", "multiturn", turn_bits)
+    yield Part(field.name, "singleturn", field.width - turn_bits)
 
 
-def _active(field: Field) -> str:
+def _active_level(field: Field) -> str:
     if not isinstance(field.kind, Flag):
         return ""
     return "low" if field.kind.active_low else "high"
 
 
-def _crc(device: Device, placed: PlacedLayout) -> Crc | None:
+def _checked_crc(device: Device, placed: PlacedLayout) -> Crc | None:
     crc = device.crc_of(placed.layout)
     if crc is None:
         return None
@@ -328,26 +385,28 @@ def _coding(placed: PlacedLayout, measurement: Measurement, parts: Sequence[Part
     coded, of_position = set(layout.names_in(layout.gray_of)), set(layout.names_in(measurement.of))
     if coded == of_position | {part.name for part in parts if part.role == "status"}:
         return "gray_with_status"
-    what = "with more than the position" if of_position < coded else "not the whole position"
-    raise NoRecord(f"only '{layout.gray_of}' is in Gray code, {what}")
+    extent = "with more than the position" if of_position < coded else "not the whole position"
+    raise NoRecord(f"only '{layout.gray_of}' is in Gray code, {extent}")
+
+
+def _bits_of(parts: Sequence[Part], role: str) -> int:
+    return sum(part.bits for part in parts if part.role == role)
 
 
 def _widths(parts: Sequence[Part]) -> dict[str, int | None]:
-    bits = {
-        role: sum(part.bits for part in parts if part.role == role)
-        for role in ("multiturn", "singleturn", "padding", "status", "crc", "other", "parity")
-    }
+    roles = ("multiturn", "singleturn", "padding", "status", "crc", "other", "parity")
+    bits = {role: _bits_of(parts, role) for role in roles}
     first = next(index for index, part in enumerate(parts) if part.role in ("multiturn", "singleturn"))
-    left = sum(part.bits for part in parts[:first] if part.role == "padding")
-    other_left = sum(part.bits for part in parts[:first] if part.role == "other")
+    padding_left = _bits_of(parts[:first], "padding")
+    other_left = _bits_of(parts[:first], "other")
     position = bits["multiturn"] + bits["singleturn"]
     data = position + bits["padding"]
     return {
         "multiturn_bits": bits["multiturn"],
         "singleturn_bits": bits["singleturn"],
         "position_bits": position,
-        "padding_left": left,
-        "padding_right": bits["padding"] - left,
+        "padding_left": padding_left,
+        "padding_right": bits["padding"] - padding_left,
         "data_bits": data,
         "status_bits": bits["status"],
         "data_and_status_bits": data + bits["status"],
@@ -371,7 +430,7 @@ def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
     }
 
 
-def _times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
+def _clock_and_times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
     """Return clock and times of an order code. A time-out in clock periods is longest at the slowest clock."""
     timeout = interface.timeout if isinstance(interface, Biss) else None
     longest = None
@@ -391,20 +450,25 @@ def _times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
     }
 
 
-def _supply(device: Device, variant: Variant) -> dict[str, int | None]:
-    found = device.supply_of(variant)
-    lowest, highest = (found.min_mv, found.max_mv) if found is not None else (None, None)
+def _supply_voltage(device: Device, variant: Variant) -> dict[str, int | None]:
+    supply = device.supply_of(variant)
+    lowest, highest = (supply.min_mv, supply.max_mv) if supply is not None else (None, None)
     return {"supply_min_mv": lowest, "supply_max_mv": highest}
 
 
-def _measured(measurement: Measurement, variant: Variant, multiturn_bits: int) -> dict[str, int | None]:
-    found = {"counts_per_turn": measurement.counts_per_turn, "turns": measurement.turns}
-    known = {name: item.value(variant.parameters) if item is not None else None for name, item in found.items()}
-    if known["turns"] is not None:
+def _measurement_numbers(measurement: Measurement, variant: Variant, multiturn_bits: int) -> dict[str, int | None]:
+    counts, turns = measurement.counts_per_turn, measurement.turns
+    turn_count = None
+    if turns is not None:
         # Registers may set fewer bits than needed for the revolutions in other registers at their factory defaults.
-        known["turns"] = min(known["turns"], 1 << multiturn_bits)
+        turn_count = min(turns.value(variant.parameters), 1 << multiturn_bits)
     step = measurement.micrometres(variant.parameters)
-    return known | {"step_um": _whole(step, 1), "step_pm": _whole(step, 1_000_000)}
+    return {
+        "counts_per_turn": counts.value(variant.parameters) if counts is not None else None,
+        "turns": turn_count,
+        "step_um": _in_whole_units(step, 1),
+        "step_pm": _in_whole_units(step, 1_000_000),
+    }
 
 
 def _singleturn_codes(movement: str, singleturn_bits: int | None, counts_per_turn: int | None) -> str:
@@ -416,15 +480,16 @@ def _singleturn_codes(movement: str, singleturn_bits: int | None, counts_per_tur
     return "all" if counts_per_turn == 1 << singleturn_bits else "some"
 
 
-def _whole(step: Fraction | None, per_um: int) -> int | None:
+def _in_whole_units(step: Fraction | None, per_um: int) -> int | None:
     """Return a length in micrometres in another unit, or None if it is not a whole number of that unit."""
     return int(step * per_um) if step is not None and (step * per_um).denominator == 1 else None
 
 
-def _answer_notes(deciding: Sequence[Alternative], taken: Mapping[str, str]) -> Iterator[str]:
-    for item in deciding:
-        answer = next(one for one in item.answers if one.name == taken[item.name])
-        yield f"With {item.name}={answer.name}: {answer.meaning}."
+def _answer_notes(deciding: Sequence[Alternative], taken_answers: Mapping[str, str]) -> Iterator[str]:
+    for alternative in deciding:
+        name = taken_answers[alternative.name]
+        answer = next(answer for answer in alternative.answers if answer.name == name)
+        yield f"With {alternative.name}={answer.name}: {answer.meaning}."
 
 
 def _clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m: int | None) -> Iterator[str]:
@@ -435,28 +500,34 @@ def _clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m:
         )
 
 
-def _deciding(device: Device, name: str) -> str:
+def _register_in_words(device: Device, name: str) -> str:
     """Return a register in words. One that is only reached over another interface has no address here."""
-    register = next((item for item in device.registers if item.name == name), None)
+    register = next((candidate for candidate in device.registers if candidate.name == name), None)
     return name if register is None else f"{register.printed_name or name} ({addresses(register)})"
 
 
-def _notes(device: Device, of: str, placed: PlacedLayout, parts: Sequence[Part], as_delivered: bool) -> Iterator[str]:
-    for what, names in (
+def _frame_notes(
+    device: Device, position_name: str, placed: PlacedLayout, parts: Sequence[Part], as_delivered: bool
+) -> Iterator[str]:
+    for dependence, names in (
         ("widths depend", set(placed.layout.bits.parameters)),
         ("code depends", {placed.layout.gray_when} - {""}),
     ):
         needed = device.needed_parameters(names)
-        names_of = (item.register for item in device.run_time_parameters if item.name in needed)
-        deciding = ", ".join(dict.fromkeys(_deciding(device, name) for name in names_of))
+        names_of = (parameter.register for parameter in device.run_time_parameters if parameter.name in needed)
+        deciding = ", ".join(dict.fromkeys(_register_in_words(device, name) for name in names_of))
         if deciding:
-            given = f"their {initial(device)}. Other values need other settings" if as_delivered else "the given values"
-            yield f"The {what} on registers: {deciding}. These settings are for {given}."
-    signed = next((item for item in placed.fields if item.name == of and item.field.number.signed), None)
+            values = (
+                f"their {initial(device)}. Other values need other settings" if as_delivered else "the given values"
+            )
+            yield f"The {dependence} on registers: {deciding}. These settings are for {values}."
+    signed = next((field for field in placed.fields if field.name == position_name and field.field.number.signed), None)
     if signed is not None:
         lowest, highest = device.signed_range(signed, placed)
-        wrong = f"A master that reads it as unsigned shows -1 as {(1 << signed.width) - 1}."
-        yield f"The position is signed, in two's complement: {lowest} to {highest}. {wrong}"
+        yield (
+            f"The position is signed, in two's complement: {lowest} to {highest}. A master that reads it as unsigned "
+            f"shows -1 as {(1 << signed.width) - 1}."
+        )
     fixed = [part.name for part in parts if part.role == "status" and not part.active]
     if fixed:
         yield f"{' and '.join(fixed)}: always 1, which a master treats as an inactive status bit."

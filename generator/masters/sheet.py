@@ -108,17 +108,17 @@ class Sheet:
 
     def devices_with(self, file: Raw) -> list[str]:
         """Return the devices of the master to which a file in its description applies."""
-        names = [item.name for item in self.master.devices if item.name not in self.barred]
+        names = [device.name for device in self.master.devices if device.name not in self.barred]
         return [name for name in names if name in file.get("on", names)]
 
     def writing_of(self, setting: Setting) -> tuple[Writing, ...]:
         """Return the conditions that apply only to this setting."""
-        return tuple(item for item in self.writing if item.of == (setting.name,))
+        return tuple(rule for rule in self.writing if rule.of == (setting.name,))
 
     @property
     def shared_writing(self) -> tuple[Writing, ...]:
         """Conditions for several or all settings."""
-        return tuple(item for item in self.writing if len(item.of) != 1)
+        return tuple(rule for rule in self.writing if len(rule.of) != 1)
 
 
 class _Unknown(Exception):
@@ -142,46 +142,41 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report
         The masters, valid only if the report is empty, and the report.
     """
     report = Report()
-    found: dict[str, Master] = {}
+    masters: dict[str, Master] = {}
     for group in ([packaged_masters()], paths):
-        own: set[str] = set()
+        group_names: set[str] = set()
         for document in read_specs(group, report):
             data = check_document(document, report)
             if data is not None and "master" not in data:
-                report.add(
-                    "not-allowed",
-                    document,
-                    (),
-                    "this is not a description of a master: the key 'master' is missing",
-                )
+                problem = "this is not a description of a master: the key 'master' is missing"
+                report.add("not-allowed", document, (), problem)
             elif data is not None:
-                if data["master"] in own:
-                    report.add(
-                        "duplicate-name", document, ("master",), f"there is another description of '{data['master']}'"
-                    )
-                own.add(data["master"])
-                found[data["master"]] = _master(data)
-    return tuple(sorted(found.values(), key=lambda item: item.title.lower())), report
+                name = data["master"]
+                if name in group_names:
+                    report.add("duplicate-name", document, ("master",), f"there is another description of '{name}'")
+                group_names.add(name)
+                masters[name] = _master(data)
+    return tuple(sorted(masters.values(), key=lambda master: master.title.lower())), report
 
 
 def shipped_masters(cache: Cache | None = None) -> tuple[Master, ...]:
     """Return the shipped masters. They are read once, from the cache if they are in it."""
     if not _SHIPPED:
-        _SHIPPED.extend(_shipped(cache or Cache(None)))
+        _SHIPPED.extend(_load_shipped(cache or Cache(None)))
     return tuple(_SHIPPED)
 
 
 _SHIPPED: list[Master] = []
 
 
-def _shipped(cache: Cache) -> tuple[Master, ...]:
+def _load_shipped(cache: Cache) -> tuple[Master, ...]:
     content = content_of(sorted(packaged_masters().iterdir()))
     with suppress(KeyError, TypeError):  # There is no such entry, or it is damaged.
-        return tuple(_from_data(item) for item in cache.get("masters", content))
+        return tuple(_from_data(row) for row in cache.get("masters", content))
     masters, report = load_masters()
     if report:
         raise ValueError(report.problems[0].format())
-    cache.put("masters", content, [asdict(item) for item in masters])
+    cache.put("masters", content, [asdict(master) for master in masters])
     return masters
 
 
@@ -192,8 +187,8 @@ def _from_data(data: Raw) -> Master:
         KeyError, TypeError: The data has another form.
     """
     shape = shape_of(FileKind.MASTER.value)["properties"]
-    documents = tuple(Document(**item) for item in data["documents"])
-    devices = tuple(Device(item["name"], tuple(item["channels"])) for item in data["devices"])
+    documents = tuple(Document(**row) for row in data["documents"])
+    devices = tuple(Device(row["name"], tuple(row["channels"])) for row in data["devices"])
     rules = (tuple(data[name]) for name in _RULES)
     master = Master(data["name"], data["title"], tuple(data["takes"]), documents, devices, data["standing"], *rules)
     are_typed = all(map(_is_typed, (master, *documents, *devices)))
@@ -202,12 +197,12 @@ def _from_data(data: Raw) -> Master:
     return master
 
 
-def _is_typed(item: Any) -> bool:
-    return members_fit(type(item), [getattr(item, member.name) for member in fields(item)])
+def _is_typed(loaded: Any) -> bool:
+    return members_fit(type(loaded), [getattr(loaded, member.name) for member in fields(loaded)])
 
 
 def _master(data: Raw) -> Master:
-    documents = tuple(Document(key, item["title"], item.get("url", "")) for key, item in data["documents"].items())
+    documents = tuple(Document(key, row["title"], row.get("url", "")) for key, row in data["documents"].items())
     rules = (tuple(data.get(name, ())) for name in _RULES)
     return Master(
         data["master"],
@@ -227,46 +222,52 @@ def sheet(master: Master, record: Record) -> Sheet:
         only = listed(INTERFACES[name].title for name in master.takes)
         reason = f"This master is described for {only} only, but {record.code} has {INTERFACES[interface].title}."
         return Sheet(master, (Refusal(reason, master.standing, ""),), (), (), speaks=False)
-    refusals = [
-        Refusal(
-            f"{item['reason']} For this encoder: {_actual(item['item'], record)}.",
-            item.get("standing", master.standing),
-            item["source"],
-        )
-        for item in master.limits
-        if _applies(item, record) and not _keeps(item, record)
-    ]
+    broken_limits = (rule for rule in master.limits if _applies(rule, record) and not _is_within_limits(rule, record))
+    refusals = [_limit_refusal(rule, master, record) for rule in broken_limits]
     refusals += _refusals_of_parts(master, record)
     settings: list[Setting] = []
     refused: list[tuple[Refusal, set[str]]] = []
-    for item in master.settings:
-        if not _applies(item, record):
+    for rule in master.settings:
+        if not _applies(rule, record):
             continue
         try:
-            settings.append(_setting(item, master, record))
+            settings.append(_setting(rule, master, record))
         except _Refused as reason:
-            refusal = Refusal(f"{reason}.", item.get("standing", master.standing), item["source"])
-            refused.append((refusal, _devices_of(item, master)))
+            refusal = Refusal(f"{reason}.", rule.get("standing", master.standing), rule["source"])
+            refused.append((refusal, _devices_of(rule, master)))
     barred = frozenset[str]().union(*(devices for _, devices in refused))
     if len(barred) == len(master.devices):
         refusals += [refusal for refusal, _ in refused]
     if not refusals:
-        wrongs = ((misfit(item.name, item.value, item.places), item) for item in settings)
-        refusals = [Refusal(f"{wrong}.", item.standing, item.source) for wrong, item in wrongs if wrong]
+        refusals = list(_misfits(settings))
     if refusals:
         return Sheet(master, tuple(refusals), (), ())
-    notes = tuple(_filled(item["text"], record) for item in master.notes if _applies(item, record))
-    rules = [_named(item, record) for item in master.writing if _applies(item, record)]
-    writing = writing_of(rules, [item.name for item in settings], master.devices, master.standing)
+    notes = tuple(_filled(note["text"], record) for note in master.notes if _applies(note, record))
+    rules = [_with_setting_names(rule, record) for rule in master.writing if _applies(rule, record)]
+    writing = writing_of(rules, [setting.name for setting in settings], master.devices, master.standing)
     unusable = (f"Not for {listed(sorted(devices))}. {refusal.reason}" for refusal, devices in refused)
     return Sheet(master, (), tuple(settings), (*unusable, *notes), writing, barred=barred)
 
 
+def _limit_refusal(rule: Raw, master: Master, record: Record) -> Refusal:
+    reason = f"{rule['reason']} For this encoder: {_actual_value(rule['item'], record)}."
+    return Refusal(reason, rule.get("standing", master.standing), rule["source"])
+
+
+def _misfits(settings: Sequence[Setting]) -> Iterator[Refusal]:
+    """Yield a refusal for each setting whose value does not fit its location."""
+    for setting in settings:
+        reason = misfit(setting.name, setting.value, setting.places)
+        if reason:
+            yield Refusal(f"{reason}.", setting.standing, setting.source)
+
+
 def _refusals_of_parts(master: Master, record: Record) -> list[Refusal]:
     """Return a refusal if the frame has parts that the master's description does not mention."""
-    items = {part.name: item for part, item in zip(record.parts, _items_of_parts(record.parts), strict=True) if item}
-    mentioned = _mentioned((master.limits, master.settings)) if items else set[str]()
-    names = [f"'{name}'" for name, item in items.items() if item not in mentioned]
+    pairs = zip(record.parts, _items_of_parts(record.parts), strict=True)
+    uncommon_parts = {part.name: item_name for part, item_name in pairs if item_name}
+    mentioned = _mentioned_items((master.limits, master.settings)) if uncommon_parts else set[str]()
+    names = [f"'{name}'" for name, item_name in uncommon_parts.items() if item_name not in mentioned]
     if not names:
         return []
     reason = f"The description of this master does not say how it handles {listed(names)} in the frame."
@@ -282,38 +283,43 @@ def _items_of_parts(parts: Sequence[Part]) -> Iterator[str]:
         yield {"other": f"other_bits_{side}", "parity": "parity_bits"}.get(part.role, "")
 
 
-def _mentioned(rule: Any) -> set[str]:
+def _mentioned_items(rule: Any) -> set[str]:
     """Return the items of a record on which rules depend."""
     if isinstance(rule, (list, tuple)):
-        return set[str]().union(*map(_mentioned, rule))
+        return set[str]().union(*map(_mentioned_items, rule))
     if not isinstance(rule, Mapping):
         return set()
-    names = _mentioned(tuple(rule.values())) | {str(rule[key]) for key in ("item", "of") if key in rule}
+    names = _mentioned_items(tuple(rule.values())) | {str(rule[key]) for key in ("item", "of") if key in rule}
     return names | set(Expression.parse(rule["value"]).parameters) if isinstance(rule.get("value"), str) else names
 
 
-def _devices_of(item: Raw, master: Master) -> set[str]:
+def _devices_of(rule: Raw, master: Master) -> set[str]:
     """Return the devices that have a setting."""
     names = [device.name for device in master.devices]
-    return {name for place in item["places"] for name in place.get("on", names)}
+    return {name for place in rule["places"] for name in place.get("on", names)}
 
 
-def _named(rule: Raw, record: Record) -> Raw:
+def _with_setting_names(rule: Raw, record: Record) -> Raw:
     """Return a condition for writing with the names of settings used on the sheet."""
-    return {**rule, **{key: [_filled(name, record) for name in rule[key]] for key in ("of", "after") if key in rule}}
+    named = {key: _filled_names(rule[key], record) for key in ("of", "after") if key in rule}
+    return {**rule, **named}
+
+
+def _filled_names(names: Sequence[str], record: Record) -> list[str]:
+    return [_filled(name, record) for name in names]
 
 
 def _applies(rule: Raw, record: Record) -> bool:
-    return all(_holds(item, record) for item in rule.get("when", ()))
+    return all(_condition_holds(condition, record) for condition in rule.get("when", ()))
 
 
-def _holds(condition: Raw, record: Record) -> bool:
+def _condition_holds(condition: Raw, record: Record) -> bool:
     """Return whether a condition is known to hold."""
-    known = condition["item"] in record.words or record.numbers[condition["item"]] is not None
-    return known and _keeps(condition, record)
+    is_known = condition["item"] in record.words or record.numbers[condition["item"]] is not None
+    return is_known and _is_within_limits(condition, record)
 
 
-def _keeps(limit: Raw, record: Record) -> bool:
+def _is_within_limits(limit: Raw, record: Record) -> bool:
     """Return whether an item is within its limits or unknown."""
     name = limit["item"]
     if name in record.words:
@@ -325,25 +331,31 @@ def _keeps(limit: Raw, record: Record) -> bool:
     return is_within and number in limit.get("one_of", (number,)) and number not in limit.get("none_of", ())
 
 
-def _actual(name: str, record: Record) -> str:
+def _actual_value(name: str, record: Record) -> str:
     if name in record.words:
         return f"{name.replace('_', ' ')} {record.words[name]}"
     number = record.numbers[name]
-    shown = f"0x{number:02X}" if name.startswith("crc_polynomial") and number is not None else f"{number}"
-    return f"{name.replace('_', ' ')} {shown}"
+    printed_number = f"0x{number:02X}" if name.startswith("crc_polynomial") and number is not None else f"{number}"
+    return f"{name.replace('_', ' ')} {printed_number}"
 
 
-def _setting(item: Raw, master: Master, record: Record) -> Setting:
+def _setting(rule: Raw, master: Master, record: Record) -> Setting:
     try:
-        value, text, bound = _value(item, record)
+        value, text, bound = _value_of_setting(rule, record)
     except _Unknown as reason:
         value, text, bound = None, f"unknown: {reason}", ""
-    name, at = _filled(item["name"], record), _filled(item.get("at", ""), record)
-    notes = (item.get("note", ""), _start_note(bound, record), _cable_note(item, value, record))
-    note = " ".join(filter(None, notes))
-    standing = item.get("standing", master.standing)
-    places = places_of(item, value, master.devices, master.standing, lambda symbol: _filled(symbol, record))
-    return Setting(name, at, value, text, bound, standing, item["source"], note, places)
+    notes = (rule.get("note", ""), _start_note(bound, record), _cable_note(rule, value, record))
+    return Setting(
+        name=_filled(rule["name"], record),
+        at=_filled(rule.get("at", ""), record),
+        value=value,
+        text=text,
+        bound=bound,
+        standing=rule.get("standing", master.standing),
+        source=rule["source"],
+        note=" ".join(filter(None, notes)),
+        places=places_of(rule, value, master.devices, master.standing, lambda symbol: _filled(symbol, record)),
+    )
 
 
 def _start_note(bound: str, record: Record) -> str:
@@ -353,35 +365,39 @@ def _start_note(bound: str, record: Record) -> str:
     return f"The highest clock of the encoder is not known. {clocks_in_use(record.used_hz)}."
 
 
-def _cable_note(item: Raw, value: int | bool | str | None, record: Record) -> str:
+def _cable_note(rule: Raw, value: int | bool | str | None, record: Record) -> str:
     """Return the cables that allow the clock of a setting, or an empty string if the user gave a cable length."""
-    if value is None or record.cable_m is not None or not {"clocks", "any_clock"} & item.keys():
+    if value is None or record.cable_m is not None or not {"clocks", "any_clock"} & rule.keys():
         return ""
-    chosen = _best_listed(item, record)["hz"] if "clocks" in item else _best_of_any(item["any_clock"], record)
+    chosen = _best_listed_clock(rule, record)["hz"] if "clocks" in rule else _best_free_clock(rule["any_clock"], record)
     return record.cables.about(chosen)
 
 
-def _value(item: Raw, record: Record) -> tuple[int | bool | str | None, str, str]:
+def _value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None, str, str]:
     """Return the value, its text, and its bound."""
-    if "unknown" in item:
-        raise _Unknown(item["unknown"])
-    if "value" in item:
-        number = _number(item["value"], item["name"], record)
-        if item.get("as") == "boolean":
+    if "unknown" in rule:
+        raise _Unknown(rule["unknown"])
+    if "value" in rule:
+        number = _evaluated(rule["value"], rule["name"], record)
+        if rule.get("as") == "boolean":
             return bool(number), "TRUE" if number else "FALSE", ""
-        return number, f"0x{number:02X}" if item.get("as") == "hex" else str(number), item.get("bound", "")
-    if "choice" in item:
-        chosen = _chosen(item, record)
+        text = f"0x{number:02X}" if rule.get("as") == "hex" else str(number)
+        return number, text, rule.get("bound", "")
+    if "choice" in rule:
+        chosen = _chosen_value(rule, record)
         return chosen, str(chosen), ""
-    if "clocks" in item:
-        return _listed_clock(item, record)
-    if "any_clock" in item:
-        return _any_clock(item["any_clock"], record)
-    text = _text(item["text"], record) if "text" in item else "".join(_string(item["string"], item["name"], record))
+    if "clocks" in rule:
+        return _listed_clock(rule, record)
+    if "any_clock" in rule:
+        return _free_clock(rule["any_clock"], record)
+    if "text" in rule:
+        text = _filled_if_known(rule["text"], record)
+        return text, text, ""
+    text = "".join(_field_texts(rule["string"], rule["name"], record))
     return text, text, ""
 
 
-def _number(value: int | str, name: str, record: Record) -> int:
+def _evaluated(value: int | str, name: str, record: Record) -> int:
     expression = Expression.parse(value)
     for used in expression.parameters:
         if record.numbers[used] is None:
@@ -395,46 +411,49 @@ def _number(value: int | str, name: str, record: Record) -> int:
     return number
 
 
-def _chosen(item: Raw, record: Record) -> int | str:
-    name = item["choice"]["of"]
+def _chosen_value(rule: Raw, record: Record) -> int | str:
+    name = rule["choice"]["of"]
     actual = record.words.get(name, record.numbers.get(name))
     if actual is None:
         raise _not_in_manual(name, record.step)
-    for case in item["choice"]["cases"]:
+    for case in rule["choice"]["cases"]:
         if case["is"] == actual:
             chosen: int | str = case["set"]
             return chosen
-    raise _Refused(f"{item['name']} has no value for {_actual(name, record)}")
+    raise _Refused(f"{rule['name']} has no value for {_actual_value(name, record)}")
 
 
 def _has_limits(record: Record) -> bool:
     return record.numbers["clock_max_hz"] is not None
 
 
-def _bounds(record: Record) -> tuple[int, int]:
+def _clock_limits(record: Record) -> tuple[int, int]:
     slowest, fastest = record.numbers["clock_min_hz"], record.numbers["clock_max_hz"]
     if fastest is None:
         raise _not_in_manual("clock_max_hz")
     return slowest or 0, fastest
 
 
-def _listed_clock(item: Raw, record: Record) -> tuple[int | str, str, str]:
-    best = _best_listed(item, record)
-    shown, value = hertz(best["hz"]), best["set"]
-    return value, shown if str(value) == shown else f"{value} ({shown})", "" if _has_limits(record) else _START
+def _listed_clock(rule: Raw, record: Record) -> tuple[int | str, str, str]:
+    best = _best_listed_clock(rule, record)
+    frequency, value = hertz(best["hz"]), best["set"]
+    text = frequency if str(value) == frequency else f"{value} ({frequency})"
+    return value, text, "" if _has_limits(record) else _START
 
 
-def _best_listed(item: Raw, record: Record) -> Raw:
+def _best_listed_clock(rule: Raw, record: Record) -> Raw:
     """Return the fastest of the master's clocks that the encoder supports, or that is in use if this is not known."""
-    in_use = [clock for clock in item["clocks"] if clock["hz"] in record.used_hz]
+    in_use = [clock for clock in rule["clocks"] if clock["hz"] in record.used_hz]
     if in_use:
         return _fastest_of(in_use)
-    slowest, fastest = _bounds(record)
-    fitting = [clock for clock in item["clocks"] if slowest <= clock["hz"] <= fastest]
+    slowest, fastest = _clock_limits(record)
+    fitting = [clock for clock in rule["clocks"] if slowest <= clock["hz"] <= fastest]
     if not fitting:
         with_cable = f" with a cable of {record.cable_m} m" if record.cable_m is not None else ""
-        taken = f"between {hertz(slowest)} and {_fastest(record)}, the limits of the encoder{with_cable}"
-        raise _Refused(f"{item['name']}: no clock is {taken}")
+        raise _Refused(
+            f"{rule['name']}: no clock is between {hertz(slowest)} and {_fastest(record)}, the limits of the "
+            f"encoder{with_cable}"
+        )
     return _fastest_of(fitting)
 
 
@@ -448,8 +467,8 @@ def _fastest(record: Record) -> str:
     return hertz(row.hz if row is not None else record.known["clock_max_hz"])
 
 
-def _any_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
-    best, unit = _best_of_any(clock, record), clock["unit"]
+def _free_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
+    best, unit = _best_free_clock(clock, record), clock["unit"]
     bound = "at_most" if _has_limits(record) else _START
     row = record.cable_row
     if row is not None and row.is_below and best == row.highest_hz:
@@ -457,28 +476,27 @@ def _any_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
     if unit not in _UNITS:
         return best, hertz(best), bound
     number = f"{best / _UNITS[unit]:g}" if best % _UNITS[unit] else str(best // _UNITS[unit])
-    shown = f"{number} Hz ({hertz(best)})" if unit == "Hz" else f"{number} {unit}"
-    return (int(number) if number.isdigit() else number), shown, bound
+    text = f"{number} Hz ({hertz(best)})" if unit == "Hz" else f"{number} {unit}"
+    return (int(number) if number.isdigit() else number), text, bound
 
 
-def _best_of_any(clock: Raw, record: Record) -> int:
+def _best_free_clock(clock: Raw, record: Record) -> int:
     """Return the fastest clock that the encoder and the master support, for a master with freely selectable clocks."""
-    least, most = clock.get("at_least_hz", 0), clock.get("at_most_hz", math.inf)
-    in_use = [hz for hz in record.used_hz if least <= hz <= most]
+    lowest, highest = clock.get("at_least_hz", 0), clock.get("at_most_hz", math.inf)
+    in_use = [hz for hz in record.used_hz if lowest <= hz <= highest]
     if in_use:
         return max(in_use)
-    slowest, fastest = _bounds(record)
+    slowest, fastest = _clock_limits(record)
     best = min(fastest, int(clock.get("at_most_hz", fastest)))
-    if best < max(slowest, clock.get("at_least_hz", 0)):
-        most, least = clock.get("at_most_hz"), clock.get("at_least_hz")
-        own = f"clocks of at least {hertz(least or 0)}"
-        if most is not None and most < slowest:
-            own = f"clocks of at most {hertz(most)}"
-        raise _Refused(f"The master supports {own}, but the encoder needs {hertz(slowest)} to {_fastest(record)}")
+    if best < max(slowest, lowest):
+        supported = f"at most {hertz(highest)}" if highest < slowest else f"at least {hertz(lowest)}"
+        raise _Refused(
+            f"The master supports clocks of {supported}, but the encoder needs {hertz(slowest)} to {_fastest(record)}"
+        )
     return best
 
 
-def _text(text: str, record: Record) -> str:
+def _filled_if_known(text: str, record: Record) -> str:
     """Return the text with the items in braces filled in, all of which must be known."""
     for name in NUMBERS:
         if f"{{{name}}}" in text and record.numbers[name] is None and not (name == "step_um" and record.step):
@@ -487,27 +505,27 @@ def _text(text: str, record: Record) -> str:
 
 
 def _filled(text: str, record: Record) -> str:
-    known = {**record.words, **record.numbers} if "{" in text else {}
+    values = {**record.words, **record.numbers} if "{" in text else {}
     if record.step is not None:
         text = text.replace("{step_um}", decimal(record.step))
-    for name, item in known.items():
-        text = text.replace(f"{{{name}}}", "unknown" if item is None else str(item))
+    for name, value in values.items():
+        text = text.replace(f"{{{name}}}", "unknown" if value is None else str(value))
     return text
 
 
-def _string(rule: Raw, name: str, record: Record) -> Iterator[str]:
+def _field_texts(rule: Raw, name: str, record: Record) -> Iterator[str]:
     """Yield the text of each field of the frame, according to its kind."""
     texts: dict[str, str] = {}
-    for item in rule["fields"]:
-        if _applies(item, record):
-            texts.setdefault(item["of"], item["text"])
-    yield _text(rule.get("start", ""), record)
+    for field in rule["fields"]:
+        if _applies(field, record):
+            texts.setdefault(field["of"], field["text"])
+    yield _filled_if_known(rule.get("start", ""), record)
     parts = _with_whole_position(record) if "position" in texts else record.parts
     for part in parts if rule["first"] == "sent_first" else reversed(parts):
         kind = f"status_active_{part.active or 'low'}" if part.role == "status" else part.role
         if kind not in texts:
             raise _Refused(f"{name} cannot express '{part.name}'")
-        yield _text(texts[kind].replace("{bits}", str(part.bits)).replace("{name}", part.name), record)
+        yield _filled_if_known(texts[kind].replace("{bits}", str(part.bits)).replace("{name}", part.name), record)
 
 
 def _with_whole_position(record: Record) -> tuple[Part, ...]:

@@ -43,23 +43,16 @@ def facts(record: Record) -> Iterator[tuple[str, str]]:
         f"{counted(number['padding_left'] or 0, 'zero bit')} before the position, {number['padding_right']} after it",
     )
     yield "Status bits", _status(record)
-    others = [part.name for part in record.parts if part.role == "other"]
-    if others:
-        yield "Other bits", ", ".join(others)
+    other_parts = [part.name for part in record.parts if part.role == "other"]
+    if other_parts:
+        yield "Other bits", ", ".join(other_parts)
     yield "Data bits", _data(record)
     yield "Order", ", ".join(f"{part.name} {part.bits}" for part in record.parts) + ", most significant bit first"
     yield "Code", _CODINGS[record.words["coding"]]
     yield "CRC", _crc(record)
     if record.words["parity"] != "none":
         yield "Parity", f"{record.words['parity']}, last bit"
-    slowest, fastest = number["clock_min_hz"], number["clock_max_hz"]
-    row = record.cable_row
-    highest = f"at most {hertz(fastest)}" if fastest is not None else ""
-    if row is not None and row.is_below:
-        highest = f"below {hertz(row.hz)}"
-    limits = (f"at least {hertz(slowest)}" if slowest is not None else "", highest)
-    used = f"{_unstated(record)}, {clocks_in_use(record.used_hz)}" if record.used_hz else _unstated(record)
-    yield "Clock", ", ".join(filter(None, limits)) or used
+    yield "Clock", _clock(record)
     if record.cables.rows:
         yield "Clock by cable", _cables(record)
     if INTERFACES[record.words["interface"]] is Biss:
@@ -70,6 +63,21 @@ def facts(record: Record) -> Iterator[tuple[str, str]]:
     else:
         yield "Pause", _time(number["pause_us"], "at least") or _unstated(record, Subject.PAUSE)
     yield "Supply", _supply(record) or _unstated(record, Subject.SUPPLY)
+
+
+def _clock(record: Record) -> str:
+    slowest, fastest = record.numbers["clock_min_hz"], record.numbers["clock_max_hz"]
+    row = record.cable_row
+    limits: list[str] = []
+    if slowest is not None:
+        limits.append(f"at least {hertz(slowest)}")
+    if row is not None and row.is_below:
+        limits.append(f"below {hertz(row.hz)}")
+    elif fastest is not None:
+        limits.append(f"at most {hertz(fastest)}")
+    if limits:
+        return ", ".join(limits)
+    return f"{_unstated(record)}, {clocks_in_use(record.used_hz)}" if record.used_hz else _unstated(record)
 
 
 def _unstated(record: Record, subject: Subject | None = None) -> str:
@@ -98,8 +106,8 @@ def _time(value: int | None, bound: str) -> str:
 
 def _status(record: Record) -> str:
     words = {"low": "active low", "high": "active high", "": "always 1"}
-    shown = [f"{part.name} ({words[part.active]})" for part in record.parts if part.role == "status"]
-    return ", ".join(shown) if shown else "none"
+    status_bits = [f"{part.name} ({words[part.active]})" for part in record.parts if part.role == "status"]
+    return ", ".join(status_bits) if status_bits else "none"
 
 
 def _data(record: Record) -> str:
@@ -124,7 +132,8 @@ def _crc(record: Record) -> str:
 
 def legend(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool) -> str:
     """Return the meaning of the marks, and the settings tested on hardware."""
-    used = {item.standing for item in masters} | {rule.standing for sheet in sheets for rule in sheet.settings}
+    used = {master.standing for master in masters}
+    used |= {setting.standing for sheet in sheets for setting in sheet.settings}
     used |= {rule.standing for sheet in sheets for rule in sheet.writing}
     used |= {reason.standing for sheet in sheets for reason in sheet.refusals}
     if with_places:
@@ -165,19 +174,19 @@ def condition(rule: Writing) -> str:
 
 def conditions(setting: Setting, sheet: Sheet) -> Iterator[str]:
     """Yield the conditions only for this setting, after the advice to leave a protected factory default unchanged."""
-    own = sheet.writing_of(setting)
-    if setting.is_default and any(rule.needs for rule in own):
+    writing_rules = sheet.writing_of(setting)
+    if setting.is_default and any(rule.needs for rule in writing_rules):
         yield f"{setting.text} is the factory default. Write it only if the setting was changed."
-    yield from (condition(item) for item in own)
+    yield from (condition(rule) for rule in writing_rules)
 
 
 def _written(rule: Writing, master: Master, indent: str) -> list[str]:
     """Return the places of the values that a condition needs."""
-    return [
-        wrapped(f"{write.title}: {found}", WIDTH, f"{indent}  ", indent)
-        for write in (*rule.needs, *rule.then)
-        for found in place_lines(write.places, write.text, master.devices)
-    ]
+    lines: list[str] = []
+    for write in (*rule.needs, *rule.then):
+        places = place_lines(write.places, write.text, master.devices)
+        lines += (wrapped(f"{write.title}: {place}", WIDTH, f"{indent}  ", indent) for place in places)
+    return lines
 
 
 def _shown(setting: Setting) -> str:
@@ -191,22 +200,22 @@ def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sh
         lines.append(wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  "))
     if match.unlisted:
         lines.append(wrapped(f"accepted, although not listed in the manual: {', '.join(match.unlisted)}", WIDTH, "  "))
-    lines += [wrapped(BY_NAME.sentence(item), WIDTH, "  ") for item in origin(device)]
+    lines += [wrapped(BY_NAME.sentence(statement), WIDTH, "  ") for statement in origin(device)]
     if match.special:
         lines.append(wrapped("A code that ends in /Sxxx may differ from the manual.", WIDTH, "  "))
     lines += pairs(facts(record), 2)
     lines += [wrapped(note, WIDTH, "  ") for note in record.notes]
-    lines += ["", wrapped(legend([item.master for item in sheets], sheets, len(sheets) == 1), WIDTH)]
-    taking = [item for item in sheets if not item.refusals]
-    for item in taking:
-        lines += ["", *_taken(item, with_documents=len(sheets) == 1)]
-    refusing = [item for item in sheets if item.refusals and item.speaks]
+    lines += ["", wrapped(legend([sheet.master for sheet in sheets], sheets, len(sheets) == 1), WIDTH)]
+    taking = [sheet for sheet in sheets if not sheet.refusals]
+    for sheet in taking:
+        lines += ["", *_sheet_lines(sheet, with_documents=len(sheets) == 1)]
+    refusing = [sheet for sheet in sheets if sheet.refusals and sheet.speaks]
     if refusing:
         lines += ["", wrapped(f"According to their documentation, these cannot use {record.code}:", WIDTH)]
-    for item in refusing:
-        lines.append(wrapped(f"{item.master.title} ({item.master.name})", WIDTH, "    ", "  "))
-        lines += [wrapped(refusal(reason), WIDTH, "      ", "    ") for reason in item.refusals]
-    silent = [item.master.title for item in sheets if not item.speaks]
+    for sheet in refusing:
+        lines.append(wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, "    ", "  "))
+        lines += [wrapped(refusal(reason), WIDTH, "      ", "    ") for reason in sheet.refusals]
+    silent = [sheet.master.title for sheet in sheets if not sheet.speaks]
     if silent:
         title = INTERFACES[record.words["interface"]].title
         lines += ["", wrapped(f"These masters are not described for {title}: {'; '.join(silent)}.", WIDTH, "  ", "")]
@@ -215,31 +224,34 @@ def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sh
     return "\n".join(lines)
 
 
-def _taken(sheet: Sheet, with_documents: bool) -> list[str]:
+def _sheet_lines(sheet: Sheet, with_documents: bool) -> list[str]:
     lines = [wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, "  ", "")]
-    names = min(max((len(item.name) for item in sheet.settings), default=0), 40)
-    values = min(max((len(_shown(item)) for item in sheet.settings), default=0), 18)
-    for item in sheet.settings:
-        row = f"  {item.name.ljust(names)}  {_shown(item).ljust(values)}  {item.at}".rstrip()
+    names = min(max((len(setting.name) for setting in sheet.settings), default=0), 40)
+    values = min(max((len(_shown(setting)) for setting in sheet.settings), default=0), 18)
+    for setting in sheet.settings:
+        row = f"  {setting.name.ljust(names)}  {_shown(setting).ljust(values)}  {setting.at}".rstrip()
         if len(row) <= WIDTH:
             lines.append(row)
         else:
-            place = f", {item.at}" if item.at else ""
-            lines += [wrapped(f"{item.name}{place}", WIDTH, "      ", "  "), wrapped(_shown(item), WIDTH, "      ")]
-        if item.note:
-            lines.append(wrapped(item.note, WIDTH, "      "))
-        lines += [wrapped(found, WIDTH, "      ") for found in conditions(item, sheet)]
+            place = f", {setting.at}" if setting.at else ""
+            lines += [
+                wrapped(f"{setting.name}{place}", WIDTH, "      ", "  "),
+                wrapped(_shown(setting), WIDTH, "      "),
+            ]
+        if setting.note:
+            lines.append(wrapped(setting.note, WIDTH, "      "))
+        lines += [wrapped(sentence, WIDTH, "      ") for sentence in conditions(setting, sheet)]
         if with_documents:
-            places = place_lines(item.places, item.text, sheet.master.devices)
-            lines += [wrapped(found, WIDTH, "        ", "      ") for found in places]
-            for rule in sheet.writing_of(item):
+            places = place_lines(setting.places, setting.text, sheet.master.devices)
+            lines += [wrapped(line, WIDTH, "        ", "      ") for line in places]
+            for rule in sheet.writing_of(setting):
                 lines += _written(rule, sheet.master, "      ")
     for rule in sheet.shared_writing:
         lines.append(wrapped(condition(rule), WIDTH, "    ", "  - "))
         lines += _written(rule, sheet.master, "    ") if with_documents else []
     lines += [wrapped(note, WIDTH, "    ", "  - ") for note in sheet.notes]
     if with_documents and sheet.master.files:
-        formats = listed((item["format"] for item in sheet.master.files), "or")
+        formats = listed((file["format"] for file in sheet.master.files), "or")
         lines.append(wrapped(f"file: --format {formats}", WIDTH, "      ", "  "))
     for document in sheet.master.documents if with_documents else ():
         where = f"{document.title}, {document.url}" if document.url else document.title
@@ -249,21 +261,18 @@ def _taken(sheet: Sheet, with_documents: bool) -> list[str]:
 
 def masters_text(masters: Sequence[Master]) -> str:
     """Return the list of masters, one per line."""
-    return "\n".join(
-        pairs(
-            (
-                (item.name, f"{item.title}: {', '.join(INTERFACES[name].title for name in item.takes)}")
-                for item in masters
-            ),
-            0,
-        )
-    )
+    rows = ((master.name, f"{master.title}: {_interface_titles(master)}") for master in masters)
+    return "\n".join(pairs(rows, 0))
+
+
+def _interface_titles(master: Master) -> str:
+    return ", ".join(INTERFACES[name].title for name in master.takes)
 
 
 def masters_data(masters: Sequence[Master]) -> dict[str, Any]:
     return {
         "version": VERSION,
-        "masters": [{"name": item.name, "title": item.title, "takes": list(item.takes)} for item in masters],
+        "masters": [{"name": master.name, "title": master.title, "takes": list(master.takes)} for master in masters],
     }
 
 
@@ -281,34 +290,39 @@ def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[st
             "written_as_in": match.written_as_in,
         },
         "alternatives": dict(record.answers),
-        "record": {
-            **record.words,
-            **record.numbers,
-            "clock_used_hz": list(record.used_hz),
-            "frame": [asdict(part) for part in record.parts],
-            "timeout": record.timeout,
-            "cable_m": record.cable_m,
-            "cable_lengths": [asdict(row) for row in record.cables.rows],
-            "cable_lengths_from": record.cables.origin if record.cables.rows else "",
-            "cable_errata": list(record.cables.errata),
-            "notes": list(record.notes),
-        },
-        "masters": [
-            {
-                "name": item.master.name,
-                "title": item.master.title,
-                "takes_it": not item.refusals,
-                "refusals": [asdict(reason) for reason in item.refusals],
-                "settings": [asdict(setting) for setting in item.settings],
-                "writing": [asdict(rule) for rule in item.writing],
-                "write_order": list(write_order([setting.name for setting in item.settings], item.writing)),
-                "files": [
-                    {"format": rule["format"], "devices": item.devices_with(rule)}
-                    for rule in (() if item.refusals else item.master.files)
-                ],
-                "notes": list(item.notes),
-                "documents": [asdict(document) for document in item.master.documents],
-            }
-            for item in sheets
-        ],
+        "record": _record_data(record),
+        "masters": [_sheet_entry(sheet) for sheet in sheets],
+    }
+
+
+def _record_data(record: Record) -> dict[str, Any]:
+    return {
+        **record.words,
+        **record.numbers,
+        "clock_used_hz": list(record.used_hz),
+        "frame": [asdict(part) for part in record.parts],
+        "timeout": record.timeout,
+        "cable_m": record.cable_m,
+        "cable_lengths": [asdict(row) for row in record.cables.rows],
+        "cable_lengths_from": record.cables.origin if record.cables.rows else "",
+        "cable_errata": list(record.cables.errata),
+        "notes": list(record.notes),
+    }
+
+
+def _sheet_entry(sheet: Sheet) -> dict[str, Any]:
+    """Return the settings of one master."""
+    names = [setting.name for setting in sheet.settings]
+    files = () if sheet.refusals else sheet.master.files
+    return {
+        "name": sheet.master.name,
+        "title": sheet.master.title,
+        "takes_it": not sheet.refusals,
+        "refusals": [asdict(reason) for reason in sheet.refusals],
+        "settings": [asdict(setting) for setting in sheet.settings],
+        "writing": [asdict(rule) for rule in sheet.writing],
+        "write_order": list(write_order(names, sheet.writing)),
+        "files": [{"format": rule["format"], "devices": sheet.devices_with(rule)} for rule in files],
+        "notes": list(sheet.notes),
+        "documents": [asdict(document) for document in sheet.master.documents],
     }

@@ -60,29 +60,46 @@ def writing_of(
     rules: Iterable[Raw], names: Collection[str], devices: Sequence[Device], standing: str
 ) -> tuple[Writing, ...]:
     """Return the conditions for writing the settings ``names`` of a sheet."""
-    found = []
+    conditions = []
     for rule in rules:
-        of, after = (tuple(item for item in rule.get(key, ()) if item in names) for key in ("of", "after"))
-        if ("of" in rule and not of) or ("after" in rule and not after):
+        settings, after = _known_names(rule, "of", names), _known_names(rule, "after", names)
+        if ("of" in rule and not settings) or ("after" in rule and not after):
             continue
-        found.append(_writing(rule, of, after, devices, standing))
-    return tuple(found)
+        conditions.append(_writing(rule, settings, after, devices, standing))
+    return tuple(conditions)
+
+
+def _known_names(rule: Raw, key: str, names: Collection[str]) -> tuple[str, ...]:
+    """Return the names in a list of a rule that are settings of the sheet."""
+    return tuple(name for name in rule.get(key, ()) if name in names)
 
 
 def _writing(
-    rule: Raw, of: tuple[str, ...], after: tuple[str, ...], devices: Sequence[Device], standing: str
+    rule: Raw, settings: tuple[str, ...], after: tuple[str, ...], devices: Sequence[Device], standing: str
 ) -> Writing:
-    needs, then = (tuple(_write(item, devices, standing) for item in rule.get(key, ())) for key in ("needs", "then"))
+    needs, then = _writes(rule, "needs", devices, standing), _writes(rule, "then", devices, standing)
     effect = Effect(**rule["takes_effect"]) if "takes_effect" in rule else None
-    text = _sentence(of, needs, after, then, effect)
-    return Writing(of, needs, after, then, effect, rule.get("standing", standing), rule["source"], text)
+    return Writing(
+        of=settings,
+        needs=needs,
+        after=after,
+        then=then,
+        takes_effect=effect,
+        standing=rule.get("standing", standing),
+        source=rule["source"],
+        text=_condition_text(settings, needs, after, then, effect),
+    )
 
 
-def _write(item: Raw, devices: Sequence[Device], standing: str) -> Write:
-    value = item["value"]
-    text = f"0x{value:X}" if item.get("as") == "hex" else str(value)
-    places = places_of(item, value, devices, standing, str)
-    return Write(item["object"], item.get("name", ""), value, text, places)
+def _writes(rule: Raw, key: str, devices: Sequence[Device], standing: str) -> tuple[Write, ...]:
+    return tuple(_write(raw_write, devices, standing) for raw_write in rule.get(key, ()))
+
+
+def _write(rule: Raw, devices: Sequence[Device], standing: str) -> Write:
+    value = rule["value"]
+    text = f"0x{value:X}" if rule.get("as") == "hex" else str(value)
+    places = places_of(rule, value, devices, standing, str)
+    return Write(rule["object"], rule.get("name", ""), value, text, places)
 
 
 def write_order(names: Sequence[str], rules: Iterable[Writing]) -> tuple[str, ...]:
@@ -93,8 +110,8 @@ def write_order(names: Sequence[str], rules: Iterable[Writing]) -> tuple[str, ..
 @lru_cache(maxsize=64)
 def _order(names: tuple[str, ...], rules: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...]) -> tuple[str, ...]:
     later = {name: set[str]() for name in names}
-    for of, after in rules:
-        for name in of:
+    for settings, after in rules:
+        for name in settings:
             later[name].update(after)
     order: list[str] = []
     while len(order) < len(names):
@@ -102,8 +119,8 @@ def _order(names: tuple[str, ...], rules: tuple[tuple[tuple[str, ...], tuple[str
     return tuple(order)
 
 
-def _sentence(
-    of: tuple[str, ...],
+def _condition_text(
+    settings: tuple[str, ...],
     needs: tuple[Write, ...],
     after: tuple[str, ...],
     then: tuple[Write, ...],
@@ -111,18 +128,19 @@ def _sentence(
 ) -> str:
     """Return a condition as one sentence."""
     if needs:
-        return (
-            f"Before writing {listed(of) or 'any setting'}, {listed(f'{it.title} must be {it.text}' for it in needs)}."
-        )
+        values = listed(f"{write.title} must be {write.text}" for write in needs)
+        return f"Before writing {listed(settings) or 'any setting'}, {values}."
     if after:
-        return f"Write {listed(of)} after {listed(after)}."
+        return f"Write {listed(settings)} after {listed(after)}."
     if then:
-        return f"After writing {listed(of) or 'all settings'}, set {listed(f'{it.title} to {it.text}' for it in then)}."
+        values = listed(f"{write.title} to {write.text}" for write in then)
+        return f"After writing {listed(settings) or 'all settings'}, set {values}."
     assert effect is not None
-    return f"{listed(of) or 'All settings'} {'takes' if len(of) == 1 else 'take'} effect {_when(effect)}."
+    verb = "takes" if len(settings) == 1 else "take"
+    return f"{listed(settings) or 'All settings'} {verb} effect {_when_effective(effect)}."
 
 
-def _when(effect: Effect) -> str:
+def _when_effective(effect: Effect) -> str:
     if effect.in_state:
         return f"only in the {effect.in_state} state"
     if effect.restart_of:

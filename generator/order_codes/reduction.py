@@ -31,9 +31,7 @@ def reduced_to_codes(device: Device, codes: Collection[str]) -> Device:
     layouts = [layout for _, layout in reduced.layouts()]
     decisive = {alternative.name for layout in layouts for alternative in reduced.verdict_alternatives(layout)}
     remaining = tuple(
-        alternative
-        for alternative in reduced.alternatives
-        if not alternative.default or alternative.name in decisive
+        alternative for alternative in reduced.alternatives if not alternative.default or alternative.name in decisive
     )
     return replace(reduced, alternatives=remaining)
 

@@ -14,22 +14,22 @@ def closing_steps(device: Device, steps: Sequence[Step]) -> frozenset[int]:
     the next step that writes a different number to the same place.
     """
     written = {step.register for step in steps if isinstance(step, WriteStep | ModifyStep)}
-    openers = [item for item in device.registers if item.opened_by and item.name in written]
+    openers = [register for register in device.registers if register.opened_by and register.name in written]
     opened: set[str] = set()
-    found: set[int] = set()
+    closing: set[int] = set()
     for index, step in enumerate(steps):
         if not isinstance(step, WriteStep | ModifyStep) or step.value is None:
             continue
-        of = [item for item in openers if _is_place(step, item)]
-        if any(step.value == _opening_number(device, item) for item in of):
+        opened_here = [register for register in openers if _writes_opening_place(step, register)]
+        if any(step.value == _opening_number(device, register) for register in opened_here):
             opened.add(step.register)
-        elif of and step.register in opened:
+        elif opened_here and step.register in opened:
             opened.discard(step.register)
-            found.add(index)
-    return frozenset(found)
+            closing.add(index)
+    return frozenset(closing)
 
 
-def _is_place(step: WriteStep | ModifyStep, opened: Register) -> bool:
+def _writes_opening_place(step: WriteStep | ModifyStep, opened: Register) -> bool:
     """Return whether the step writes to the place that opens the register."""
     if step.register != opened.opened_by:
         return False

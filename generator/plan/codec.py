@@ -216,9 +216,9 @@ class Whole:
     def from_low(self) -> Iterator[tuple[Field, Expression]]:
         """Yield its fields, lowest first, each with the position of its lowest bit in the number."""
         low = Expression(0)
-        for item in reversed(self.fields):
-            yield item, low
-            low += item.width
+        for field in reversed(self.fields):
+            yield field, low
+            low += field.width
 
     def joined(self, numbers: Mapping[str, int], parameters: Mapping[str, int]) -> int:
         """Return the number of these fields, for an order code with these parameters."""
@@ -338,17 +338,18 @@ class Codec:
     @cached_property
     def constants(self) -> Mapping[str, int]:
         """Values of the fields that always have the same bits, by name, including the zeros that pad other fields."""
-        found = {item.field.name: item.value for item in self.checks if isinstance(item, AlwaysIs)}
-        return found | {item.padding.name: 0 for item in self.checks if isinstance(item, ZerosAbove)}
+        constants = {check.field.name: check.value for check in self.checks if isinstance(check, AlwaysIs)}
+        return constants | {check.padding.name: 0 for check in self.checks if isinstance(check, ZerosAbove)}
 
     @cached_property
     def depends(self) -> bool:
         """True if any position or width, or the highest position, depends on the order code."""
-        chosen = {name for item in self.alternatives for name in item.answers[0].sets}
-        places = (place for item in self.layout.fields for place in (item.low, item.width))
-        highest = (item.highest for item in self.checks if isinstance(item, (NotAbove, IsBetween)))
-        code = self.gray is not None and bool(self.gray.when)
-        return code or any(not chosen.issuperset(item.parameters) for item in (self.layout.bits, *places, *highest))
+        answered = {name for alternative in self.alternatives for name in alternative.answers[0].sets}
+        places = (place for field in self.layout.fields for place in (field.low, field.width))
+        highest = (check.highest for check in self.checks if isinstance(check, (NotAbove, IsBetween)))
+        can_be_gray = self.gray is not None and bool(self.gray.when)
+        expressions = (self.layout.bits, *places, *highest)
+        return can_be_gray or any(not answered.issuperset(expression.parameters) for expression in expressions)
 
     @property
     def from_low(self) -> range:
@@ -357,8 +358,10 @@ class Codec:
 
     def faults(self) -> tuple[Fault, ...]:
         """Return the errors that a decoder of this layout can find, without duplicates."""
-        found = {Fault.LENGTH, *(item.fault for item in self.checks), *([Fault.CRC] if self.crc is not None else [])}
-        return tuple(item for item in Fault if item in found)
+        faults = {Fault.LENGTH, *(check.fault for check in self.checks)}
+        if self.crc is not None:
+            faults.add(Fault.CRC)
+        return tuple(fault for fault in Fault if fault in faults)
 
     def bits_of(self, name: str) -> Bits:
         return bits_of(self.layout, self.layout.field(name))
@@ -366,16 +369,12 @@ class Codec:
 
 def codec_of(device: Device, layout: Layout) -> Codec:
     """Return the plan for a layout of a frame or of a register's bytes."""
-    placed = all(item.pieces or item.padding_of for item in layout.fields)
-    by_word = not (layout.in_bytes and placed) or bool(layout.gray_of)
+    have_places = all(field.pieces or field.padding_of for field in layout.fields)
+    by_word = not (layout.in_bytes and have_places) or bool(layout.gray_of)
     selector = fixed_selector(layout)
-    looked_at = {name for join in layout.joins for name in join.fields}
-    looked_at |= {name for item in layout.fields if isinstance(item.kind, Parity) for name in item.kind.of}
-    parts = (
-        Part(item, bits_of(layout, item), item.name in looked_at)
-        for item in layout.fields
-        if item.carries_data and item is not selector
-    )
+    shared_names = {name for join in layout.joins for name in join.fields}
+    shared_names |= {name for field in layout.fields if isinstance(field.kind, Parity) for name in field.kind.of}
+    data_fields = (field for field in layout.fields if field.carries_data and field is not selector)
     return Codec(
         layout=layout,
         by_word=by_word,
@@ -383,13 +382,18 @@ def codec_of(device: Device, layout: Layout) -> Codec:
         selector=selector,
         crc=_crc(device, layout),
         gray=_gray(layout),
-        parts=tuple(parts),
+        parts=tuple(Part(field, bits_of(layout, field), field.name in shared_names) for field in data_fields),
         wholes=tuple(_wholes(layout, by_word)),
         alternatives=device.alternatives_of(layout),
-        reserved=tuple(Reserved(item, bits_of(layout, item), _unused(item), place) for item, place in layout.unused),
-        checks=(*_constants(layout, by_word), *_ranges(layout), *_positions(device, layout)),
+        reserved=tuple(_reserved(layout)),
+        checks=(*_constants(layout, by_word), *_ranges(layout), *_position_checks(device, layout)),
         terms=tuple(_terms(layout)),
     )
+
+
+def _reserved(layout: Layout) -> Iterator[Reserved]:
+    for field, place in layout.unused:
+        yield Reserved(field, bits_of(layout, field), _unused_value(field), place)
 
 
 def fixed_selector(layout: Layout) -> Field | None:
@@ -397,17 +401,17 @@ def fixed_selector(layout: Layout) -> Field | None:
     return layout.field(layout.selector) if len(layout.selects) == 1 else None
 
 
-def only_value(layout: Layout, item: Field) -> int | None:
+def only_value(layout: Layout, field: Field) -> int | None:
     """Return the only value of a constant or of a selector with one value, or None for any other field."""
-    if isinstance(item.kind, Constant):
-        return item.kind.value
-    return layout.selects[0] if item is fixed_selector(layout) else None
+    if isinstance(field.kind, Constant):
+        return field.kind.value
+    return layout.selects[0] if field is fixed_selector(layout) else None
 
 
-def bits_of(layout: Layout, item: Field) -> Bits:
+def bits_of(layout: Layout, field: Field) -> Bits:
     """Return the bits of a field. For a padded field in bytes, include all bytes that it can occupy."""
-    reached = tuple(piece for piece in item.pieces if not item.container or piece.left < item.widest)
-    return _bits(layout, item.low, item.width, item.widest, reached)
+    reached = tuple(piece for piece in field.pieces if not field.container or piece.left < field.widest)
+    return _bits(layout, field.low, field.width, field.widest, reached)
 
 
 def _bits(layout: Layout, low: Expression, width: Expression, widest: int, pieces: tuple[Piece, ...] = ()) -> Bits:
@@ -416,125 +420,152 @@ def _bits(layout: Layout, low: Expression, width: Expression, widest: int, piece
 
 
 def _crc(device: Device, layout: Layout) -> FrameCrc | None:
-    item = layout.crc_field
-    if item is None or not isinstance(item.kind, CrcValue):
+    field = layout.crc_field
+    if field is None or not isinstance(field.kind, CrcValue):
         return None
-    crc = device.crc(item.kind.crc)
-    bits, covered = bits_of(layout, item), layout.bits - Expression(crc.width)
-    if item.kind.of:
-        first, last = layout.field(item.kind.of[0]), layout.field(item.kind.of[-1])
-        covered = first.low + first.width - last.low
-        return FrameCrc(crc, item, bits, covered, last.low.constant, True, False, ())
-    if covers_part(device, crc):
-        return FrameCrc(crc, item, bits, covered, crc.width, False, False, ())
-    return FrameCrc(crc, item, bits, covered, crc.width, False, divides(crc, layout), fold_steps(crc, layout.widest))
+    crc = device.crc(field.kind.crc)
+    bits = bits_of(layout, field)
+    if field.kind.of:
+        first, last = layout.field(field.kind.of[0]), layout.field(field.kind.of[-1])
+        return FrameCrc(
+            crc=crc,
+            field=field,
+            bits=bits,
+            covered=first.low + first.width - last.low,
+            low=last.low.constant,
+            is_part=True,
+            divides=False,
+            steps=(),
+        )
+    covers_all = not covers_part(device, crc)
+    return FrameCrc(
+        crc=crc,
+        field=field,
+        bits=bits,
+        covered=layout.bits - Expression(crc.width),
+        low=crc.width,
+        is_part=False,
+        divides=covers_all and divides(crc, layout),
+        steps=fold_steps(crc, layout.widest) if covers_all else (),
+    )
 
 
 def _gray(layout: Layout) -> Gray | None:
     if not layout.gray_of:
         return None
     fields = [layout.field(name) for name in layout.names_in(layout.gray_of)]
-    return Gray(fields[-1].low, sum((item.width for item in fields), Expression(0)), layout.gray_when)
+    return Gray(fields[-1].low, sum((field.width for field in fields), Expression(0)), layout.gray_when)
 
 
 def _wholes(layout: Layout, by_word: bool) -> Iterator[Whole]:
     for join in layout.joins:
         fields = tuple(layout.field(name) for name in join.fields)
-        width = sum((item.width for item in fields), Expression(0))
-        widest = min(sum(item.widest for item in fields) or 1, 64)
+        width = sum((field.width for field in fields), Expression(0))
+        widest = min(sum(field.widest for field in fields) or 1, 64)
         side_by_side = all(upper.low == lower.low + lower.width for upper, lower in pairwise(fields))
         bits = _bits(layout, fields[-1].low, width, widest) if by_word and side_by_side else None
-        yield Whole(join, fields, width, widest, bits)
+        yield Whole(join=join, fields=fields, width=width, widest=widest, bits=bits)
 
 
 def _constants(layout: Layout, by_word: bool) -> Iterator[Check]:
     """Yield the checks of constants and parity bits in the order of the fields, and therefore of their errors."""
-    for item in layout.fields:
-        bits = bits_of(layout, item)
-        match item.kind:
+    for field in layout.fields:
+        bits = bits_of(layout, field)
+        match field.kind:
             case Constant(padding_of=name) if name and not by_word:
                 padded = layout.field(name)
                 bits = bits_of(layout, padded)
                 beyond = tuple(piece for piece in padded.pieces if piece not in bits.pieces)
-                yield ZerosAbove(padded, item, bits, beyond)
+                yield ZerosAbove(padded, field, bits, beyond)
             case Constant(value=number):
-                yield AlwaysIs(item, bits, number)
+                yield AlwaysIs(field, bits, number)
             case Parity(of=names, odd=odd) as kind:
-                of = tuple(map(layout.field, names))
-                of_bits = tuple(bits_of(layout, field) for field in of)
-                yield ParityIs(item, bits, of, of_bits, odd, _mask(kind, of), _known_parity(layout, of, kind))
+                fields = tuple(map(layout.field, names))
+                of_bits = tuple(bits_of(layout, covered) for covered in fields)
+                yield ParityIs(
+                    field=field,
+                    bits=bits,
+                    of=fields,
+                    of_bits=of_bits,
+                    odd=odd,
+                    mask=_parity_mask(kind, fields),
+                    known=_known_parity(layout, fields, kind),
+                )
 
 
 def _ranges(layout: Layout) -> Iterator[Check]:
-    for item in layout.fields:
-        bits = bits_of(layout, item)
-        values = allowed_values(layout, item)
+    for field in layout.fields:
+        bits = bits_of(layout, field)
+        values = allowed_values(layout, field)
         if values:
-            yield IsOneOf(item, bits, values)
-        if item.runs:
-            first = item.runs[0]
-            yield AtMost(item, bits, first.divisor * first.modulus - 1, item.runs)
+            yield IsOneOf(field, bits, values)
+        if field.runs:
+            first = field.runs[0]
+            yield AtMost(field, bits, first.divisor * first.modulus - 1, field.runs)
 
 
-def _positions(device: Device, layout: Layout) -> Iterator[Check]:
-    found = device.range_in(layout)
-    if found is not None and found.field.number.signed:
-        yield IsBetween(found.field, bits_of(layout, found.field), found.lowest, found.highest)
-    elif found is not None:
-        yield NotAbove(found.field, bits_of(layout, found.field), found.highest)
+def _position_checks(device: Device, layout: Layout) -> Iterator[Check]:
+    position = device.range_in(layout)
+    if position is not None and position.field.number.signed:
+        yield IsBetween(position.field, bits_of(layout, position.field), position.lowest, position.highest)
+    elif position is not None:
+        yield NotAbove(position.field, bits_of(layout, position.field), position.highest)
 
 
-def allowed_values(layout: Layout, item: Field) -> tuple[int, ...]:
+def allowed_values(layout: Layout, field: Field) -> tuple[int, ...]:
     """Return the valid values of a selector or a choice, without duplicates. Return none if every value is valid."""
-    named = (value.value for value in item.values)
-    values = dict.fromkeys(layout.selects if item.name == layout.selector else named)
+    named = (value.value for value in field.values)
+    values = dict.fromkeys(layout.selects if field.name == layout.selector else named)
     # Each value fits in the bits, so this many values are all that are possible.
-    is_full = item.width.is_constant and len(values) == 1 << item.widest
+    is_full = field.width.is_constant and len(values) == 1 << field.widest
     return () if is_full else tuple(values)
 
 
-def _known_parity(layout: Layout, of: tuple[Field, ...], kind: Parity) -> int | None:
+def _known_parity(layout: Layout, fields: tuple[Field, ...], kind: Parity) -> int | None:
     """Return the parity bit if every field has a single value, otherwise None."""
-    value = only_value(layout, of[0]) if len(of) == 1 else None
+    value = only_value(layout, fields[0]) if len(fields) == 1 else None
     return parity(value & kind.mask, kind.odd) if value is not None else None
 
 
-def _mask(kind: Parity, of: tuple[Field, ...]) -> int:
+def _parity_mask(kind: Parity, fields: tuple[Field, ...]) -> int:
     """Return the mask of the bits that count, no wider than the fields, or 0 if all of them count."""
-    return kind.mask & (1 << max(item.widest for item in of)) - 1 if kind.over else 0
+    if not kind.over:
+        return 0
+    widest = max(field.widest for field in fields)
+    return kind.mask & (1 << widest) - 1
 
 
 def parity(number: int, odd: bool) -> int:
     return (number.bit_count() & 1) ^ odd
 
 
-def _unused(item: Field) -> int:
-    return item.kind.value if isinstance(item.kind, Unused) else 0
+def _unused_value(field: Field) -> int:
+    return field.kind.value if isinstance(field.kind, Unused) else 0
 
 
 def _terms(layout: Layout) -> Iterator[Term]:
-    places = {item.name: place for item, place in layout.unused}
-    for item in layout.fields:
-        known = only_value(layout, item)
-        match item.kind:
+    places = {field.name: place for field, place in layout.unused}
+    for field in layout.fields:
+        single_value = only_value(layout, field)
+        match field.kind:
             case CrcValue():
                 continue
             case Parity(of=names, odd=odd) as kind:
-                of = tuple(map(layout.field, names))
-                bit, mask = _known_parity(layout, of, kind), _mask(kind, of)
-                value: Fixed | Given | ParityOf | Turned = ParityOf(of, odd, mask) if bit is None else Fixed(bit)
+                fields = tuple(map(layout.field, names))
+                bit, mask = _known_parity(layout, fields, kind), _parity_mask(kind, fields)
+                value: Fixed | Given | ParityOf | Turned = ParityOf(fields, odd, mask) if bit is None else Fixed(bit)
             case Unused(number):
-                value = Turned(number, places[item.name])
+                value = Turned(number, places[field.name])
             case _:
-                value = Given(item) if known is None else Fixed(known)
-        yield Term(item, bits_of(layout, item), value)
+                value = Given(field) if single_value is None else Fixed(single_value)
+        yield Term(field, bits_of(layout, field), value)
 
 
-def characters(item: Field) -> tuple[tuple[int, int], ...]:
+def characters(field: Field) -> tuple[tuple[int, int], ...]:
     """Return the index and byte of each character in a text field, or nothing if they do not fill whole bytes."""
-    if not isinstance(item.kind, Text) or any(piece.right or piece.mask != 0xFF for piece in item.pieces):
+    if not isinstance(field.kind, Text) or any(piece.right or piece.mask != 0xFF for piece in field.pieces):
         return ()
-    return tuple((item.widest // 8 - 1 - piece.left // 8, piece.byte) for piece in reversed(item.pieces))
+    return tuple((field.widest // 8 - 1 - piece.left // 8, piece.byte) for piece in reversed(field.pieces))
 
 
 def is_plain_flag(part: Part) -> bool:

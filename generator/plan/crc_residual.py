@@ -39,10 +39,10 @@ def residual(crc: Crc, bits: int) -> Residual:
         remainder <<= 1
         if remainder >> crc.width:
             remainder ^= crc.poly_with_top_bit
-    pairs = Counter(one ^ other for one, other in combinations(remainders, 2))
+    pairs = Counter(first ^ second for first, second in combinations(remainders, 2))
     # Three pairs of bits cancel a third bit in each triple, and three pairs of pairs are equal in each four.
-    triples = sum(pairs[item] for item in remainders) // 3
+    triples = sum(pairs[remainder] for remainder in remainders) // 3
     fours = sum(count * (count - 1) // 2 for count in pairs.values()) // 3
     missed = {2: pairs[0], 3: triples, 4: fours}
-    distance = next((wrong for wrong, count in missed.items() if count), 5)
+    distance = next((error_bits for error_bits, count in missed.items() if count), 5)
     return Residual(bits, distance, missed.get(distance, 0))

@@ -59,17 +59,17 @@ def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
     middle = (poly & ~1).bit_length() - 1 if poly & ~1 else 0
 
     @cache
-    def cheapest(left: int) -> tuple[int, int, int, tuple[int, ...]]:
+    def cheapest(bits_left: int) -> tuple[int, int, int, tuple[int, ...]]:
         """Return the number of steps, of those with results above 32 bits, the exponents' sum, and the exponents."""
-        if left <= width:
+        if bits_left <= width:
             return 0, 0, 0, ()
         plans = []
-        for power in range((left - 1).bit_length()):
+        for power in range((bits_left - 1).bit_length()):
             shift, back = width << power, middle << power
-            if shift < left:
-                rest = max(shift, left - shift + back)
-                steps, wide, total, powers = cheapest(rest)
-                plans.append((steps + 1, wide + (rest > 32), total + power, (power, *powers)))
+            if shift < bits_left:
+                next_bits = max(shift, bits_left - shift + back)
+                steps, wide, total, powers = cheapest(next_bits)
+                plans.append((steps + 1, wide + (next_bits > 32), total + power, (power, *powers)))
         return min(plans)
 
     return tuple(FoldStep(width << power, (1 << (width << power)) - 1, middle << power) for power in cheapest(bits)[-1])

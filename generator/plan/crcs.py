@@ -59,11 +59,12 @@ def carriers(device: Device, crc: Crc) -> tuple[Carrier, ...]:
     For an unused CRC, the parameters decide. Reflected input is defined only for bytes, and a width of whole bytes
     suggests bytes.
     """
-    layouts = [layout for _, layout in device.layouts()] + [item.layout for item in device.registers]
+    layouts = [layout for _, layout in device.layouts()]
+    layouts += (register.layout for register in device.registers)
     used = {carrier_of(layout).value for layout in layouts if _ends_in(layout, crc)}
     if not used:
         return (Carrier.BYTES,) if crc.refin or crc.width % 8 == 0 else (Carrier.BITS,)
-    return tuple(item for item in (Carrier.BYTES, Carrier.BITS) if item.value in used)
+    return tuple(carrier for carrier in (Carrier.BYTES, Carrier.BITS) if carrier.value in used)
 
 
 def carrier_of(layout: Layout) -> Carrier:
@@ -74,23 +75,23 @@ def carrier_of(layout: Layout) -> Carrier:
 def crc_functions(device: Device) -> Iterator[CrcFunction]:
     """Yield the functions of a family in the order of its CRCs, those over bytes before those over bits."""
     for crc in device.crcs:
-        found = carriers(device, crc)
+        crc_carriers = carriers(device, crc)
         in_words = any(not layout.in_bytes and _ends_in(layout, crc) for _, layout in device.layouts())
-        for carrier in found:
+        for carrier in crc_carriers:
             form = Form.TABLE if covers_part(device, crc) else form_of(crc, carrier)
-            yield CrcFunction(crc, carrier, form, len(found) == 1, in_words)
+            yield CrcFunction(crc, carrier, form, len(crc_carriers) == 1, in_words)
 
 
 def function_of(device: Device, layout: Layout) -> CrcFunction | None:
     """Return the function for the CRC at the end of a layout, or None."""
-    found = (item for item in crc_functions(device) if item.carrier is carrier_of(layout))
-    return next((item for item in found if _ends_in(layout, item.crc)), None)
+    functions = (function for function in crc_functions(device) if function.carrier is carrier_of(layout))
+    return next((function for function in functions if _ends_in(layout, function.crc)), None)
 
 
 def folds(crc: Crc) -> bool:
     """Return whether a word with this CRC can be reduced to its remainder without a table."""
-    few = crc.poly & 1 and crc.poly.bit_count() <= 2
-    return bool(few) and crc.init == 0 and not crc.refin and not crc.refout and not crc.is_xor
+    has_few_terms = crc.poly & 1 and crc.poly.bit_count() <= 2
+    return bool(has_few_terms) and crc.init == 0 and not crc.refin and not crc.refout and not crc.is_xor
 
 
 def fold_steps(crc: Crc, bits: int) -> tuple[FoldStep, ...]:
@@ -112,10 +113,10 @@ def form_of(crc: Crc, carrier: Carrier) -> Form:
 
 
 def _ends_in(layout: Layout, crc: Crc) -> bool:
-    return any(isinstance(item.kind, CrcValue) and item.kind.crc == crc.name for item in layout.fields)
+    return any(isinstance(field.kind, CrcValue) and field.kind.crc == crc.name for field in layout.fields)
 
 
 def covers_part(device: Device, crc: Crc) -> bool:
     """Return whether the CRC covers only a part of some frame."""
-    fields = (item for _, layout in device.layouts() for item in layout.fields)
-    return any(isinstance(item.kind, CrcValue) and item.kind.crc == crc.name and item.kind.of for item in fields)
+    fields = (field for _, layout in device.layouts() for field in layout.fields)
+    return any(isinstance(field.kind, CrcValue) and field.kind.crc == crc.name and field.kind.of for field in fields)

@@ -34,13 +34,20 @@ class Dispatch:
 
 def dispatches(layouts: Sequence[Layout]) -> Iterator[Dispatch]:
     """Yield a dispatch for each sender that sends more than one kind of frame on an interface."""
-    for sender in dict.fromkeys(item.sender for item in layouts):
-        sent = [item for item in layouts if item.sender == sender]
-        if not sent[0].selector:
+    for sender in dict.fromkeys(layout.sender for layout in layouts):
+        sender_layouts = [layout for layout in layouts if layout.sender == sender]
+        if not sender_layouts[0].selector:
             continue
-        fallback = next((item for item in sent if not item.selector), None)
-        told = sent[: sent.index(fallback)] if fallback is not None else sent
-        selector = sent[0].field(sent[0].selector)
+        fallback = next((layout for layout in sender_layouts if not layout.selector), None)
+        selected_layouts = sender_layouts[: sender_layouts.index(fallback)] if fallback is not None else sender_layouts
+        selector = sender_layouts[0].field(sender_layouts[0].selector)
         needs = max((piece.byte + 1 for piece in selector.pieces), default=1)
-        branches = tuple(Branch(item, item.selects) for item in told)
-        yield Dispatch(sender, selector, bits_of(sent[0], selector), needs, branches, fallback)
+        branches = tuple(Branch(layout, layout.selects) for layout in selected_layouts)
+        yield Dispatch(
+            sender=sender,
+            selector=selector,
+            bits=bits_of(sender_layouts[0], selector),
+            needs=needs,
+            branches=branches,
+            fallback=fallback,
+        )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..model import Device, Register, RegisterMeaning
+from ..model import Device, Field, Join, Layout, Register, RegisterMeaning
 from ..model.expressions import Expression
 from ..model.record import dataclass
 
@@ -39,25 +39,41 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
     """Return the limits of a register, or of one of its meanings."""
     low, high = (register.min, register.max) if meaning is None else (meaning.min, meaning.max)
     layout, member = register.layout, limited_member(register)
-    join = next((item for item in layout.joins if item.name == member), None)
-    fields = [layout.field(name) for name in (join.fields if join is not None else (member,) if member else ())]
-    signed = join is None and any(item.number.signed for item in fields)
-    width = sum((item.width for item in fields), Expression(0)) if fields else layout.bits
-    ranges = [
-        (item.parameters, *_fitting(width, signed, item.parameters))
-        for item in device.variants_over(register.interface)
-    ]
+    join = next((candidate for candidate in layout.joins if candidate.name == member), None)
+    fields = _limited_fields(layout, member, join)
+    signed = join is None and any(field.number.signed for field in fields)
+    width = sum((field.width for field in fields), Expression(0)) if fields else layout.bits
+    parameter_sets = [variant.parameters for variant in device.variants_over(register.interface)]
+    ranges = [(parameters, *_representable_range(width, signed, parameters)) for parameters in parameter_sets]
     # A limit that rules out no value with the factory defaults may do so with other register values.
-    held = {item.name for item in device.run_time_parameters}
+    run_time_names = {parameter.name for parameter in device.run_time_parameters}
     binds_low = low is not None and (
-        not held.isdisjoint(low.parameters) or any(low.value(parameters) > least for parameters, least, _ in ranges)
+        not run_time_names.isdisjoint(low.parameters)
+        or any(low.value(parameters) > lowest for parameters, lowest, _ in ranges)
     )
     binds_high = high is not None and (
-        not held.isdisjoint(high.parameters) or any(high.value(parameters) < most for parameters, _, most in ranges)
+        not run_time_names.isdisjoint(high.parameters)
+        or any(high.value(parameters) < highest for parameters, _, highest in ranges)
     )
     zero_means = fields[0].number.zero_means if join is None and fields else 0
-    beyond = all(zero_means > most for _, _, most in ranges)
-    return Limits(member, signed, width, low, high, binds_low, binds_high, zero_means if beyond else 0)
+    is_above = all(zero_means > highest for _, _, highest in ranges)
+    return Limits(
+        member=member,
+        signed=signed,
+        width=width,
+        low=low,
+        high=high,
+        binds_low=binds_low,
+        binds_high=binds_high,
+        stands_for=zero_means if is_above else 0,
+    )
+
+
+def _limited_fields(layout: Layout, member: str, join: Join | None) -> list[Field]:
+    """Return the fields of the limited join, or the limited field, or none if the limits apply to the register."""
+    if join is not None:
+        return [layout.field(name) for name in join.fields]
+    return [layout.field(member)] if member else []
 
 
 def limited_member(register: Register) -> str:
@@ -68,7 +84,7 @@ def limited_member(register: Register) -> str:
     return layout.fields[0].name if len(layout.fields) == 1 else ""
 
 
-def _fitting(width: Expression, signed: bool, parameters: Mapping[str, int]) -> tuple[int, int]:
+def _representable_range(width: Expression, signed: bool, parameters: Mapping[str, int]) -> tuple[int, int]:
     """Return the lowest and highest number of this width."""
     bits = width.value(parameters)
     return (-(1 << (bits - 1)), (1 << (bits - 1)) - 1) if signed else (0, (1 << bits) - 1)

@@ -29,10 +29,11 @@ def by_interface(device: Device, value: Callable[[Interface], T | None]) -> Case
     """Return the result of ``value`` for each interface. ``value`` returns None for an interface without a value."""
     kinds: dict[T, list[str]] = {}
     for interface in device.interfaces:
-        found = value(interface)
-        if found is not None:
-            kinds.setdefault(found, []).append(interface.name)
-    cases = tuple((found, tuple(names)) for found, names in sorted(kinds.items(), key=lambda item: len(item[1])))
+        interface_value = value(interface)
+        if interface_value is not None:
+            kinds.setdefault(interface_value, []).append(interface.name)
+    ordered = sorted(kinds.items(), key=lambda value_and_names: len(value_and_names[1]))
+    cases = tuple((case_value, tuple(names)) for case_value, names in ordered)
     return Cases(cases, sum(map(len, kinds.values())) == len(device.interfaces))
 
 
@@ -62,29 +63,29 @@ def position_ranges(device: Device, interface: Interface) -> tuple[PositionRange
     measurement = device.measurement_of(interface.name)
     if measurement is None:
         return ()
-    sent = [item for item in interface.layouts if item.sender == "encoder"]
-    layouts = [item for item in sent if measurement.of in item.member_names]
+    sent_layouts = [layout for layout in interface.layouts if layout.sender == "encoder"]
+    layouts = [layout for layout in sent_layouts if measurement.of in layout.member_names]
     groups: dict[Hashable, PositionRange] = {}
     for layout in layouts:
-        found = _position_range(measurement, layout)
-        same = groups.setdefault(_numbers_of(found), found)
-        if same is not found:
-            groups[_numbers_of(found)] = replace(same, layouts=(*same.layouts, layout))
-    return tuple(groups.values()) or (PositionRange(measurement, False, None, tuple(sent)),)
+        layout_range = _position_range(measurement, layout)
+        shared_range = groups.setdefault(_range_key(layout_range), layout_range)
+        if shared_range is not layout_range:
+            groups[_range_key(layout_range)] = replace(shared_range, layouts=(*shared_range.layouts, layout))
+    return tuple(groups.values()) or (PositionRange(measurement, False, None, tuple(sent_layouts)),)
 
 
 def _position_range(measurement: Measurement, layout: Layout) -> PositionRange:
     own_range = layout.position_range
     never_wraps = own_range is not None and not own_range.wraps
-    fields = [item for item in layout.fields if item.name == measurement.of and item.number.signed]
+    fields = [field for field in layout.fields if field.name == measurement.of and field.number.signed]
     return PositionRange(measurement.within(own_range), never_wraps, fields[0] if fields else None, (layout,))
 
 
-def _numbers_of(item: PositionRange) -> Hashable:
+def _range_key(position_range: PositionRange) -> Hashable:
     """Return what determines the range, without sources. The width of a signed position matters without a highest."""
-    measurement, field = item.measurement, item.signed_field
+    measurement, field = position_range.measurement, position_range.signed_field
     width = field.width if field is not None and measurement.highest is None else None
-    return measurement.total, measurement.highest, item.never_wraps, field is not None, width
+    return measurement.total, measurement.highest, position_range.never_wraps, field is not None, width
 
 
 def also_measured(device: Device) -> frozenset[str]:
@@ -92,26 +93,30 @@ def also_measured(device: Device) -> frozenset[str]:
 
     These quantities are the counts per revolution and the number of counts after which a position wraps around.
     """
-    derived = [item for item in device.parameters if item.equals is not None]
-    return frozenset(item.name for item in derived if _is_measured(device, item))
+    derived = [parameter for parameter in device.parameters if parameter.equals is not None]
+    return frozenset(parameter.name for parameter in derived if _equals_quantity(device, parameter))
 
 
-def _is_measured(device: Device, parameter: Parameter) -> bool:
-    found: list[set[str]] = []
+def _equals_quantity(device: Device, parameter: Parameter) -> bool:
+    """Return whether a parameter equals the counts per revolution or the number of counts for every order code."""
+    equal_quantities: list[set[str]] = []
     for variant in device.variants:
         if parameter.interface not in ("", variant.interface):
             continue
-        value, item = variant.parameters.get(parameter.name), device.measurement_of(variant.interface)
-        if value is None or item is None or not counts(item):
+        value = variant.parameters.get(parameter.name)
+        measurement = device.measurement_of(variant.interface)
+        factors = counts(measurement) if measurement is not None else ()
+        if value is None or measurement is None or not factors:
             continue
         if len(position_ranges(device, device.interface(variant.interface))) > 1:
             return False
-        if any(name not in variant.parameters for part in counts(item) for name in part.parameters):
+        if any(name not in variant.parameters for factor in factors for name in factor.parameters):
             return False
-        whole = prod(part.value(variant.parameters) for part in counts(item))
-        turn = item.counts_per_turn.value(variant.parameters) if item.counts_per_turn is not None else whole
-        found.append({place for place, told in (("turn", turn), ("whole", whole)) if told == value})
-    return bool(found) and bool(set.intersection(*found))
+        total = prod(factor.value(variant.parameters) for factor in factors)
+        per_turn = measurement.counts_per_turn
+        quantities = {"turn": per_turn.value(variant.parameters) if per_turn is not None else total, "whole": total}
+        equal_quantities.append({name for name, quantity in quantities.items() if quantity == value})
+    return bool(equal_quantities) and bool(set.intersection(*equal_quantities))
 
 
 def counts(measurement: Measurement) -> tuple[Expression, ...]:
@@ -121,4 +126,4 @@ def counts(measurement: Measurement) -> tuple[Expression, ...]:
     if measurement.counts_per_turn is None or measurement.turns is None:
         return ()
     factors = (measurement.counts_per_turn, measurement.turns)
-    return tuple(item for item in factors if item != Expression(1)) or factors[:1]
+    return tuple(factor for factor in factors if factor != Expression(1)) or factors[:1]

@@ -39,21 +39,21 @@ def received(device: Device, interface: Interface) -> Iterator[Received]:
 
     A frame whose length depends on a question that the manual leaves open is yielded once for each answer.
     """
-    held = {item.name for item in device.set_parameters if item.register}
-    around = _around(interface)
+    register_parameters = {parameter.name for parameter in device.set_parameters if parameter.register}
+    around = _bits_around(interface)
     for layout in interface.layouts:
         needed = device.needed_parameters(layout.bits.parameters)
         if layout.sender != "encoder" or around is None:
             continue
-        deciding = [item for item in device.alternatives if not needed.isdisjoint(item.answers[0].sets)]
-        moves = bool(needed & held)
+        deciding = [choice for choice in device.alternatives if not needed.isdisjoint(choice.answers[0].sets)]
+        moves = bool(needed & register_parameters)
         for variant, (answers, sets) in product(device.variants_over(interface.name), choices(deciding)):
             bits = layout.sent_bits.value({**variant.parameters, **sets})
             size = (around + (layout.widest if moves else bits) + 7) // 8
-            yield Received(variant, layout, bits, size, moves, answers)
+            yield Received(variant=variant, layout=layout, bits=bits, bytes=size, held=moves, answers=answers)
 
 
-def _around(interface: Interface) -> int | None:
+def _bits_around(interface: Interface) -> int | None:
     """Return the number of bits around a frame, or None if a peripheral receives bytes or words by itself."""
     match interface:
         case Ssi():

@@ -116,7 +116,7 @@ Refusal = (
 
 def refusals(codec: Codec) -> Iterator[Refusal]:
     """Yield the checks before encoding this layout, in order, without the limits of a register."""
-    ranges = {item.field.name: item for item in codec.checks if isinstance(item, (NotAbove, IsBetween))}
+    ranges = {check.field.name: check for check in codec.checks if isinstance(check, (NotAbove, IsBetween))}
     for part in codec.parts:
         match ranges.get(part.field.name):
             case NotAbove(highest=highest):
@@ -125,12 +125,12 @@ def refusals(codec: Codec) -> Iterator[Refusal]:
                 yield NotBetween(part.field, lowest, highest)
             case None:
                 yield from _of_field(codec.layout, part.field)
-    yield from (WholeDisagrees(item) for item in codec.wholes)
+    yield from (WholeDisagrees(whole) for whole in codec.wholes)
 
 
 def powers_of_two(codec: Codec) -> frozenset[str]:
     """Return the names of the fields whose numbers must be powers of two."""
-    return frozenset(item.field.name for item in refusals(codec) if isinstance(item, NoPowerOfTwo))
+    return frozenset(refusal.field.name for refusal in refusals(codec) if isinstance(refusal, NoPowerOfTwo))
 
 
 def outside(codec: Codec, limits: Limits) -> OutsideLimits | None:
@@ -143,7 +143,7 @@ def outside(codec: Codec, limits: Limits) -> OutsideLimits | None:
     bounds = limits.binding
     number = next((part.field.number for part in codec.parts if part.field.name == limits.member), Number())
     if number.zero_means or number.power_of_two:
-        bounds = tuple(item for item in bounds if item != ("min", Expression(1)))
+        bounds = tuple(bound for bound in bounds if bound != ("min", Expression(1)))
     return OutsideLimits(limits.member, bounds) if bounds else None
 
 
@@ -168,27 +168,27 @@ def depends(refusal: Refusal) -> bool:
             assert_never(refusal)
 
 
-def _of_field(layout: Layout, item: Field) -> Iterator[Refusal]:
-    values = allowed_values(layout, item)
-    match item.kind:
+def _of_field(layout: Layout, field: Field) -> Iterator[Refusal]:
+    values = allowed_values(layout, field)
+    match field.kind:
         case _ if values:
-            yield NotOneOf(item, values)
+            yield NotOneOf(field, values)
         case Number() as number:
-            yield _of_number(item, number)
+            yield _number_refusal(field, number)
             if number.power_of_two:
-                yield NoPowerOfTwo(item)
+                yield NoPowerOfTwo(field)
         case Choice():
-            yield TooWide(item, item.width)
+            yield TooWide(field, field.width)
         case Decimal(runs=runs):
-            yield from (DigitTooHigh(item, run) for run in runs)
-            yield DigitsDisagree(item, runs)
+            yield from (DigitTooHigh(field, run) for run in runs)
+            yield DigitsDisagree(field, runs)
         case Flag() | Text() | Constant() | Unused() | CrcValue() | Parity():
             return
         case _:
-            assert_never(item.kind)
+            assert_never(field.kind)
 
 
-def _of_number(item: Field, number: Number) -> Refusal:
+def _number_refusal(field: Field, number: Number) -> Refusal:
     if number.signed:
-        return NotSigned(item)
-    return NotZeroFor(item, number.zero_means) if number.zero_means else TooWide(item, item.width)
+        return NotSigned(field)
+    return NotZeroFor(field, number.zero_means) if number.zero_means else TooWide(field, field.width)

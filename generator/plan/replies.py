@@ -17,10 +17,10 @@ class Reply:
 
 def reply_to(device: Device, interface: str, data_id: str) -> Reply | None:
     """Return the encoder's reply to a request, or None if the spec has none."""
-    of = device.interface(interface)
-    if not isinstance(of, Rs485):
+    rs485 = device.interface(interface)
+    if not isinstance(rs485, Rs485):
         return None
-    layout = answer(of, next(item.id for item in of.data_ids if item.name == data_id))
+    layout = answer(rs485, next(request.id for request in rs485.data_ids if request.name == data_id))
     if layout is None or not layout.bits.is_constant:
         return None
     kind = layout.crc_field.kind if layout.crc_field is not None else None
@@ -30,11 +30,11 @@ def reply_to(device: Device, interface: str, data_id: str) -> Reply | None:
 
 def answer(interface: Rs485, value: int) -> Layout | None:
     """Return the frame with which the encoder answers a data ID, or None if the spec has none."""
-    for told in dispatches(interface.layouts):
-        if told.sender == "encoder":
-            return next((item.layout for item in told.branches if value in item.values), told.fallback)
-    sent = [item for item in interface.layouts if item.sender == "encoder"]
-    return sent[0] if len(sent) == 1 else None
+    for dispatch in dispatches(interface.layouts):
+        if dispatch.sender == "encoder":
+            return next((branch.layout for branch in dispatch.branches if value in branch.values), dispatch.fallback)
+    replies = [layout for layout in interface.layouts if layout.sender == "encoder"]
+    return replies[0] if len(replies) == 1 else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,28 +52,28 @@ class Exchanged:
     @property
     def defaults(self) -> dict[str, int]:
         """Factory defaults of fields in the request, by name."""
-        return {item.name: item.default for item in self.request.fields if item.default is not None}
+        return {field.name: field.default for field in self.request.fields if field.default is not None}
 
 
 def exchanges(interface: Interface) -> tuple[Exchanged, ...]:
     """Return the requests of an interface with their replies. T-format requests have data IDs instead."""
-    found = interface.exchanges if isinstance(interface, (Rs485, Spi)) else ()
-    layouts = {item.name: item for item in interface.layouts}
-    return tuple(_exchanged(item, layouts[item.request], layouts.get(item.reply)) for item in found)
+    spec_exchanges = interface.exchanges if isinstance(interface, (Rs485, Spi)) else ()
+    layouts = {layout.name: layout for layout in interface.layouts}
+    return tuple(_with_reply(spec, layouts[spec.request], layouts.get(spec.reply)) for spec in spec_exchanges)
 
 
-def _exchanged(item: Exchange, request: Layout, reply: Layout | None) -> Exchanged:
+def _with_reply(exchange: Exchange, request: Layout, reply: Layout | None) -> Exchanged:
     first = _first_byte(request)
     repeats = reply is not None and first is not None and first == _first_byte(reply)
-    return Exchanged(item, request, reply, repeats)
+    return Exchanged(exchange, request, reply, repeats)
 
 
 def _first_byte(layout: Layout) -> list[tuple[int, int, int, int | str]] | None:
     """Return the bits of the first byte with their constants or fields, or None if others are among them."""
-    found = []
+    byte_bits = []
     for field in layout.fields:
-        known: int | str = field.kind.value if isinstance(field.kind, Constant) else field.name
+        content: int | str = field.kind.value if isinstance(field.kind, Constant) else field.name
         if field.carries_data or isinstance(field.kind, Constant):
-            found += [(item.right, item.mask, item.left, known) for item in field.pieces if item.byte == 0]
-    bits = sum(mask.bit_count() for _, mask, _, _ in found)
-    return sorted(found, key=lambda item: item[0]) if bits == 8 else None
+            byte_bits += [(piece.right, piece.mask, piece.left, content) for piece in field.pieces if piece.byte == 0]
+    bits = sum(mask.bit_count() for _, mask, _, _ in byte_bits)
+    return sorted(byte_bits, key=lambda bits_of_piece: bits_of_piece[0]) if bits == 8 else None

@@ -39,30 +39,47 @@ class HeldBy:
 def held_parameters(device: Device) -> Iterator[HeldBy]:
     """Yield the registers that hold parameters, without duplicates."""
     by_register: dict[str, list[Parameter]] = {}
-    for item in device.run_time_parameters:
-        by_register.setdefault(item.register, []).append(item)
+    for parameter in device.run_time_parameters:
+        by_register.setdefault(parameter.register, []).append(parameter)
     for name, parameters in by_register.items():
         register = device.register(name)
-        yield HeldBy(register, tuple(_held(register, item) for item in parameters))
+        yield HeldBy(register, tuple(_held(register, parameter) for parameter in parameters))
 
 
 def _held(register: Register, parameter: Parameter) -> Held:
     field = register.layout.field(parameter.field)
     bits = bits_of(register.layout, field)
     if parameter.by_code:
-        return Held(parameter, field, bits, Raw(), None, None, max(item.value for item in parameter.by_code))
-    meaning, most = _meaning(field), (1 << field.widest) - 1
-    least, most = (0, most) if isinstance(meaning, Raw) else (1, max(most, meaning.number))
-    low = parameter.min if parameter.min is not None and parameter.min > least else None
-    high = parameter.max if parameter.max is not None and parameter.max < most else None
-    return Held(parameter, field, bits, meaning, low, high, most if high is None else high)
+        return Held(
+            parameter=parameter,
+            field=field,
+            bits=bits,
+            meaning=Raw(),
+            low=None,
+            high=None,
+            most=max(row.value for row in parameter.by_code),
+        )
+    meaning, lowest, highest = _unsigned_meaning(field), 0, (1 << field.widest) - 1
+    if isinstance(meaning, ZeroMeans):
+        lowest, highest = 1, max(highest, meaning.number)
+    low = parameter.min if parameter.min is not None and parameter.min > lowest else None
+    high = parameter.max if parameter.max is not None and parameter.max < highest else None
+    return Held(
+        parameter=parameter,
+        field=field,
+        bits=bits,
+        meaning=meaning,
+        low=low,
+        high=high,
+        most=highest if high is None else high,
+    )
 
 
-def _meaning(field: Field) -> Raw | ZeroMeans:
+def _unsigned_meaning(field: Field) -> Raw | ZeroMeans:
     match meaning_of(field):
         case ZeroMeans() as meaning:
             return meaning
         case Raw() | TwosComplement() | Active() | Named() | DigitRuns() | Characters():
             return Raw()
-        case other:
-            assert_never(other)
+        case never:
+            assert_never(never)

@@ -102,7 +102,8 @@ class Writes:
 
     @property
     def calls(self) -> tuple[Call, ...]:
-        return (Call.READ, Call.WRITE) if any(item.mask != 0xFF for item in self.pieces) else (Call.WRITE,)
+        writes_whole_bytes = all(piece.mask == 0xFF for piece in self.pieces)
+        return (Call.WRITE,) if writes_whole_bytes else (Call.READ, Call.WRITE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,48 +218,62 @@ class Run:
 
     @cached_property
     def reads(self) -> tuple[Reads, ...]:
-        return tuple(item for item in self.operations if isinstance(item, Reads))
+        return tuple(operation for operation in self.operations if isinstance(operation, Reads))
 
     @cached_property
     def calls(self) -> tuple[Call, ...]:
         """Return the operations that it needs from a master, without duplicates."""
-        found = {call for item in self.operations for call in item.calls}
-        return tuple(call for call in Call if call in found)
+        needed_calls = {call for operation in self.operations for call in operation.calls}
+        return tuple(call for call in Call if call in needed_calls)
 
 
 def run_of(device: Device, procedure: Procedure) -> Run:
     closing = closing_steps(device, procedure.steps)
-    plain = (_operation(device, procedure, step) for step in procedure.steps)
-    closed = [
-        replace(item, closes=True) if isinstance(item, Writes) and index in closing else item
-        for index, item in enumerate(plain)
-    ]
-    operations = tuple(_with_verification(_taught(device, closed)))
-    writes = [item for item in operations if isinstance(item, Writes)]
-    arguments = (
-        _given(device, argument, tuple(item for item in writes if _argument(item.value) is argument))
-        for argument in procedure.arguments
+    steps = (_operation_of_step(device, procedure, step) for step in procedure.steps)
+    marked = [_with_closing_mark(operation, index in closing) for index, operation in enumerate(steps)]
+    operations = tuple(_with_verification(_with_taught_parameters(device, marked)))
+    writes = [operation for operation in operations if isinstance(operation, Writes)]
+    return Run(
+        procedure=procedure,
+        operations=operations,
+        arguments=tuple(
+            _checked_argument(device, argument, _writes_of(argument, writes)) for argument in procedure.arguments
+        ),
+        changes_frames=any(_changes_frames(device, write) for write in writes),
     )
-    held = {(item.register, item.field) for item in device.run_time_parameters}
-    registers = {name for name, _ in held}
-    changes = any(
-        item.register.name in registers if item.field is None else (item.register.name, item.field.name) in held
-        for item in writes
-    )
-    return Run(procedure, operations, tuple(arguments), changes)
 
 
-def _taught(device: Device, operations: Sequence[Operation]) -> Iterator[Operation]:
+def _with_closing_mark(operation: Operation, closes: bool) -> Operation:
+    return replace(operation, closes=True) if closes and isinstance(operation, Writes) else operation
+
+
+def _writes_of(argument: Argument, writes: Sequence[Writes]) -> tuple[Writes, ...]:
+    return tuple(write for write in writes if _argument_in(write.value) is argument)
+
+
+def _changes_frames(device: Device, write: Writes) -> bool:
+    """Return whether a write changes a run-time parameter."""
+    in_register = [parameter for parameter in device.run_time_parameters if parameter.register == write.register.name]
+    return any(write.field is None or parameter.field == write.field.name for parameter in in_register)
+
+
+def _with_taught_parameters(device: Device, operations: Sequence[Operation]) -> Iterator[Operation]:
     """Yield the operations, with the written parameters on which later limits depend."""
-    for index, item in enumerate(operations):
-        if isinstance(item, Writes) and item.field is None and not isinstance(item.value, Stated):
-            later = [other for other in operations[index + 1 :] if isinstance(other, Writes)]
-            limits = (bound for other in later for bound in (other.register.min, other.register.max))
-            names = {name for bound in limits if bound is not None for name in bound.parameters}
-            held = (one for one in device.run_time_parameters if one.register == item.register.name)
-            yield replace(item, teaches=tuple(one for one in held if one.name in names))
+    for index, operation in enumerate(operations):
+        if isinstance(operation, Writes) and operation.field is None and not isinstance(operation.value, Stated):
+            yield replace(operation, teaches=tuple(_taught_parameters(device, operation, operations[index + 1 :])))
         else:
-            yield item
+            yield operation
+
+
+def _taught_parameters(device: Device, write: Writes, later: Sequence[Operation]) -> Iterator[Parameter]:
+    """Yield the parameters in a written register on which the limits of later writes depend."""
+    later_registers = (operation.register for operation in later if isinstance(operation, Writes))
+    limits = (bound for register in later_registers for bound in (register.min, register.max))
+    limiting_names = {name for bound in limits if bound is not None for name in bound.parameters}
+    for parameter in device.run_time_parameters:
+        if parameter.register == write.register.name and parameter.name in limiting_names:
+            yield parameter
 
 
 def _with_verification(operations: Iterable[Operation]) -> Iterator[Operation]:
@@ -269,36 +284,38 @@ def _with_verification(operations: Iterable[Operation]) -> Iterator[Operation]:
     closing write, or writes to the same place again.
     """
     written: list[Verifies] = []
-    for item in operations:
-        if isinstance(item, Writes) and (_acts(item) or any(_same_place(item, before.write) for before in written)):
+    for operation in operations:
+        if isinstance(operation, Writes) and (
+            _makes_writes_effective(operation) or any(_writes_same_place(operation, before.write) for before in written)
+        ):
             yield from written
             written.clear()
-        yield item
-        if isinstance(item, Writes) and _can_be_read_back(item):
-            written.append(Verifies(item, tuple(_stored(item))))
+        yield operation
+        if isinstance(operation, Writes) and _can_be_read_back(operation):
+            written.append(Verifies(operation, tuple(_meaningful_pieces(operation))))
 
 
-def _acts(item: Writes) -> bool:
-    return item.closes or not item.register.readable
+def _makes_writes_effective(write: Writes) -> bool:
+    return write.closes or not write.register.readable
 
 
-def _same_place(item: Writes, before: Writes) -> bool:
-    whole = item.field is None or before.field is None
-    return item.register is before.register and (whole or item.field is before.field)
+def _writes_same_place(write: Writes, earlier_write: Writes) -> bool:
+    whole = write.field is None or earlier_write.field is None
+    return write.register is earlier_write.register and (whole or write.field is earlier_write.field)
 
 
-def _can_be_read_back(item: Writes) -> bool:
+def _can_be_read_back(write: Writes) -> bool:
     """Return whether the register still holds the written value afterwards."""
-    unused = (field for field in item.register.layout.fields if isinstance(field.kind, Unused))
+    unused = (field for field in write.register.layout.fields if isinstance(field.kind, Unused))
     is_fixed = all(field.is_fixed for field in unused)
-    return item.register.readable and not item.register.clears_itself and not item.closes and is_fixed
+    return write.register.readable and not write.register.clears_itself and not write.closes and is_fixed
 
 
-def _stored(item: Writes) -> Iterator[Piece]:
+def _meaningful_pieces(write: Writes) -> Iterator[Piece]:
     """Yield the bytes with the written bits that have a meaning. Reserved bits can have any value when read."""
-    for piece in item.pieces:
-        mask = piece.mask & ~(_unused_bits(item.register, piece.byte) >> piece.right)
-        if mask or item.register.is_accessed_whole:
+    for piece in write.pieces:
+        mask = piece.mask & ~(_unused_bits(write.register, piece.byte) >> piece.right)
+        if mask or write.register.is_accessed_whole:
             yield replace(piece, mask=mask)
 
 
@@ -309,7 +326,7 @@ def _unused_bits(register: Register, byte: int) -> int:
     return register.bytes_of(number)[byte]
 
 
-def _operation(device: Device, procedure: Procedure, step: Step) -> Operation:
+def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Operation:
     match step:
         case WaitStep():
             return Waits(step)
@@ -321,17 +338,23 @@ def _operation(device: Device, procedure: Procedure, step: Step) -> Operation:
             return Polls(step, register, field, pieces_of(register, field))
         case ReadStep():
             register = device.register(step.register)
-            of = register.layout.field(step.field) if step.field else None
-            return Reads(step, register, of, pieces_of(register, of))
+            read_field = register.layout.field(step.field) if step.field else None
+            return Reads(step, register, read_field, pieces_of(register, read_field))
         case ModifyStep():
             register = device.register(step.register)
             field = register.layout.field(step.field)
-            argument = _named(procedure, step)
+            argument = _argument_of_step(procedure, step)
             value = InField(argument, field) if argument is not None else Stated(step.value or 0)
             return Writes(step, register, field, pieces_of(register, field), value)
         case WriteStep():
             register = device.register(step.register)
-            return Writes(step, register, None, pieces_of(register), _source(register, step, _named(procedure, step)))
+            return Writes(
+                step,
+                register,
+                None,
+                pieces_of(register),
+                _written_value(register, step, _argument_of_step(procedure, step)),
+            )
         case _:
             assert_never(step)
 
@@ -342,29 +365,30 @@ def pieces_of(register: Register, field: Field | None = None) -> tuple[Piece, ..
     If a register is accessed whole, its bytes outside the field have the mask 0.
     """
     if field is not None:
-        found = {item.byte: item for item in field.pieces}
-        if found and register.is_accessed_whole:
-            found = {byte: found.get(byte, Piece(byte, 0, 0, 0)) for byte in range(register.length)}
-        return tuple(found[byte] for byte in sorted(found))
-    last = register.length - 1
-    low_first = register.byte_order == "low_byte_first"
-    return tuple(Piece(byte, 0, 0xFF, 8 * (byte if low_first else last - byte)) for byte in range(register.length))
+        pieces = {piece.byte: piece for piece in field.pieces}
+        if pieces and register.is_accessed_whole:
+            pieces = {byte: pieces.get(byte, Piece(byte, 0, 0, 0)) for byte in range(register.length)}
+        return tuple(pieces[byte] for byte in sorted(pieces))
+    places = range(register.length)
+    if register.byte_order != "low_byte_first":
+        places = places[::-1]
+    return tuple(Piece(byte, 0, 0xFF, 8 * place) for byte, place in enumerate(places))
 
 
-def _named(procedure: Procedure, step: WriteStep | ModifyStep) -> Argument | None:
+def _argument_of_step(procedure: Procedure, step: WriteStep | ModifyStep) -> Argument | None:
     if step.value is not None:
         return None
-    return next(item for item in procedure.arguments if item.name == step.value_name)
+    return next(candidate for candidate in procedure.arguments if candidate.name == step.value_name)
 
 
-def _source(register: Register, step: WriteStep, argument: Argument | None) -> Source:
+def _written_value(register: Register, step: WriteStep, argument: Argument | None) -> Source:
     if argument is None:
         return Stated(step.value or 0)
     member = limited_member(register)
     return AsMember(argument, member) if member else AsNumber(argument)
 
 
-def _argument(value: Source) -> Argument | None:
+def _argument_in(value: Source) -> Argument | None:
     match value:
         case Stated():
             return None
@@ -374,30 +398,30 @@ def _argument(value: Source) -> Argument | None:
             assert_never(value)
 
 
-def _given(device: Device, argument: Argument, writes: tuple[Writes, ...]) -> Given:
+def _checked_argument(device: Device, argument: Argument, writes: tuple[Writes, ...]) -> Given:
     refusals: list[ArgumentRefusal] = []
-    for item in writes:
+    for write in writes:
         # An argument that is written to the same register twice is checked only once.
-        refusals += [refusal for refusal in _refusals(device, item, argument) if refusal not in refusals]
+        refusals += [refusal for refusal in _argument_refusals(device, write, argument) if refusal not in refusals]
     return Given(argument, writes, tuple(refusals))
 
 
-def _refusals(device: Device, item: Writes, argument: Argument) -> Iterator[ArgumentRefusal]:
-    match item.value:
+def _argument_refusals(device: Device, write: Writes, argument: Argument) -> Iterator[ArgumentRefusal]:
+    match write.value:
         case AsMember():
             # The limits of the register are checked when the member is encoded.
             if argument.meant_as:
-                yield from _beyond(device, item.register, argument)
+                yield from _limit_refusals(device, write.register, argument)
         case AsNumber():
-            yield from _beyond(device, item.register, argument)
-            if codec_of(device, item.register.layout).checks:
-                yield Undecodable(item.register)
+            yield from _limit_refusals(device, write.register, argument)
+            if codec_of(device, write.register.layout).checks:
+                yield Undecodable(write.register)
         case InField(field=field):
-            yield from field_refusals(device, item.register, field, argument)
+            yield from field_refusals(device, write.register, field, argument)
         case Stated():
             return
         case _:
-            assert_never(item.value)
+            assert_never(write.value)
 
 
 def field_refusals(
@@ -406,14 +430,14 @@ def field_refusals(
     """Yield the reasons to reject an argument for one field of a register. If a meaning is given, its limits apply."""
     yield TooWide(field, field.width)
     if argument.meant_as or limited_member(register) == field.name:
-        yield from _beyond(device, register, argument)
+        yield from _limit_refusals(device, register, argument)
     values = allowed_values(register.layout, field)
     if values:
         yield NotOneOf(field, values)
 
 
-def _beyond(device: Device, register: Register, argument: Argument) -> Iterator[Beyond]:
-    meaning = next((item for item in register.meanings if item.name == argument.meant_as), None)
+def _limit_refusals(device: Device, register: Register, argument: Argument) -> Iterator[Beyond]:
+    meaning = next((candidate for candidate in register.meanings if candidate.name == argument.meant_as), None)
     limits = limits_of(device, register, meaning)
     if limits.low is not None or limits.high is not None:
         yield Beyond(register, meaning, limits)

@@ -24,14 +24,16 @@ class Moved:
 
 def moved_bits(codec: Codec) -> tuple[Moved, ...]:
     """Return the unused bits whose position is the same for every order code. Those with the same shift are one."""
-    found: dict[tuple[int | None, int], Moved] = {}
-    for item in (item for op in codec.reserved if op.bits.are_fixed for item in _moved(op, codec.by_word)):
-        known = found.get((item.byte, item.shift), replace(item, mask=0, value=0))
-        found[item.byte, item.shift] = replace(item, mask=known.mask | item.mask, value=known.value | item.value)
-    return tuple(found.values())
+    bits_by_shift: dict[tuple[int | None, int], Moved] = {}
+    for op in codec.reserved:
+        for bits in _moved_bits_of_field(op, codec.by_word) if op.bits.are_fixed else ():
+            bits_so_far = bits_by_shift.get((bits.byte, bits.shift), replace(bits, mask=0, value=0))
+            mask, value = bits_so_far.mask | bits.mask, bits_so_far.value | bits.value
+            bits_by_shift[bits.byte, bits.shift] = replace(bits, mask=mask, value=value)
+    return tuple(bits_by_shift.values())
 
 
-def _moved(op: Reserved, by_word: bool) -> Iterator[Moved]:
+def _moved_bits_of_field(op: Reserved, by_word: bool) -> Iterator[Moved]:
     """Yield the bits of a field, in the word or byte by byte."""
     if by_word:
         yield Moved(None, op.bits.low.constant - op.place, op.mask, op.value << op.place)

@@ -114,5 +114,5 @@ def widest_value(field: Field) -> int:
             return max(field.widest, number.bit_length())
         case Raw() | TwosComplement() | Active() | Named() | DigitRuns() | Characters():
             return field.widest
-        case other:
-            assert_never(other)
+        case never:
+            assert_never(never)

@@ -42,10 +42,10 @@ class Library:
 
     def by_manufacturer(self) -> list[tuple[Manufacturer, tuple[Device, ...]]]:
         """Return the devices of each manufacturer, sorted by name. The main manufacturer is the first."""
-        return [
-            (maker, tuple(item for item in self.devices if item.manufacturer.name == maker.name))
-            for maker in manufacturers(self.devices)
-        ]
+        return [(maker, self._devices_of(maker)) for maker in manufacturers(self.devices)]
+
+    def _devices_of(self, maker: Manufacturer) -> tuple[Device, ...]:
+        return tuple(device for device in self.devices if device.manufacturer.name == maker.name)
 
 
 def manufacturers(devices: Iterable[Device]) -> list[Manufacturer]:
@@ -56,8 +56,10 @@ def manufacturers(devices: Iterable[Device]) -> list[Manufacturer]:
 
 def main_manufacturer(makers: Sequence[Manufacturer]) -> Manufacturer | None:
     """Return the manufacturer whose name a folder with the packages of ``makers`` has, or None if no single one has."""
-    mains = [maker for maker in makers if maker.main] if len(makers) > 1 else makers
-    return mains[0] if len(mains) == 1 else None
+    if len(makers) == 1:
+        return makers[0]
+    main_makers = [maker for maker in makers if maker.main]
+    return main_makers[0] if len(main_makers) == 1 else None
 
 
 def has_biss(devices: Iterable[Device]) -> bool:

@@ -10,16 +10,16 @@ _NO_PART_OF_A_NAME = re.compile(r"[^A-Za-z0-9.-]+")
 _LONGEST = 80
 
 
-def names_of_codes(order_codes: Iterable[str], others: Iterable[str] = ()) -> list[str]:
+def names_of_codes(order_codes: Iterable[str], reserved_names: Iterable[str] = ()) -> list[str]:
     """Return a file name for each order code. The names are unique even on file systems that ignore case.
 
-    Characters that are not allowed become hyphens. Duplicates are numbered. ``others`` are reserved names in lowercase.
+    Characters that are not allowed become hyphens. Duplicates are numbered. ``reserved_names`` are in lowercase.
     """
-    taken, names = set(others), list[str]()
+    used_names, names = set(reserved_names), list[str]()
     for order_code in order_codes:
         plain = _NO_PART_OF_A_NAME.sub("-", order_code).lstrip(".")
         numbers = chain([""], (f"-{number}" for number in count(2)))
         numbered = (f"{plain[: _LONGEST - len(number)]}{number}" for number in numbers)
-        names.append(next(name for name in numbered if name and name.casefold() not in taken))
-        taken.add(names[-1].casefold())
+        names.append(next(name for name in numbered if name and name.casefold() not in used_names))
+        used_names.add(names[-1].casefold())
     return names

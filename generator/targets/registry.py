@@ -20,7 +20,7 @@ BUILT_IN = ("python", "c", "biss", "docs", "browser", "masters")
 #: Those of them that cannot express everything. ``check`` asks only these for problems.
 WITH_PROBLEMS = ("c",)
 GROUP = "codewheel.targets"
-_Given = TypeVar("_Given")
+_Result = TypeVar("_Result")
 
 
 class PackageMissing(TargetError):
@@ -40,11 +40,13 @@ def load_target(name: str) -> Target:
         TargetError: The target cannot be loaded, or is not a ``Target``.
     """
     if name in BUILT_IN:
-        return _loaded(name, lambda: import_module(f"{__package__}.{name}.files").TARGET)
+        return _load(name, lambda: import_module(f"{__package__}.{name}.files").TARGET)
     entries = _registered()[name]  # a KeyError is a LookupError
     if len(entries) > 1:
-        raise TargetError(f"the target '{name}' is registered by {' and by '.join(map(_owner, entries))}; remove one")
-    return _loaded(name, entries[0].load)
+        raise TargetError(
+            f"the target '{name}' is registered by {' and by '.join(map(_package_of, entries))}; remove one"
+        )
+    return _load(name, entries[0].load)
 
 
 def files_of(
@@ -62,9 +64,9 @@ def files_of(
         TargetError: The target cannot express something, or fails.
         TemplateFault: A user's template has an error.
     """
-    own = library.own_templates / target.name if library.own_templates is not None else None
-    given = replace(library, own_templates=own, parts=parts)
-    files = _guarded(target.name, lambda: target.files(given, options))
+    templates = library.own_templates / target.name if library.own_templates is not None else None
+    target_library = replace(library, own_templates=templates, parts=parts)
+    files = _run_target(target.name, lambda: target.files(target_library, options))
     if fault := _fault_of_files(files):
         raise TargetError(f"the target '{target.name}' must return text by path; {fault}")
     return files
@@ -76,31 +78,31 @@ def problems_of(target: Target, library: Library) -> list[TargetProblem]:
     Raises:
         TargetError: The target fails.
     """
-    found = _guarded(target.name, lambda: list(target.problems(library)))
-    for problem in found:
+    problems = _run_target(target.name, lambda: list(target.problems(library)))
+    for problem in problems:
         if fault := _fault_of_problem(problem, library):
             raise TargetError(f"the target '{target.name}' must return problems as TargetProblem; {fault}")
-    return found
+    return problems
 
 
 def _fault_of_problem(problem: object, library: Library) -> str:
     """Return the reason that ``problem`` is not one of a device in the library, or an empty string if it is one."""
     if not isinstance(problem, TargetProblem):
-        return f"this is {_kind(problem)}"
+        return f"this is {_type_name(problem)}"
     if problem.device.name not in {device.name for device in library.devices}:
         return f"the device '{problem.device.name}' is not in its library"
     texts = (problem.rule, problem.message, *problem.place, *problem.other)
-    wrong = [item for item in texts if not isinstance(item, (str, int))]
-    return f"a part of it is {_kind(wrong[0])}" if wrong else ""
+    wrong_parts = [part for part in texts if not isinstance(part, (str, int))]
+    return f"a part of it is {_type_name(wrong_parts[0])}" if wrong_parts else ""
 
 
 def _fault_of_files(files: object) -> str:
     """Return the reason that ``files`` is not a mapping of paths to text, or an empty string if it is one."""
     if not isinstance(files, Mapping):
-        return f"this is {_kind(files)}"
+        return f"this is {_type_name(files)}"
     for path, text in files.items():
         if not isinstance(path, str) or not isinstance(text, str):
-            return f"{path!r} is {_kind(text)}" if isinstance(path, str) else f"{path!r} is not a path"
+            return f"{path!r} is {_type_name(text)}" if isinstance(path, str) else f"{path!r} is not a path"
         try:
             (path + text).encode()
         except UnicodeEncodeError as error:
@@ -108,7 +110,7 @@ def _fault_of_files(files: object) -> str:
     return ""
 
 
-def _kind(value: object) -> str:
+def _type_name(value: object) -> str:
     return "nothing" if value is None else type(value).__name__
 
 
@@ -116,43 +118,43 @@ def _registered() -> dict[str, list[EntryPoint]]:
     """Return the entry points by name. Several packages may use the same name."""
     from importlib.metadata import entry_points
 
-    found: dict[str, list[EntryPoint]] = {}
-    for entry in entry_points(group=GROUP):
-        found.setdefault(entry.name, []).append(entry)
-    return dict(sorted(found.items()))
+    by_name: dict[str, list[EntryPoint]] = {}
+    for entry_point in entry_points(group=GROUP):
+        by_name.setdefault(entry_point.name, []).append(entry_point)
+    return dict(sorted(by_name.items()))
 
 
-def _owner(entry: EntryPoint) -> str:
-    return entry.dist.name if entry.dist is not None else entry.value
+def _package_of(entry_point: EntryPoint) -> str:
+    return entry_point.dist.name if entry_point.dist is not None else entry_point.value
 
 
-def _loaded(name: str, load: Callable[[], object]) -> Target:
+def _load(name: str, load: Callable[[], object]) -> Target:
     try:
-        found = load()
+        target = load()
     except ModuleNotFoundError as error:
         package = (error.name or "").partition(".")[0]
         if not package or package == __package__.partition(".")[0]:
-            raise TargetError(f"the target '{name}' cannot be loaded: {_told(error)}") from error
+            raise TargetError(f"the target '{name}' cannot be loaded: {_error_line(error)}") from error
         raise PackageMissing(f"the target '{name}' needs the Python package '{package}', which is missing") from error
     except Exception as error:
-        raise TargetError(f"the target '{name}' cannot be loaded: {_told(error)}") from error
-    if not isinstance(found, Target):
-        raise TargetError(f"the target '{name}' must be a codewheel.targets.Target; this is {_kind(found)}")
-    if found.name != name:
-        raise TargetError(f"the target '{name}' calls itself '{found.name}'; both names must be the same")
-    return found
+        raise TargetError(f"the target '{name}' cannot be loaded: {_error_line(error)}") from error
+    if not isinstance(target, Target):
+        raise TargetError(f"the target '{name}' must be a codewheel.targets.Target; this is {_type_name(target)}")
+    if target.name != name:
+        raise TargetError(f"the target '{name}' calls itself '{target.name}'; both names must be the same")
+    return target
 
 
-def _guarded(name: str, work: Callable[[], _Given]) -> _Given:
+def _run_target(name: str, work: Callable[[], _Result]) -> _Result:
     try:
         return work()
     except (TargetError, TemplateFault):
         raise
     except Exception as error:
-        raise TargetError(f"the target '{name}' fails: {_told(error)}") from error
+        raise TargetError(f"the target '{name}' fails: {_error_line(error)}") from error
 
 
-def _told(error: Exception) -> str:
+def _error_line(error: Exception) -> str:
     """Return an error in one line, with its origin."""
     frames = traceback.extract_tb(error.__traceback__)
     place = f" ({frames[-1].filename}:{frames[-1].lineno})" if frames else ""

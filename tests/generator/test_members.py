@@ -46,7 +46,8 @@ RECORDS = {
 #: Members that Python users have elsewhere: in the classes of frames and registers, in ``VARIANTS``, or as bytes.
 ELSEWHERE = {
     "FieldFacts": """kind high low width group container padding_of makes_position sums_up only only_while
-        verdict_parameter verdict_if_set remedy by_hand values crc crc_of parity_of parity over digits equals equals_text""",
+        verdict_parameter verdict_if_set remedy by_hand values crc
+        crc_of parity_of parity over digits equals equals_text""",
     "Register": "interface last_address default_bytes min max limits_of wait_at_least_ms other_bits join",
     "Timing": "interface",
     "Crc": "poly_with_top_bit",

@@ -156,7 +156,8 @@ FRAMES = (
         Member(
             "verdict_if_set",
             "|not_usable|usable_with_warning",
-            "Verdict on the position while the flag is active and verdict_parameter is 1. Empty if no answer changes it.",
+            "Verdict on the position while the flag is active and verdict_parameter is 1. Empty if no answer changes"
+            " it.",
             "field-verdict",
             "makes the position, with the other answer,",
             read="verdict",

@@ -164,8 +164,8 @@ IDENTITY = (
         Member(
             "default",
             "name",
-            "Answer that applies unless the user chooses another one. Only verdicts then depend on the answer, and every"
-            " frame is decoded. Empty if there is no default.",
+            "Answer that applies unless the user chooses another one. Only verdicts then depend on the answer, and"
+            " every frame is decoded. Empty if there is no default.",
             "decision-default",
             refers_to="answer",
         ),

@@ -79,10 +79,10 @@ def faults(document: str, name: str, dtd: bytes, dtd_name: str) -> list[str]:
             f"{dtd_name}: refers to {resolver.refused}. Other files and the network are not read. Put everything"
             " into one file"
         )
-    found = []
-    for entry in parser.error_log:
-        message = " ".join(entry.message.split())
-        if entry.filename == dtd_name:
-            raise DtdError(f"{dtd_name}:{entry.line}: {message}")
-        found.append(f"{name}:{entry.line}: {message}")
-    return found or ([f"{name}: {broken}"] if broken else [])
+    messages = []
+    for logged in parser.error_log:
+        message = " ".join(logged.message.split())
+        if logged.filename == dtd_name:
+            raise DtdError(f"{dtd_name}:{logged.line}: {message}")
+        messages.append(f"{name}:{logged.line}: {message}")
+    return messages or ([f"{name}: {broken}"] if broken else [])

@@ -71,18 +71,20 @@ class DataLength:
 def manufacturer_bits(biss_id: int) -> IdBits:
     text = biss_id.to_bytes(2, "big").decode("ascii", "replace")
     return IdBits(
-        _MANUFACTURER_BITS - 1,
-        0,
-        biss_id,
-        "64-bit identity: manufacturer ID, registers 7Eh and 7Fh",
-        text if text.isprintable() and text.isascii() else "",
+        high=_MANUFACTURER_BITS - 1,
+        low=0,
+        number=biss_id,
+        what="64-bit identity: manufacturer ID, registers 7Eh and 7Fh",
+        text=text if text.isprintable() and text.isascii() else "",
     )
 
 
 def device_bits(device: Device) -> tuple[IdBits, ...]:
     """Return the fixed bits of the device ID, highest first."""
-    found = [bits for register in device.registers if _holds_identity(register) for bits in _register_bits(register)]
-    return tuple(sorted((item for item in found if item.low >= _MANUFACTURER_BITS), key=lambda item: -item.low))
+    identifying = filter(_holds_identity, device.registers)
+    bits_of_registers = (bits for register in identifying for bits in _register_bits(register))
+    device_id = (bits for bits in bits_of_registers if bits.low >= _MANUFACTURER_BITS)
+    return tuple(sorted(device_id, key=lambda bits: -bits.low))
 
 
 def _holds_identity(register: Register) -> bool:
@@ -93,7 +95,7 @@ def _holds_identity(register: Register) -> bool:
 def _register_bits(register: Register) -> Iterator[IdBits]:
     below = 8 * (LAST - register.last_address)
     for field in register.layout.fields:
-        number = _fixed(register.layout, field)
+        number = _fixed_value(register.layout, field)
         if number is None or not field.low.is_constant or not field.width.is_constant:
             continue
         low = below + field.low.constant
@@ -101,20 +103,20 @@ def _register_bits(register: Register) -> Iterator[IdBits]:
         first, last = FIRST + (_IDENTITY_BITS - 1 - high) // 8, FIRST + (_IDENTITY_BITS - 1 - low) // 8
         place = f"register {first:02X}h" if first == last else f"registers {first:02X}h to {last:02X}h"
         yield IdBits(
-            high,
-            low,
-            number,
-            f"64-bit identity: device ID, {place}",
-            field.equals if isinstance(field.equals, str) else "",
-            register.name,
+            high=high,
+            low=low,
+            number=number,
+            what=f"64-bit identity: device ID, {place}",
+            text=field.equals if isinstance(field.equals, str) else "",
+            register=register.name,
         )
 
 
-def _fixed(layout: Layout, field: Field) -> int | None:
+def _fixed_value(layout: Layout, field: Field) -> int | None:
     """Return the value that the field has in every device of the family, or None if there is no such value."""
-    known = only_value(layout, field)
-    if known is not None:
-        return known
+    only = only_value(layout, field)
+    if only is not None:
+        return only
     if isinstance(field.equals, str):
         return int.from_bytes(field.equals.encode("ascii", "replace"), "big")
     if isinstance(field.equals, Expression):
@@ -137,16 +139,16 @@ def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
 
     Each length is listed once, or once for each choice that the manual leaves open.
     """
-    found: list[DataLength] = []
+    lengths: list[DataLength] = []
     for answers, sets in choices(device.alternatives_of(layout)):
         placed: dict[tuple[tuple[str, int], ...], tuple[PlacedLayout, list[str]]] = {}
         for variant in device.variants_over(Biss.name):
-            made = layout.place({**variant.parameters, **sets})
-            shape = tuple((item.name, item.width) for item in made.fields)
-            placed.setdefault(shape, (made, []))[1].append(variant.code)
-        names = tuple(item.name for item in answers)
-        found += (_length(made, tuple(codes), names) for made, codes in placed.values())
-    return tuple(sorted(found, key=lambda item: (item.data_bits, item.codes)))
+            placed_layout = layout.place({**variant.parameters, **sets})
+            shape = tuple((field.name, field.width) for field in placed_layout.fields)
+            placed.setdefault(shape, (placed_layout, []))[1].append(variant.code)
+        names = tuple(answer.name for answer in answers)
+        lengths += (_data_length(placed_layout, tuple(codes), names) for placed_layout, codes in placed.values())
+    return tuple(sorted(lengths, key=lambda length: (length.data_bits, length.codes)))
 
 
 def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
@@ -155,7 +157,7 @@ def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
     The result is empty if the spec gives none.
     """
     registers = device.registers_over(Biss.name)
-    register = next((item for item in registers if item.address == PROFILE and item.length == 2), None)
+    register = next((register for register in registers if register.address == PROFILE and register.length == 2), None)
     if register is None or register.byte_order != "high_byte_first":
         return {}
     variants = device.variants_over(Biss.name)
@@ -163,19 +165,19 @@ def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
         # The value of the register as printed in the manual, which does not distinguish the models.
         codes = tuple(variant.code for variant in variants)
         return {} if register.default is None else {register.default: codes}
-    found: dict[int, list[str]] = {}
+    codes_by_id: dict[int, list[str]] = {}
     for variant in variants:
         placed = register.layout.place(variant.parameters)
-        number = sum(_stated(register.layout, item.field, variant) << item.low for item in placed.fields)
-        found.setdefault(number, []).append(variant.code)
-    return {number: tuple(each) for number, each in found.items()}
+        number = sum(_stated_value(register.layout, field.field, variant) << field.low for field in placed.fields)
+        codes_by_id.setdefault(number, []).append(variant.code)
+    return {number: tuple(codes) for number, codes in codes_by_id.items()}
 
 
 def _is_stated(layout: Layout, field: Field) -> bool:
     return only_value(layout, field) is not None or isinstance(field.equals, (int, Expression))
 
 
-def _stated(layout: Layout, field: Field, variant: Variant) -> int:
+def _stated_value(layout: Layout, field: Field, variant: Variant) -> int:
     if isinstance(field.equals, Expression):
         return field.equals.value(variant.parameters)
     if isinstance(field.equals, int):
@@ -183,10 +185,16 @@ def _stated(layout: Layout, field: Field, variant: Variant) -> int:
     return only_value(layout, field) or 0
 
 
-def _length(placed: PlacedLayout, codes: tuple[str, ...], answers: tuple[str, ...]) -> DataLength:
-    status = [item.name for item in placed.layout.status_fields]
-    check = placed.layout.crc_field
-    crc = sum(item.width for item in placed.fields if item.field is check)
-    flags = sum(item.width for item in placed.fields if item.name in status)
-    data = {item.name: item.width for item in placed.fields if item.field is not check and item.name not in status}
-    return DataLength(codes, answers, sum(data.values()), flags, crc, data)
+def _data_length(placed: PlacedLayout, codes: tuple[str, ...], answers: tuple[str, ...]) -> DataLength:
+    crc_field = placed.layout.crc_field
+    status_names = [field.name for field in placed.layout.status_fields]
+    data_fields = [field for field in placed.fields if field.field is not crc_field and field.name not in status_names]
+    data_widths = {field.name: field.width for field in data_fields}
+    return DataLength(
+        codes=codes,
+        answers=answers,
+        data_bits=sum(data_widths.values()),
+        status_bits=sum(field.width for field in placed.fields if field.name in status_names),
+        crc_bits=sum(field.width for field in placed.fields if field.field is crc_field),
+        parts=data_widths,
+    )

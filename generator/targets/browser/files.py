@@ -30,7 +30,7 @@ from .family import family
 from .plain import Data, script_json
 
 #: Error messages, with placeholders for numbers and names: ``{0} is {1}``.
-_SAID = {
+_MESSAGES = {
     "length": fault.length("{0}", "{1}", "{2}"),
     "crc": fault.crc("{0}", "{1}"),
     "constant": fault.constant("{0}", "{1}", "{2}"),
@@ -88,7 +88,7 @@ class Page(TypedDict):
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return the page, the script and the README."""
-    codes = [item.code for device in library.devices for item in device.variants]
+    codes = [variant.code for device in library.devices for variant in device.variants]
     page: Page = {
         "title": listed(plain(maker.title) for maker, _ in library.by_manufacturer()),
         "codes": len(set(codes)),
@@ -109,12 +109,12 @@ def _code(path: Path) -> str:
 def table(library: Library) -> Data:
     """Return the data for the script."""
     return {
-        "faults": [item.value for item in Fault],
+        "faults": [fault_code.value for fault_code in Fault],
         "worth": {verdict.value: words for verdict, words in WORTH.items()},
         "unexplained": UNEXPLAINED,
-        "said": _SAID,
+        "said": _MESSAGES,
         "limits": {"text": frame_text.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
-        "slips": [[item.text, item.front, item.missing, item.lost, item.behind] for item in SLIPS],
+        "slips": [[slip.text, slip.front, slip.missing, slip.lost, slip.behind] for slip in SLIPS],
         "families": [library.part(_family, device, NO_OPTIONS) for device in library.devices],
     }
 

@@ -5,9 +5,9 @@ Regular expressions are those of ``order_codes.labels`` in the notation of JavaS
 
 from __future__ import annotations
 
-from ...model import Device, Spelling
+from ...model import CodePart, Device, Spelling
 from ...order_codes.labels import AFTER, as_listed, regex
-from .plain import Data, kept
+from .plain import Data, without_empty
 
 
 def labels(device: Device) -> Data:
@@ -16,20 +16,22 @@ def labels(device: Device) -> Data:
     listed = as_listed(code)
     return {
         "pattern": code.pattern,
-        "written": [_spelling(device, item) for item in (listed, *code.also_written)],
+        "written": [_spelling(device, spelling) for spelling in (listed, *code.also_written)],
         "wrong": [_script(regex(code, listed, part.name)) for part in code.parts],
-        "parts": [
-            kept(name=part.name, values=[value.text for value in part.values], only_with=dict(part.open_only_with))
-            for part in code.parts
-        ],
+        "parts": [_part(part) for part in code.parts],
     }
 
 
-def _spelling(device: Device, item: Spelling) -> Data:
+def _part(part: CodePart) -> Data:
+    values = [value.text for value in part.values]
+    return without_empty(name=part.name, values=values, only_with=dict(part.open_only_with))
+
+
+def _spelling(device: Device, spelling: Spelling) -> Data:
     values: dict[str, dict[str, str]] = {}
-    for value in item.values:
+    for value in spelling.values:
         values.setdefault(value.part, {})[value.text.upper()] = value.value
-    return kept(label=_script(regex(device.order_code, item)), where=item.where, values=values)
+    return without_empty(label=_script(regex(device.order_code, spelling)), where=spelling.where, values=values)
 
 
 def _script(expression: str) -> str:

@@ -17,7 +17,7 @@ _EXACT = (1 << 53) - 1
 _HARMLESS = {ord(mark): f"\\u{ord(mark):04x}" for mark in "<>&\u2028\u2029"}
 
 
-def kept(**members: Any) -> Data:
+def without_empty(**members: Any) -> Data:
     """Return those members that are not 0, empty or False."""
     return {name.rstrip("_"): value for name, value in members.items() if value not in (None, 0, "", (), [], {})}
 
@@ -27,24 +27,24 @@ def number(value: int) -> int | str:
     return value if abs(value) <= _EXACT else f"{value:#x}"
 
 
-def expression(item: Expression) -> Any:
+def expression(value: Expression) -> Any:
     """Return a number, or a list of a number and terms of a multiple and factors.
 
     ``^name`` is two to the power ``name``.
     """
-    if item.is_constant:
-        return number(item.constant)
-    return [number(item.constant), *map(_term, item.terms)]
+    if value.is_constant:
+        return number(value.constant)
+    return [number(value.constant), *map(_term, value.terms)]
 
 
-def _term(item: Term) -> list[int | str]:
-    factors = (f"^{factor.parameter}" if factor.power else factor.parameter for factor in item.factors)
-    return [number(item.multiple), *factors]
+def _term(term: Term) -> list[int | str]:
+    factors = [f"^{factor.parameter}" if factor.power else factor.parameter for factor in term.factors]
+    return [number(term.multiple), *factors]
 
 
-def bound(item: Expression | None) -> Any:
+def bound(limit: Expression | None) -> Any:
     """Return a limit, or None if there is none."""
-    return None if item is None else expression(item)
+    return None if limit is None else expression(limit)
 
 
 def described(value: Any) -> Any:
@@ -57,13 +57,13 @@ def described(value: Any) -> Any:
         case bool() | int():
             return number(int(value))
         case tuple():
-            return [described(item) for item in value]
+            return [described(element) for element in value]
         case None | str():
             return value
         case Scale(numerator, denominator, offset, unit):
             return [numerator, denominator, offset, unit, value.places]
-    members = ((item, getattr(value, item.name)) for item in fields(value) if item.compare)
-    return kept(**{item.name: described(member) for item, member in members if member != item.default})
+    members = ((member, getattr(value, member.name)) for member in fields(value) if member.compare)
+    return without_empty(**{member.name: described(value) for member, value in members if value != member.default})
 
 
 def script_json(value: object, indent: int | None = None) -> str:

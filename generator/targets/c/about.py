@@ -20,7 +20,14 @@ from ...model import (
 from ...plan.crcs import Carrier, CrcFunction, Form
 from ...plan.steps import Call, Operation, Polls, Reads, Run, Sends, Verifies, Waits, Writes
 from ...plan.values import Characters, meaning_of
-from ...say import alarm, crc, field, layout, order_code, parameter, procedure, register
+from ...say import alarm as say_alarm
+from ...say import crc as say_crc
+from ...say import field as say_field
+from ...say import layout as say_layout
+from ...say import order_code as say_order_code
+from ...say import parameter as say_parameter
+from ...say import procedure as say_procedure
+from ...say import register as say_register
 from ...say.name import full_title, register_field, title
 from ...say.place import addresses, bit_range, field_place
 from ...say.text import Code, Said, listed, said
@@ -43,7 +50,7 @@ _IN_CODE = ("Default", "Limits")
 _PLACE = 50
 
 
-def _headed(name: str, items: Iterable[Said]) -> list[Paragraph]:
+def _with_heading(name: str, items: Iterable[Said]) -> list[Paragraph]:
     """Return the statements, with the name before the first one."""
     lines = list(map(S.sentence, items))
     return [f"{name}: {lines[0]}", *lines[1:]] if lines else [f"{name}."]
@@ -54,48 +61,53 @@ def _headed(name: str, items: Iterable[Said]) -> list[Paragraph]:
 
 def about_order_codes(device: Device) -> list[Paragraph]:
     unknown = unknown_parts(device)
-    hidden = [item for part in device.order_code.parts if part.name in unknown for item in order_code.open_values(part)]
-    about: list[Paragraph] = [S.sentence(item) for item in order_code.order_code(device) if item not in hidden]
-    return [*about, f"Only the listed values are known here for: {', '.join(unknown)}."] if unknown else about
+    parts = [part for part in device.order_code.parts if part.name in unknown]
+    unknown_values = [statement for part in parts for statement in say_order_code.open_values(part)]
+    statements = say_order_code.order_code(device)
+    about: list[Paragraph] = [S.sentence(statement) for statement in statements if statement not in unknown_values]
+    if unknown:
+        about.append(f"Only the listed values are known here for: {', '.join(unknown)}.")
+    return about
 
 
-def about_parameter(device: Device, prefix: str, item: Parameter) -> str:
-    taken = f" {prefix}_take_{item.register}() updates it." if item.read_from else ""
-    in_code = list(parameter.origin(device, item)) if item.equals is not None else ()
-    return S.paragraph(one for one in parameter.parameter(device, item) if one not in in_code) + taken
+def about_parameter(device: Device, prefix: str, parameter: Parameter) -> str:
+    update = f" {prefix}_take_{parameter.register}() updates it." if parameter.read_from else ""
+    in_code = list(say_parameter.origin(device, parameter)) if parameter.equals is not None else ()
+    statements = say_parameter.parameter(device, parameter)
+    return S.paragraph(statement for statement in statements if statement not in in_code) + update
 
 
-def about_alarm(device: Device, item: Alarm) -> list[Paragraph]:
-    return _headed(title(item), alarm.alarm(device, item))
+def about_alarm(device: Device, alarm: Alarm) -> list[Paragraph]:
+    return _with_heading(title(alarm), say_alarm.alarm(device, alarm))
 
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
     """Return the comment on the function of a CRC."""
-    about = list(map(S.sentence, crc.crc(device, function.crc)))
+    about = list(map(S.sentence, say_crc.crc(device, function.crc)))
     if function.carrier is Carrier.BYTES:
         by_xor = "With this polynomial, the CRC of whole bytes is their XOR." if function.form is Form.XOR else ""
         return ["Return the CRC of bytes in the order sent.", *about, by_xor]
     return ["Return the CRC of bits. Bit 0 is the last one sent.", *about]
 
 
-def about_word_crc(device: Device, item: Crc, folds: bool) -> list[Paragraph]:
+def about_word_crc(device: Device, crc: Crc, folds: bool) -> list[Paragraph]:
     """Return the comment on the function that computes a CRC over a whole word."""
     use = "The result is 0 if a received word is valid. With 0 in place of the CRC, it is the CRC to send."
     return [
-        f"Compute CRC {item.name} over a whole word. {use}",
-        *map(S.sentence, crc.crc(device, item)),
-        _derivation(item) if folds else "",
+        f"Compute CRC {crc.name} over a whole word. {use}",
+        *map(S.sentence, say_crc.crc(device, crc)),
+        _derivation(crc) if folds else "",
     ]
 
 
-def about_bits_crc(device: Device, item: Crc) -> list[Paragraph]:
+def about_bits_crc(device: Device, crc: Crc) -> list[Paragraph]:
     """Return the comment on the function that computes a CRC over the bits of a frame in bytes."""
-    return [f"Return CRC {item.name} of a frame, bit by bit.", *map(S.sentence, crc.crc(device, item))]
+    return [f"Return CRC {crc.name} of a frame, bit by bit.", *map(S.sentence, say_crc.crc(device, crc))]
 
 
-def _derivation(item: Crc) -> str:
+def _derivation(crc: Crc) -> str:
     """Explain why the straight-line code leaves the remainder."""
-    width, middle = item.width, (item.poly >> 1).bit_length()
+    width, middle = crc.width, (crc.poly >> 1).bit_length()
     if not middle:
         return (
             f"How it folds: the remainder of x^{width} is 1, so the bits from {width} up are XORed into those "
@@ -118,77 +130,86 @@ def _power(exponent: int) -> str:
 
 def about_layout(device: Device, interface: Interface, struct: Struct) -> list[Paragraph]:
     """Return the purpose of the frame, the positions of its bits, and finally its errata, which few readers need."""
-    item = struct.layout
-    elsewhere = list(layout.joins(item))  # Their members say it.
-    errata = list(layout.errata_of(device, interface, item))
-    about = [one for one in layout.layout(device, interface, item) if one not in (*elsewhere, *errata)]
-    head = layout.head(interface, item, Code(item.name), device.alternatives)
+    frame_layout = struct.layout
+    elsewhere = list(say_layout.joins(frame_layout))  # Their members say it.
+    errata = list(say_layout.errata_of(device, interface, frame_layout))
+    statements = say_layout.layout(device, interface, frame_layout)
+    about = [statement for statement in statements if statement not in (*elsewhere, *errata)]
+    head = say_layout.head(interface, frame_layout, Code(frame_layout.name), device.alternatives)
     return [*map(S.sentence, (head, *about)), *table(struct), *map(S.sentence, errata)]
 
 
-def about_member(struct: Struct, item: Field) -> str:
+def about_member(struct: Struct, member: Field) -> str:
     """Return the facts of a field that its enumeration does not show."""
-    choice = struct.enumeration(item)
-    about = [one for one in field.field(struct.device, item) if choice is None or one not in choice.said]
-    ending = "No terminator." if isinstance(meaning_of(item), Characters) else ""
-    return " ".join(filter(None, (S.paragraph(about) or f"{title(item)}.", ending)))
+    choice = struct.enumeration(member)
+    statements = say_field.field(struct.device, member)
+    about = [statement for statement in statements if choice is None or statement not in choice.said]
+    ending = "No terminator." if isinstance(meaning_of(member), Characters) else ""
+    return " ".join(filter(None, (S.paragraph(about) or f"{title(member)}.", ending)))
 
 
 def about_unused(struct: Struct) -> str:
     """Describe the member for all unused bits."""
-    fields = listed([f"{bit_range(at + item.widest - 1, at)} {item.name}" for item, at in struct.layout.unused])
+    unused = struct.layout.unused
+    fields = listed([f"{bit_range(low + field.widest - 1, low)} {field.name}" for field, low in unused])
     return f"Unused bits, each 1 if it differs from the manual: {S.phrase(said(*fields))}."
 
 
-def place(item: Layout, of: Field) -> str:
+def place(frame_layout: Layout, placed_field: Field) -> str:
     """Return the position of a field."""
-    return S.phrase(said(*field_place(item, of)))
+    return S.phrase(said(*field_place(frame_layout, placed_field)))
 
 
-def _holds(struct: Struct, item: Field) -> str:
+def _facts_without_member(struct: Struct, field: Field) -> str:
     """Return the facts of a field that no member shows, and its width unless its place shows it."""
-    is_member = item.carries_data and item is not struct.plan.selector
-    about = () if is_member else field.field(struct.device, item)
-    if item.is_fixed:
+    is_member = field.carries_data and field is not struct.plan.selector
+    about = () if is_member else say_field.field(struct.device, field)
+    if field.is_fixed:
         return S.paragraph(about)
-    width = item.width.constant if item.width.is_constant else S.number(item.width)
+    width = field.width.constant if field.width.is_constant else S.number(field.width)
     return S.paragraph((said(counted(width, "bit")), *about))
+
+
+def _table_rows(struct: Struct) -> Iterator[tuple[str, str, str]]:
+    """Yield the place of each field, its name, and the facts that no member shows."""
+    for placed_field in struct.layout.fields:
+        if struct.plan.by_word or not placed_field.padding_of:
+            name = "-" if placed_field.fills_gap else placed_field.name
+            yield place(struct.layout, placed_field), name, _facts_without_member(struct, placed_field)
 
 
 def table(struct: Struct) -> Iterator[Paragraph]:
     """Yield one line for each field: its place, its name, and the facts that no member shows."""
-    rows = [
-        (place(struct.layout, item), "-" if item.fills_gap else item.name, _holds(struct, item))
-        for item in struct.layout.fields
-        if struct.plan.by_word or not item.padding_of
-    ]
+    rows = list(_table_rows(struct))
     # The text of a long place goes below it, so that it does not widen the column for the others.
-    places = max((len(row[0]) for row in rows if len(row[0]) <= _PLACE), default=0)
-    names = max((len(row[1]) for row in rows), default=0)
-    for where, name, holds in rows:
-        yield (f"  {where:{places}}  {name:{names}}  ", holds) if holds else (f"  {where:{places}}  ", name)
+    place_widths = (len(place_text) for place_text, _, _ in rows)
+    place_width = max((width for width in place_widths if width <= _PLACE), default=0)
+    name_width = max((len(name) for _, name, _ in rows), default=0)
+    for place_text, name, description in rows:
+        line = f"  {place_text:{place_width}}  "
+        yield (f"{line}{name:{name_width}}  ", description) if description else (line, name)
 
 
 # -- registers
 
 
-def about_register(device: Device, item: Register) -> list[Paragraph]:
-    head = register.head(device, item, full_title(item))
-    about = [one for one in register.register(device, item) if one.label not in _IN_CODE]
+def about_register(device: Device, register: Register) -> list[Paragraph]:
+    head = say_register.head(device, register, full_title(register))
+    about = [statement for statement in say_register.register(device, register) if statement.label not in _IN_CODE]
     return list(map(S.sentence, (head, *about)))
 
 
-def about_access(device: Device, item: Register, writes: bool, read_state: str) -> Iterator[Paragraph]:
+def about_access(device: Device, register: Register, writes: bool, read_state: str) -> Iterator[Paragraph]:
     """Yield the comment on a function that reads or writes a register."""
-    waits = f", then wait {item.wait_at_least_ms} ms" if writes and item.wait_at_least_ms is not None else ""
-    name = title(item)
+    waits = f", then wait {register.wait_at_least_ms} ms" if writes and register.wait_at_least_ms is not None else ""
+    name = title(register)
     kind = "" if name.lower().endswith(("register", "registers")) else " register"
-    yield f"{'Write' if writes else 'Read'} the {name}{kind} ({addresses(item)}){waits}."
-    selector = device.bank_selector(item)
+    yield f"{'Write' if writes else 'Read'} the {name}{kind} ({addresses(register)}){waits}."
+    selector = device.bank_selector(register)
     if selector:
-        yield f"It first writes to {title(device.register(selector))} to select bank {item.bank}."
-    elif item.bank is not None:
-        yield f"Select bank {item.bank} before you call this function."
+        yield f"It first writes to {title(device.register(selector))} to select bank {register.bank}."
+    elif register.bank is not None:
+        yield f"Select bank {register.bank} before you call this function."
     if writes and read_state:
         yield f"The frames depend on the register, so call {read_state}() afterwards to update the variant."
 
@@ -196,17 +217,17 @@ def about_access(device: Device, item: Register, writes: bool, read_state: str) 
 # -- procedures
 
 
-def about_procedure(device: Device, item: Procedure) -> list[Paragraph]:
-    head = S.sentence(said(item.title, source=item.source))
-    return [head, *map(S.sentence, procedure.procedure(device, item))]
+def about_procedure(device: Device, procedure: Procedure) -> list[Paragraph]:
+    head = S.sentence(said(procedure.title, source=procedure.source))
+    return [head, *map(S.sentence, say_procedure.procedure(device, procedure))]
 
 
-def about_argument(device: Device, item: Argument) -> str:
-    return S.sentence(procedure.argument(device, item))
+def about_argument(device: Device, argument: Argument) -> str:
+    return S.sentence(say_procedure.argument(device, argument))
 
 
 def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
-    *calls, last = (CALLS[item] for item in run.calls)
+    *calls, last = (CALLS[call] for call in run.calls)
     needed = f"{', '.join(calls)} and {last}" if calls else last
     interface = device.interface(run.procedure.interface)
     yield f"{run.procedure.title}, over {interface.title}. The transport needs {needed}."
@@ -214,31 +235,31 @@ def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
         yield f"The frames depend on the bytes written, so call {read_state}() afterwards to update the variant."
 
 
-def note_of_step(device: Device, item: Operation) -> str:
+def note_of_step(device: Device, operation: Operation) -> str:
     """Return the purpose of a step. Its row already has the address, the bytes and the times."""
-    meaning = item.step.meaning
-    match item:
+    meaning = operation.step.meaning
+    match operation:
         case Waits(step):
-            return meaning or S.phrase(procedure.step(device, step))
+            return meaning or S.phrase(say_procedure.step(device, step))
         case Sends(step=step):
             alone = "in succession, with no other request in between" if step.in_succession else ""
             return "; ".join(filter(None, (step.data_id, alone, meaning)))
         case Writes(step):
-            of = meaning or f"{_where(device, item)}: {step.value_name}"
-            return f"{of}, also done if an earlier step fails" if item.closes else of
+            purpose = meaning or f"{_register_place(device, operation)}: {step.value_name}"
+            return f"{purpose}, also done if an earlier step fails" if operation.closes else purpose
         case Verifies():
-            return f"{_where(device, item)}: read back, which is added to the given steps"
+            return f"{_register_place(device, operation)}: read back, which is added to the given steps"
         case Reads() | Polls():
-            return ": ".join(filter(None, (title(item.field or item.register), meaning)))
+            return ": ".join(filter(None, (title(operation.field or operation.register), meaning)))
         case _:
-            assert_never(item)
+            assert_never(operation)
 
 
-def note_of_read(device: Device, item: Reads) -> str:
+def note_of_read(device: Device, read: Reads) -> str:
     """Describe a member for bytes that are read."""
-    return ": ".join(filter(None, (_where(device, item), item.step.meaning)))
+    return ": ".join(filter(None, (_register_place(device, read), read.step.meaning)))
 
 
-def _where(device: Device, item: Writes | Reads | Verifies) -> str:
-    field_name = f".{item.field.name}" if item.field is not None else ""
-    return register_field(device, item.register.name + field_name).title
+def _register_place(device: Device, step: Writes | Reads | Verifies) -> str:
+    field_name = f".{step.field.name}" if step.field is not None else ""
+    return register_field(device, step.register.name + field_name).title

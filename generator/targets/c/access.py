@@ -57,5 +57,5 @@ class Access:
 
 def state_registers(device: Device) -> list[str]:
     """Return the readable registers that hold a part of the variant, each once."""
-    names = dict.fromkeys(item.register for item in device.run_time_parameters)
+    names = dict.fromkeys(parameter.register for parameter in device.run_time_parameters)
     return [name for name in names if device.register(name).readable]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...model import Alternative, Device
+from ...model import Alternative, Answer, Device, Parameter
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...say.erratum import errata, erratum
@@ -31,43 +31,45 @@ class AnsweredBy:
 class AlternativeCode:
     """An alternative. ``argument`` is the name of the argument for the answer."""
 
-    def __init__(self, device: Device, prefix: str, item: Alternative) -> None:
-        self.item = item
-        self.type = f"{prefix}_{item.name}"
-        self.argument = c_name(item.name, _TAKEN)
+    def __init__(self, device: Device, prefix: str, alternative: Alternative) -> None:
+        self.item = alternative
+        self.type = f"{prefix}_{alternative.name}"
+        self.argument = c_name(alternative.name, _TAKEN)
         #: Name of the chosen answer in the programs.
-        self.constant = f"my_{item.name}"
-        entries = tuple(
-            Entry(f"{self.type}_{answer.name}".upper(), index, S.sentence(said(answer.meaning, source=answer.source)))
-            for index, answer in enumerate(item.answers)
-        )
+        self.constant = f"my_{alternative.name}"
+        entries = tuple(self._entry(index, answer) for index, answer in enumerate(alternative.answers))
         about = [
-            S.sentence(said(item.meaning, source=item.source)),
+            S.sentence(said(alternative.meaning, source=alternative.source)),
             "Choose the answer for your encoder. No known source settles it, and there is no default.",
-            *(S.sentence(erratum(one)) for one in errata(device, f"alternatives.{item.name}")),
+            *(S.sentence(erratum(correction)) for correction in errata(device, f"alternatives.{alternative.name}")),
         ]
-        self.enumeration = Enumeration(self.type, about, (), entries, 1, ("alternatives", item.name))
-        self.functions = tuple(
-            AnsweredBy(f"{prefix}_{one.name}", S.sentence(said(one.meaning, source=one.source)), self._value(one.name))
-            for one in device.parameters
-            if one.alternative == item.name
-        )
+        self.enumeration = Enumeration(self.type, about, (), entries, 1, ("alternatives", alternative.name))
+        dependent = (parameter for parameter in device.parameters if parameter.alternative == alternative.name)
+        self.functions = tuple(self._function(prefix, parameter) for parameter in dependent)
+
+    def _entry(self, index: int, answer: Answer) -> Entry:
+        note = S.sentence(said(answer.meaning, source=answer.source))
+        return Entry(f"{self.type}_{answer.name}".upper(), index, note)
+
+    def _function(self, prefix: str, parameter: Parameter) -> AnsweredBy:
+        about = S.sentence(said(parameter.meaning, source=parameter.source))
+        return AnsweredBy(f"{prefix}_{parameter.name}", about, self._value(parameter.name))
 
     def declared(self) -> Iterator[Declared]:
         """Yield its declarations at file scope."""
         yield from self.enumeration.declared()
-        yield from ((item.name, self.enumeration.path) for item in self.functions)
+        yield from ((function.name, self.enumeration.path) for function in self.functions)
 
     def _value(self, parameter: str) -> Expr:
         """Return the parameter as a function of the answer. The last answer is the default branch."""
-        *others, value = (Number(answer.sets[parameter]) for answer in self.item.answers)
-        found: Expr = value
-        for entry, other in reversed(list(zip(self.enumeration.entries, others, strict=False))):
-            found = Either(Operation("==", (Name(self.argument), Name(entry.name))), other, found)
-        return found
+        *other_values, last_value = (Number(answer.sets[parameter]) for answer in self.item.answers)
+        expression: Expr = last_value
+        for entry, value in reversed(list(zip(self.enumeration.entries, other_values, strict=False))):
+            expression = Either(Operation("==", (Name(self.argument), Name(entry.name))), value, expression)
+        return expression
 
 
 def asked(alternatives: tuple[AlternativeCode, ...], *expressions: Expression) -> tuple[AlternativeCode, ...]:
     """Return the alternatives on whose answers these expressions depend."""
-    names = {name for item in expressions for name in item.parameters}
-    return tuple(item for item in alternatives if not names.isdisjoint(item.item.answers[0].sets))
+    names = {name for expression in expressions for name in expression.parameters}
+    return tuple(alternative for alternative in alternatives if not names.isdisjoint(alternative.item.answers[0].sets))

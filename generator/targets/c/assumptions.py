@@ -39,32 +39,32 @@ def assumptions_files(
 ) -> Iterator[tuple[str, str]]:
     """Yield the page of each manufacturer, by its path in the C folder."""
     for maker, devices in library.by_manufacturer():
+        interfaces = [interface for device in devices for interface in device.interfaces]
         values: Assumptions = {
             "maker": maker,
             "frames": list(_frames(devices)),
-            "silent": list(_silent(devices)),
+            "silent": list(_without_verdict(devices)),
             "unprotected": list(_unprotected(devices)),
-            "interfaces": frozenset(item.name for device in devices for item in device.interfaces),
-            "later": any(
-                isinstance(item, Spi) and item.reply == "next_word" for device in devices for item in device.interfaces
-            ),
+            "interfaces": frozenset(interface.name for interface in interfaces),
+            "later": any(isinstance(interface, Spi) and interface.reply == "next_word" for interface in interfaces),
             "parity": list(_with_parity(devices)),
         }
         yield f"ASSUMPTIONS-{maker.name}.md", render(TEMPLATE, values)
 
 
 def _frames(devices: tuple[Device, ...]) -> Iterator[Frames]:
-    found: dict[tuple[int, int, int], tuple[Crc, list[str]]] = {}
+    names_by_crc: dict[tuple[int, int, int], tuple[Crc, list[str]]] = {}
     for device in devices:
         for interface, layout in device.layouts():
             crc = device.crc_of(layout)
             if crc is None:
                 continue
-            name = _name(device, interface.title, layout)
+            name = _frame_name(device, interface.title, layout)
             for bits in sorted(_lengths(device, interface.name, layout)):
-                names = found.setdefault((crc.width, crc.poly, bits), (crc, []))[1]
-                names.extend([name] if name not in names else [])
-    for (_, _, bits), (crc, names) in sorted(found.items(), key=lambda item: item[0]):
+                names = names_by_crc.setdefault((crc.width, crc.poly, bits), (crc, []))[1]
+                if name not in names:
+                    names.append(name)
+    for (_, _, bits), (crc, names) in sorted(names_by_crc.items(), key=lambda key_and_names: key_and_names[0]):
         yield Frames(crc, tuple(names), residual(crc, bits))
 
 
@@ -72,15 +72,18 @@ def _lengths(device: Device, interface: str, layout: Layout) -> set[int]:
     """Return the possible lengths of frames of a layout: of each order code, and the longest that registers allow."""
     variants = device.variants_over(interface)
     decided = [sets for _, sets in choices(device.alternatives)]
-    return {layout.widest, *(layout.bits.value({**item.parameters, **sets}) for item in variants for sets in decided)}
+    return {
+        layout.widest,
+        *(layout.bits.value({**variant.parameters, **sets}) for variant in variants for sets in decided),
+    }
 
 
-def _silent(devices: tuple[Device, ...]) -> Iterator[str]:
+def _without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
     for device in devices:
-        for item in reportings(device):
-            judgement = item.judgement
+        for reporting in reportings(device):
+            judgement = reporting.judgement
             if judgement is not None and judgement.otherwise is Verdict.UNKNOWN and not judgement.worst_first:
-                yield _name(device, item.interface.title, item.codec.layout)
+                yield _frame_name(device, reporting.interface.title, reporting.codec.layout)
 
 
 def _unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
@@ -88,7 +91,7 @@ def _unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
         for interface, layout in device.layouts():
             has_position = device.tells_position(interface.name, layout)
             if isinstance(interface, Ssi) and has_position and device.crc_of(layout) is None:
-                yield _name(device, interface.title, layout)
+                yield _frame_name(device, interface.title, layout)
 
 
 def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
@@ -96,8 +99,8 @@ def _with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
         for interface, layout in device.layouts():
             is_alone = layout.has_parity and device.crc_of(layout) is None
             if is_alone and device.tells_position(interface.name, layout):
-                yield _name(device, interface.title, layout)
+                yield _frame_name(device, interface.title, layout)
 
 
-def _name(device: Device, interface: str, layout: Layout) -> str:
+def _frame_name(device: Device, interface: str, layout: Layout) -> str:
     return f"{device.name.upper()} {interface}: {words(layout.name)}"

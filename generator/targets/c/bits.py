@@ -18,13 +18,13 @@ def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
     bits = sum(piece.mask.bit_length() for piece in pieces)
     kind, work = unsigned(bits), "uint64_t" if bits > 32 else "uint32_t"
     if len(pieces) == 1:
-        part = _part(pieces[0])
+        part = _bits_of_piece(pieces[0])
         return kind, part if isinstance(part, Name) else Cast("uint8_t", part)
-    parts = joined("|", tuple(left(Cast(work, _part(piece)), piece.left) for piece in pieces))
+    parts = joined("|", tuple(left(Cast(work, _bits_of_piece(piece)), piece.left) for piece in pieces))
     return kind, parts if kind == work else Cast(kind, parts)
 
 
-def _part(piece: Piece) -> Expr:
+def _bits_of_piece(piece: Piece) -> Expr:
     """Return the bits of a byte that belong to a field, shifted to bit 0."""
     part = right(Name(f"bytes[{piece.byte}]"), piece.right)
     reaches_top = piece.right + piece.mask.bit_length() == 8
@@ -86,12 +86,12 @@ class Reader:
 
     def joined(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
         """Return the fields of a join as one number of the join's type."""
-        first, *others = whole.fields
+        first, *lower_fields = whole.fields
         kind = unsigned(whole.widest)
         number: Expr = Cast(kind, name_of(first))
-        for field in others:
+        for field in lower_fields:
             number = Operation("|", (left(number, self.scope.of(field.width)), name_of(field)))
-        return Cast(kind, number) if others and size_of(whole.widest) < 32 else number
+        return Cast(kind, number) if lower_fields and size_of(whole.widest) < 32 else number
 
     def parity(self, parts: Sequence[tuple[Expr, int]], mask: int) -> Expr:
         """Return the common parity of these numbers, 1 for an odd number of ones. Each comes with its largest width.
@@ -100,9 +100,9 @@ class Reader:
         """
         widest = max(width for _, width in parts)
         kind = unsigned(max(widest, 32))
-        (number, _), *others = parts
-        if others:
-            number = Operation("^", tuple(Cast(kind, item) for item, _ in parts))
+        (number, _), *further = parts
+        if further:
+            number = Operation("^", tuple(Cast(kind, part) for part, _ in parts))
         if mask:
             number = masked(number, mask)
         if widest > 32:

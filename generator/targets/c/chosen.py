@@ -46,15 +46,15 @@ class NoFrame(Exception):
 
 def chosen_variant(device: Device, interface: Interface) -> Variant:
     """Return the order code of an interface with the most examples that are used as printed."""
-    given = (item for item in device.examples if _is_here(device, interface, item))
+    examples = (example for example in device.examples if _is_over_interface(device, interface, example))
     # An example without an order code holds for every one.
-    counted = Counter(getattr(item, "order_code", "") for item in given if not item.erratum)
+    counted = Counter(getattr(example, "order_code", "") for example in examples if not example.erratum)
     variants = device.variants_over(interface.name) or device.variants
     # Without any example, take the one with the finest resolution.
-    return max(variants, key=lambda item: (counted[item.code], sum(item.parameters.values())))
+    return max(variants, key=lambda variant: (counted[variant.code], sum(variant.parameters.values())))
 
 
-def _is_here(device: Device, interface: Interface, example: Example) -> bool:
+def _is_over_interface(device: Device, interface: Interface, example: Example) -> bool:
     """Return True if the manual shows it for an order code with this interface."""
     if example_variant(device, example).interface != interface.name:
         return False
@@ -84,36 +84,37 @@ class Chosen:
         self.device, self.interface = device, interface
         self.measurement = device.measurement_of(interface.name)
         self.variant = chosen_variant(device, interface)
-        given = (item for item in device.examples if _is_here(device, interface, item))
-        self.examples = [item for item in given if example_variant(device, item).code == self.variant.code]
+        examples = (example for example in device.examples if _is_over_interface(device, interface, example))
+        self.examples = [example for example in examples if example_variant(device, example).code == self.variant.code]
         self.frame = self._frame()
 
     @property
     def registers(self) -> Mapping[str, tuple[Register, RegisterExample]]:
         """The registers that are shown, by name. Simulated ones have no banks."""
-        shown: dict[str, tuple[Register, RegisterExample]] = {}
-        for item in self.examples:
-            if isinstance(item, RegisterExample) and self.device.register(item.register).bank is None:
-                shown.setdefault(item.register, (self.device.register(item.register), item))
-        return shown
+        registers: dict[str, tuple[Register, RegisterExample]] = {}
+        for example in self.examples:
+            if isinstance(example, RegisterExample) and self.device.register(example.register).bank is None:
+                registers.setdefault(example.register, (self.device.register(example.register), example))
+        return registers
 
     @property
     def procedure(self) -> tuple[Procedure, ProcedureExample | None] | None:
         """Worked procedure with the most writes, or else the first one that clears an alarm by a request."""
-        given = (item for item in self.examples if isinstance(item, ProcedureExample))
-        worked = [(self.device.procedure(item.procedure), item) for item in given]
+        examples = (example for example in self.examples if isinstance(example, ProcedureExample))
+        worked = [(self.device.procedure(example.procedure), example) for example in examples]
         # The simulated encoder is never done, so that a poll would not end.
-        ending = [item for item in worked if not any(isinstance(step, PollStep) for step in item[0].steps)]
+        ending = [(procedure, example) for procedure, example in worked if not _polls(procedure)]
         if ending:
-            return max(ending, key=lambda item: len(item[1].writes))
-        return next(((item, None) for item in self._clearing()), None)
+            return max(ending, key=lambda candidate: len(candidate[1].writes))
+        clearing = next(self._clearing_procedures(), None)
+        return (clearing, None) if clearing is not None else None
 
-    def _clearing(self) -> Iterator[Procedure]:
+    def _clearing_procedures(self) -> Iterator[Procedure]:
         for alarm in self.device.alarms:
-            for item in map(self.device.procedure, alarm.cleared_by):
-                sends = any(isinstance(step, SendStep) for step in item.steps)
-                if sends and item.interface == self.interface.name:
-                    yield item
+            for procedure in map(self.device.procedure, alarm.cleared_by):
+                sends = any(isinstance(step, SendStep) for step in procedure.steps)
+                if sends and procedure.interface == self.interface.name:
+                    yield procedure
 
     # -- the frame
 
@@ -122,28 +123,40 @@ class Chosen:
 
         A frame used as printed is preferred, and then a frame from the manual to one from another source.
         """
-        worked = [item for item in self.examples if isinstance(item, FrameExample)]
+        worked = [example for example in self.examples if isinstance(example, FrameExample)]
         if not worked:
-            return self._made_up()
-        first = min(worked, key=lambda item: (bool(item.erratum), any(source.document for source in item.source)))
+            return self._made_up_frame()
+        first = min(worked, key=_unreliability)
         layout = self.device.layout(first.layout)
         wire = int(first.bits, 2) if first.bits else number_from_bytes(layout, first.bytes)
         return Frame(layout, wire, f"a worked example [{cite(first.source)}]", first.values)
 
-    def _made_up(self) -> Frame:
-        sent = [item for item in self.interface.layouts if item.sender == "encoder"]
+    def _made_up_frame(self) -> Frame:
+        layouts = [layout for layout in self.interface.layouts if layout.sender == "encoder"]
         # Prefer one that needs no choice by the user. Order codes have the first answer of each alternative.
-        sent.sort(key=lambda item: (not self.has_position(item), bool(self.device.alternatives_of(item))))
-        sample = self.device.sample_of(sent[0])
+        layouts.sort(key=lambda layout: (not self.has_position(layout), bool(self.device.alternatives_of(layout))))
+        layout = layouts[0]
+        sample = self.device.sample_of(layout)
         if sample is None:
             raise NoFrame
-        of_others = any(isinstance(item, FrameExample) and item.layout == sent[0].name for item in self.device.examples)
-        about = f"made up, since the {document(self.device)} has no example of it"
-        about += " for this order code" if of_others else ""
         if sample.source:
             about = f"made up, with the position of a worked example [{cite(sample.source)}]"
-        return Frame(sent[0], sample.frame, about, sample.values)
+        else:
+            about = f"made up, since the {document(self.device)} has no example of it"
+            frame_examples = (example for example in self.device.examples if isinstance(example, FrameExample))
+            if any(example.layout == layout.name for example in frame_examples):
+                about += " for this order code"
+        return Frame(layout, sample.frame, about, sample.values)
 
     def has_position(self, layout: Layout) -> bool:
         """Return True if a layout has the field or join that contains the position."""
         return self.measurement is not None and self.measurement.of in layout.member_names
+
+
+def _unreliability(example: FrameExample) -> tuple[bool, bool]:
+    """Return a key that is lower for examples used as printed, and then for those from the manual."""
+    return bool(example.erratum), any(source.document for source in example.source)
+
+
+def _polls(procedure: Procedure) -> bool:
+    return any(isinstance(step, PollStep) for step in procedure.steps)

@@ -33,7 +33,8 @@ class StructCodec:
         self.about = tuple(about)
         self.decoder = Decoder(struct)
         self.encoder = Encoder(struct, outside)
-        self.asked = tuple(item for item in struct.context.alternatives if item.item in self.plan.alternatives)
+        questions = struct.context.alternatives
+        self.asked = tuple(question for question in questions if question.item in self.plan.alternatives)
         #: Whether a program that talks to an encoder decodes it, and encodes it. A simulator does the rest.
         self.decodes = struct.register is not None or struct.layout.sender == "encoder"
         self.encodes = struct.register is not None or not self.decodes
@@ -52,7 +53,7 @@ class StructCodec:
             yield f"{self.name}_bits"
         elif self.about:
             yield self.length_macro
-        yield from (item.name for item in self.struct.scales)
+        yield from (scale.name for scale in self.struct.scales)
         yield from (f"{self.name}_set_{name}" for name in self.set_names)
         yield from self.reports.names() if self.reports is not None else ()
         if self.word_crc is not None:
@@ -170,7 +171,9 @@ class StructCodec:
     def is_expected(self) -> Expr:
         """Condition that a struct has the values of the manual."""
         unused = [Operation("==", (Name("in->unused"), Number(0)))] if self.struct.unused else []
-        return joined("&&", (*(item for field in self.expected for item in self._is_expected(field)), *unused))
+        return joined(
+            "&&", (*(condition for field in self.expected for condition in self._is_expected(field)), *unused)
+        )
 
     def _is_expected(self, field: Field) -> Iterator[Expr]:
         name, macro = f"in->{c_name(field.name)}", self.expected_macro(field)

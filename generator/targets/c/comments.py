@@ -17,11 +17,11 @@ _NARROWEST = 36
 Paragraph = str | tuple[str, str]
 
 #: Signs that comments spell in their own way.
-_OWN = {"±": "+/-", "°": " deg ", "Ω": "ohm"}
+_ASCII_SPELLINGS = {"±": "+/-", "°": " deg ", "Ω": "ohm"}
 
 
 def ascii_text(text: object) -> str:
-    return re.sub(" +", " ", in_ascii(plain(text).replace("N°", "No."), _OWN)).strip()
+    return re.sub(" +", " ", in_ascii(plain(text).replace("N°", "No."), _ASCII_SPELLINGS)).strip()
 
 
 def in_comment(text: object) -> str:
@@ -29,40 +29,43 @@ def in_comment(text: object) -> str:
     safe = ascii_text(text).replace("\\", "|")
     while "??" in safe:
         safe = safe.replace("??", "? ?")
-    return _apart(safe)
+    return _separate_comment_marks(safe)
 
 
-def _apart(text: str) -> str:
+def _separate_comment_marks(text: str) -> str:
     """Put a space between every adjacent star and slash."""
     return re.sub(r"\*(?=/)|/(?=\*)", lambda match: match[0] + " ", text)
 
 
 def comment(paragraphs: Sequence[Paragraph] | str, indent: int = 0) -> str:
     """Format paragraphs as a comment. Empty ones are omitted."""
-    items = (
-        [paragraphs]
-        if isinstance(paragraphs, str)
-        else [item for item in paragraphs if (item if isinstance(item, str) else item[1])]
-    )
+    if isinstance(paragraphs, str):
+        leads_and_texts = [("", paragraphs)]
+    else:
+        leads_and_texts = [(lead, text) for lead, text in map(_lead_and_text, paragraphs) if text]
     margin = " " * indent
     lines: list[str] = []
-    for item in items:
-        lead, text = ("", item) if isinstance(item, str) else item
-        lead = in_comment_lead(lead)
+    for unsafe_lead, text in leads_and_texts:
+        lead = in_comment_lead(unsafe_lead)
         if lead.startswith("@") and lines and not lines[-1].startswith(("@", " ")):
             # The parameters of a function come after an empty line.
             lines.append("")
         if len(lead) > COLUMNS - indent - _NARROWEST:
             # The lead is too long: the text goes below.
-            lines.append(_apart(lead.rstrip()))
+            lines.append(_separate_comment_marks(lead.rstrip()))
             lead = "        "
         width = COLUMNS - indent - 3 - len(lead)
         wrapped = textwrap.wrap(in_comment(text), width, break_long_words=False, break_on_hyphens=False) or [""]
-        lines += [_apart((lead if index == 0 else " " * len(lead)) + line) for index, line in enumerate(wrapped)]
+        lines.append(_separate_comment_marks(lead + wrapped[0]))
+        lines += (_separate_comment_marks(" " * len(lead) + line) for line in wrapped[1:])
     if len(lines) == 1 and len(lines[0]) + indent + 6 <= COLUMNS:
         return f"{margin}/* {lines[0]} */"
     body = "\n".join(f"{margin} * {line}".rstrip() for line in lines)
     return f"{margin}/*\n{body}\n{margin} */"
+
+
+def _lead_and_text(paragraph: Paragraph) -> tuple[str, str]:
+    return ("", paragraph) if isinstance(paragraph, str) else paragraph
 
 
 def comment_lines(paragraphs: Sequence[Paragraph] | str) -> str:

@@ -72,9 +72,9 @@ class CrcCode:
 
 def crc_code(context: Context, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
     crc = function.crc
-    users = [item for item in codecs if item.plan.crc is not None and item.plan.crc.crc == crc]
-    users = [item for item in users if carrier_of(item.struct.layout) is function.carrier and item.bits_crc is None]
-    is_called = any(item.word_crc is None for item in users)
+    users = [codec for codec in codecs if codec.plan.crc is not None and codec.plan.crc.crc == crc]
+    users = [codec for codec in users if carrier_of(codec.struct.layout) is function.carrier and codec.bits_crc is None]
+    is_called = any(codec.word_crc is None for codec in users)
     name = context.crc_name(crc, function.carrier.value)
     values: tuple[int, ...] = ()
     if function.form is Form.TABLE:

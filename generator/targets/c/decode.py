@@ -62,7 +62,7 @@ class Decoder:
         self.plan = struct.plan
         self.reader = struct.reader
         self._plain_flags = {part.field.name for part in self.plan.parts if is_plain_flag(part)}
-        checked = {of.name for op in self.plan.checks if isinstance(op, ParityIs) for of in op.of}
+        checked = {field.name for op in self.plan.checks if isinstance(op, ParityIs) for field in op.of}
         checked |= {op.field.name for op in self.plan.checks if isinstance(op, ZerosAbove)}
         self._only_reported = {op.field.name for op in self.plan.reserved} - checked
 
@@ -76,7 +76,7 @@ class Decoder:
         untaken = self._plain_flags | self._only_reported | self.plan.constants.keys()
         untaken |= {part.field.name for part in self.plan.parts if isinstance(part.meaning, Characters)}
         untaken |= {self.plan.crc.field.name} if self.plan.crc is not None else set()
-        return tuple(item for item in self.plan.layout.fields if item.name not in untaken)
+        return tuple(field for field in self.plan.layout.fields if field.name not in untaken)
 
     def raw(self, field: Field) -> tuple[str, Expr]:
         """Return the type and the bits of a field."""
@@ -89,7 +89,7 @@ class Decoder:
         """The checks in order. A parity bit of the selector comes last, since its check covers both."""
         checks = self.plan.checks
         parities = [op for op in checks if isinstance(op, ParityIs)]
-        told = {op.selector.name for op in parities if op.known is not None}
+        checked_selectors = {op.selector.name for op in parities if op.known is not None}
         if self.plan.by_word:
             yield from (op for op in checks if isinstance(op, AlwaysIs))
         else:
@@ -97,7 +97,7 @@ class Decoder:
             yield from _constant_bytes(checks)
         yield from sorted(parities, key=lambda op: op.known is not None)
         for op in checks:
-            if not isinstance(op, (AlwaysIs, ZerosAbove, ParityIs)) and op.field.name not in told:
+            if not isinstance(op, (AlwaysIs, ZerosAbove, ParityIs)) and op.field.name not in checked_selectors:
                 yield op
 
     def is_other(self, op: ParityIs) -> Expr:
@@ -113,20 +113,24 @@ class Decoder:
         ]
         byte = pieces[0][0].byte if pieces else 0
         if self.plan.by_word or any(piece.byte != byte for piece, _ in pieces):
-            other = Operation("!=", (self.local(op.field), Number(op.known)))
+            other_parity = Operation("!=", (self.local(op.field), Number(op.known)))
             other_value = self.struct.is_none_of(
                 op.selector, self.local(op.selector), self.plan.layout.selects, is_raw=True
             )
-            return joined("||", (other_value, other))
+            return joined("||", (other_value, other_parity))
         # The other constants in it have been checked.
-        known = next((item for item in _constant_bytes(self.plan.checks) if item.byte == byte), ByteIs(byte, 0, 0, ()))
-        mask = known.mask | sum(piece.mask << piece.right for piece, _ in pieces)
-        value = known.value | sum((number >> piece.left & piece.mask) << piece.right for piece, number in pieces)
-        bits = Name(f"bytes[{byte}]")
-        return Operation("!=", (masked(bits, mask) if mask != 0xFF else bits, Number(value, hexadecimal=True)))
+        constants = (constant for constant in _constant_bytes(self.plan.checks) if constant.byte == byte)
+        constant_bits = next(constants, ByteIs(byte, 0, 0, ()))
+        mask, value = constant_bits.mask, constant_bits.value
+        for piece, number in pieces:
+            mask |= piece.mask << piece.right
+            value |= (number >> piece.left & piece.mask) << piece.right
+        whole_byte = Name(f"bytes[{byte}]")
+        bits = masked(whole_byte, mask) if mask != 0xFF else whole_byte
+        return Operation("!=", (bits, Number(value, hexadecimal=True)))
 
-    def parity(self, of: Sequence[Field], mask: int) -> Expr:
-        return self.reader.parity([(self.local(field), field.widest) for field in of], mask)
+    def parity(self, fields: Sequence[Field], mask: int) -> Expr:
+        return self.reader.parity([(self.local(field), field.widest) for field in fields], mask)
 
     # -- members
 
@@ -134,28 +138,28 @@ class Decoder:
     def fills(self) -> Iterator[FlagsIn | Part | Whole | UnusedIn | UnusedAre]:
         """The operations that fill the members, in order. Unused bits are taken from a byte together with its flags."""
         unused = self.struct.unused
-        waiting = {item.byte: item for item in unused.moved if item.byte is not None}
+        waiting = {bits.byte: bits for bits in unused.moved if bits.byte is not None}
         for op in self._members:
             yield op
             if isinstance(op, FlagsIn) and op.byte in waiting:
-                yield from self._gathered(waiting, op.byte, Name("flags"))
+                yield from self._gather_unused(waiting, op.byte, Name("flags"))
         for byte in tuple(waiting):
-            yield from self._gathered(waiting, byte, Name(f"bytes[{byte}]"))
+            yield from self._gather_unused(waiting, byte, Name(f"bytes[{byte}]"))
         if unused and (self.plan.by_word or unused.single):
             yield UnusedAre(unused.gathered)
 
-    def _gathered(self, waiting: dict[int, Moved], byte: int, bits: Expr) -> Iterator[UnusedIn | UnusedAre]:
+    def _gather_unused(self, waiting: dict[int, Moved], byte: int, bits: Expr) -> Iterator[UnusedIn | UnusedAre]:
         """Yield the unused bits of a byte, and after the last such byte the whole member."""
-        unused, item = self.struct.unused, waiting.pop(byte)
+        unused, moved = self.struct.unused, waiting.pop(byte)
         if len(unused.moved) > 1:
-            yield UnusedIn(unused.at_place(item, bits), len(waiting) + 1 == len(unused.moved))
+            yield UnusedIn(unused.at_place(moved, bits), len(waiting) + 1 == len(unused.moved))
             bits = Name("unused")
         if not waiting:
             yield UnusedAre(unused.told(bits))
 
     @property
     def _members(self) -> Iterator[FlagsIn | Part | Whole]:
-        in_bytes = [] if self.plan.by_word else [part for part in self.plan.parts if is_plain_flag(part)]
+        in_bytes = [part for part in self.plan.parts if is_plain_flag(part) and not self.plan.by_word]
         bytes_ = [part.bits.pieces[0].byte for part in in_bytes]
         changes = [index for index, byte in enumerate(bytes_) if index == 0 or byte != bytes_[index - 1]]
         first = {in_bytes[index].field.name: bytes_[index] for index in changes}
@@ -171,7 +175,7 @@ class Decoder:
         type_ = self.struct.type_of(part.field)
         match part.meaning:
             case Raw() | Named():
-                yield name, self._as(type_, part)
+                yield name, self._bits_as(type_, part)
             case TwosComplement():
                 width = self.struct.scope.of(part.field.width)
                 yield name, Cast(type_, Call("cw_signed", (bits, width)))
@@ -181,17 +185,17 @@ class Decoder:
                 bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits
                 yield name, Name(Operation("==" if low else "!=", (bit, Number(0))).operand)
             case DigitRuns(runs):
-                yield name, self._as(type_, part)
+                yield name, self._bits_as(type_, part)
                 for run in runs:
-                    found = digits(bits, part.field, run)
-                    yield c_name(run.name), Cast(unsigned((run.modulus - 1).bit_length()), found)
+                    digit = digits(bits, part.field, run)
+                    yield c_name(run.name), Cast(unsigned((run.modulus - 1).bit_length()), digit)
             case Characters():
                 for index, byte in characters(part.field):
                     yield f"{name}[{index}]", Cast(type_, Name(f"bytes[{byte}]"))
-            case other:
-                assert_never(other)
+            case never:
+                assert_never(never)
 
-    def _as(self, type_: str, part: Part) -> Expr:
+    def _bits_as(self, type_: str, part: Part) -> Expr:
         """Return the bits of a part, with a cast if the member has another type."""
         bits = self.local(part.field)
         return bits if self.raw(part.field)[0] == type_ else Cast(type_, bits)
@@ -205,17 +209,17 @@ class Decoder:
 
 
 def _constant_bytes(checks: Iterable[Check]) -> Iterator[ByteIs]:
-    found: dict[int, ByteIs] = {}
+    constant_bytes: dict[int, ByteIs] = {}
     for op in checks:
-        said = words(op.field.name)
+        name = words(op.field.name)
         match op:
             case ZerosAbove(beyond=beyond):
-                found |= {piece.byte: ByteIs(piece.byte, 0xFF, 0, (f"above {said}",)) for piece in beyond}
+                constant_bytes |= {piece.byte: ByteIs(piece.byte, 0xFF, 0, (f"above {name}",)) for piece in beyond}
             case AlwaysIs(bits=bits, value=value):
                 for piece in bits.pieces:
-                    known = found.get(piece.byte, ByteIs(piece.byte, 0, 0, ()))
-                    mask = known.mask | piece.mask << piece.right
+                    byte_so_far = constant_bytes.get(piece.byte, ByteIs(piece.byte, 0, 0, ()))
+                    mask = byte_so_far.mask | piece.mask << piece.right
                     part = (value >> piece.left & piece.mask) << piece.right
-                    reasons = tuple(dict.fromkeys((*known.reasons, said)))
-                    found[piece.byte] = ByteIs(piece.byte, mask, known.value | part, reasons)
-    return (found[byte] for byte in sorted(found))
+                    reasons = tuple(dict.fromkeys((*byte_so_far.reasons, name)))
+                    constant_bytes[piece.byte] = ByteIs(piece.byte, mask, byte_so_far.value | part, reasons)
+    return (constant_bytes[byte] for byte in sorted(constant_bytes))

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import chain
 from typing import Protocol, TypeVar
 
-from ...model import Device, Layout, Ssi
+from ...model import Device, Document, Layout, Parameter, Procedure, Register, Ssi
 from ...model.record import dataclass
 from ...order_codes.narrowing import for_codes
 from ...plan.crcs import crc_functions
@@ -33,7 +33,7 @@ from .interfaces import Asking, InterfaceCode
 from .lengths import LengthCode
 from .macros import timing_macros
 from .names import Declared, Names
-from .positions import positions
+from .positions import RangeFunctions, positions
 from .procedures import ProcedureCode
 from .registers import RegisterCode
 from .reserved import c_name
@@ -86,31 +86,36 @@ class DeviceView:
         self.maker, self.prefix, self.PREFIX, self.stem = context.maker, context.prefix, context.PREFIX, context.stem
         self.reports, self.alternatives = context.reports, context.alternatives
         self.variants = VariantCode(context)
-        self.interface = _at(partial(InterfaceCode, context, context.interface), "interfaces", context.interface.name)
+        self.interface = _with_path(
+            partial(InterfaceCode, context, context.interface), "interfaces", context.interface.name
+        )
         #: The order code in all samples.
         self.row = self.variants.rows[device.variants.index(chosen_variant(device, context.interface))]
         self.lengths = LengthCode(context, context.interface, self.variants.rows, self.row)
         self.positions = positions(context)
         # A register that selects banks comes first: the functions of the registers in its banks use its address.
-        selecting = {device.bank_selector(item) for item in device.registers}
-        self.registers = [
-            _at(partial(RegisterCode, context, item), "registers", item.name)
-            for item in sorted(device.registers, key=lambda item: item.name not in selecting)
-        ]
-        framed = [*self.interface.codecs, *(item.codec for item in self.registers if item.codec is not None)]
-        made = (crc_code(context, item, framed) for item in crc_functions(device))
-        self.crcs = [item for item in made if item.is_called or item.table]
-        codes = {item.register.name: item for item in self.registers}
-        self.takers = [Taker(context, item, codes[item.register.name].access) for item in held_parameters(device)]
+        selecting = {device.bank_selector(register) for register in device.registers}
+        registers = sorted(device.registers, key=lambda register: register.name not in selecting)
+        self.registers = [self._register(register) for register in registers]
+        register_codecs = (register.codec for register in self.registers if register.codec is not None)
+        codecs = [*self.interface.codecs, *register_codecs]
+        crcs = (crc_code(context, function, codecs) for function in crc_functions(device))
+        self.crcs = [crc for crc in crcs if crc.is_called or crc.table]
+        codes = {code.register.name: code for code in self.registers}
+        self.takers = [Taker(context, group, codes[group.register.name].access) for group in held_parameters(device)]
         self.initial = initial(device)
         self.read_state = f"{self.prefix}_read_state" if state_registers(device) else ""
         self.identities = list(identity_codes(context, codes))
-        self.procedures = [
-            _at(partial(ProcedureCode, context, codes, self.read_state, item), "procedures", item.name)
-            for item in device.procedures
-        ]
-        self.alarms = [AlarmCode(context, item) for item in device.alarms]
-        self.timings = [macro for item in device.timings for macro in timing_macros(item, self.PREFIX)]
+        self.procedures = [self._procedure(procedure, codes) for procedure in device.procedures]
+        self.alarms = [AlarmCode(context, alarm) for alarm in device.alarms]
+        self.timings = [macro for timing in device.timings for macro in timing_macros(timing, self.PREFIX)]
+
+    def _register(self, register: Register) -> RegisterCode:
+        return _with_path(partial(RegisterCode, self.context, register), "registers", register.name)
+
+    def _procedure(self, procedure: Procedure, codes: Mapping[str, RegisterCode]) -> ProcedureCode:
+        build = partial(ProcedureCode, self.context, codes, self.read_state, procedure)
+        return _with_path(build, "procedures", procedure.name)
 
     @property
     def header(self) -> str:
@@ -120,23 +125,29 @@ class DeviceView:
     @property
     def parts(self) -> list[Part]:
         """The other headers. Each includes the first one, and what else it needs."""
-        own, codes, steps = self.header, "codewheel/encoder.h", "codewheel/transport.h"
-        texts = self.reports.all or self.alarms or self.timings
+        position_header, encoder, transport = self.header, "codewheel/encoder.h", "codewheel/transport.h"
         labels = (f"{self.maker.name}/{self.stem}_labels.h",) if self.identities else ()
-        registers = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else own
-        found = (
-            ("labels", "find the order code that a label shows", True, (codes, own)),
-            ("reports", "texts that describe reports, alarms and times", texts, (codes, own)),
-            ("registers", "registers, and identification of encoders", self.registers, (codes, steps, own, *labels)),
-            ("procedures", "procedures, step by step", self.procedures, (steps, registers)),
-            ("simulate", "the encoder's side, for simulators and tests", True, (own,)),
-        )
-        return [Part(name, f"{self.stem}_{name}.h", about, used) for name, about, here, used in found if here]
+        registers = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else position_header
+        parts = [self._part("labels", "find the order code that a label shows", encoder, position_header)]
+        if self.reports.all or self.alarms or self.timings:
+            parts.append(
+                self._part("reports", "texts that describe reports, alarms and times", encoder, position_header)
+            )
+        if self.registers:
+            about = "registers, and identification of encoders"
+            parts.append(self._part("registers", about, encoder, transport, position_header, *labels))
+        if self.procedures:
+            parts.append(self._part("procedures", "procedures, step by step", transport, registers))
+        parts.append(self._part("simulate", "the encoder's side, for simulators and tests", position_header))
+        return parts
+
+    def _part(self, name: str, about: str, *includes: str) -> Part:
+        return Part(name=name, file=f"{self.stem}_{name}.h", about=about, includes=includes)
 
     @property
     def headers(self) -> list[str]:
         """Include paths of all headers of the interface."""
-        return [self.header, *(f"{self.maker.name}/{item.file}" for item in self.parts)]
+        return [self.header, *(f"{self.maker.name}/{part.file}" for part in self.parts)]
 
     @property
     def cpp_header(self) -> str:
@@ -154,7 +165,7 @@ class DeviceView:
 
     def _declared(self) -> Iterator[Declared]:
         yield from ((f"{self.PREFIX}_{ending}", ()) for ending in ("H", "HPP"))
-        yield from ((f"{self.PREFIX}_{item.name}_H".upper(), ()) for item in self.parts)
+        yield from ((f"{self.PREFIX}_{part.name}_H".upper(), ()) for part in self.parts)
         yield f"{self.PREFIX}_VERSION", ()
         if self.read_state:
             yield self.read_state, ()
@@ -174,8 +185,8 @@ class DeviceView:
         )
         for part in parts:
             yield from part.declared()
-        for item in self.device.timings:
-            yield from ((macro.name, ("timings", item.name)) for macro in timing_macros(item, self.PREFIX))
+        for timing in self.device.timings:
+            yield from ((macro.name, ("timings", timing.name)) for macro in timing_macros(timing, self.PREFIX))
 
     @property
     def measured(self) -> str:
@@ -186,10 +197,10 @@ class DeviceView:
     @property
     def manual(self) -> str:
         manual = self.device.manual
-        editions = ", ".join(f"{item.language} {item.revision}" for item in manual.editions)
+        editions = ", ".join(f"{edition.language} {edition.revision}" for edition in manual.editions)
         dated = f" of {manual.date}" if manual.date else ""
-        beside = f", compared with: {editions}" if editions else ""
-        return f'"{manual.title}", revision {manual.revision}{dated} ({manual.language}{beside})'
+        compared = f", compared with: {editions}" if editions else ""
+        return f'"{manual.title}", revision {manual.revision}{dated} ({manual.language}{compared})'
 
     @property
     def evidence(self) -> list[Paragraph]:
@@ -199,18 +210,13 @@ class DeviceView:
     @property
     def origin(self) -> list[Paragraph]:
         """Statements about the family that are not in its manual. Most families have none."""
-        return [
-            S.sentence(item) for item in (*origin(self.device), *other_editions(self.device), *taken_away(self.device))
-        ]
+        statements = (*origin(self.device), *other_editions(self.device), *taken_away(self.device))
+        return [S.sentence(statement) for statement in statements]
 
     def documents(self, text: str) -> list[Paragraph]:
         """Return the other documents that ``text`` cites."""
-        return [
-            (f"  {item.key}: ", f"{item.title}{' - ' + item.url if item.url else ''}")
-            for item in self.device.documents
-            # The first test is much faster, and few documents pass it.
-            if f"{item.key}:" in text and re.search(rf"\b{item.key}:", text)
-        ]
+        cited_documents = (document for document in self.device.documents if _cites(text, document.key))
+        return [(f"  {document.key}: ", _title_and_url(document)) for document in cited_documents]
 
     def modulus(self, encoder: str, layout: Layout | None = None) -> str:
         """Return the counts after which the position in a frame wraps around, as C, 0 if it does not or may not.
@@ -218,28 +224,53 @@ class DeviceView:
         Without a frame, it is that of the only one of the interface.
         """
         ranges = self.positions.ranges if self.positions is not None else ()
-        name = layout.name if layout is not None else ""
-        frames = [item for item in ranges if not name or name in {each.name for each in item.layouts}]
-        wrapping = [item for item in frames if not item.never_wraps]
+        if layout is not None:
+            ranges = tuple(functions for functions in ranges if _is_range_of(functions, layout))
+        wrapping = [functions for functions in ranges if not functions.never_wraps]
         return f"{self.prefix}_{wrapping[0].scope}modulus({encoder})" if wrapping else "0U"
 
     @property
     def usage(self) -> Usage | None:
         """The example at the top of the header, None if no frame has a verdict and a position."""
         measurement = self.device.measurement_of(self.context.interface.name)
-        for item in self.interface.codecs if measurement is not None else ():
-            layout = item.struct.layout
-            told = item.reports.verdict if item.reports is not None else ""
-            if told and measurement and measurement.of in layout.member_names and layout.sender == "encoder":
-                twice = bool(item.measured) and isinstance(self.context.interface, Ssi) and not item.plan.crc
-                of = [part.meaning for part in item.plan.parts if part.field.name == measurement.of]
-                signed = any(isinstance(meaning, TwosComplement) for meaning in of)
-                request, asking = self.interface.request_of(layout), self.interface.asking(layout)
-                return Usage(item, told, c_name(measurement.of), request, asking, twice and not signed)
+        if measurement is None:
+            return None
+        for codec in self.interface.codecs:
+            layout = codec.struct.layout
+            verdict = codec.reports.verdict if codec.reports is not None else ""
+            if verdict and measurement.of in layout.member_names and layout.sender == "encoder":
+                return Usage(
+                    frame=codec,
+                    verdict=verdict,
+                    member=c_name(measurement.of),
+                    request=self.interface.request_of(layout),
+                    asking=self.interface.asking(layout),
+                    twice=self._is_read_twice(codec, measurement.of),
+                )
         return None
 
+    def _is_read_twice(self, codec: StructCodec, member: str) -> bool:
+        """Return True if no CRC protects the position, and it is not negative, so that two words can agree."""
+        meanings = (part.meaning for part in codec.plan.parts if part.field.name == member)
+        is_signed = any(isinstance(meaning, TwosComplement) for meaning in meanings)
+        is_unprotected = bool(codec.measured) and isinstance(self.context.interface, Ssi) and not codec.plan.crc
+        return is_unprotected and not is_signed
+
     def errata(self, *paths: str) -> list[Paragraph]:
-        return [S.sentence(erratum(item)) for item in errata(self.device, *paths)]
+        return [S.sentence(erratum(correction)) for correction in errata(self.device, *paths)]
+
+
+def _cites(text: str, key: str) -> bool:
+    # The first test is much faster, and few documents pass it.
+    return f"{key}:" in text and re.search(rf"\b{key}:", text) is not None
+
+
+def _title_and_url(document: Document) -> str:
+    return f"{document.title} - {document.url}" if document.url else document.title
+
+
+def _is_range_of(functions: RangeFunctions, layout: Layout) -> bool:
+    return any(candidate.name == layout.name for candidate in functions.layouts)
 
 
 def views_of(device: Device) -> Sequence[DeviceView]:
@@ -248,11 +279,11 @@ def views_of(device: Device) -> Sequence[DeviceView]:
     Raises:
         TargetError: C cannot express an interface.
     """
-    found = next((views for known, views in _LATEST if known is device), None)
-    if found is None:
-        found = tuple(_views_of(device))
-        _LATEST.append((device, found))
-    return found
+    views = next((known_views for known_device, known_views in _LATEST if known_device is device), None)
+    if views is None:
+        views = tuple(_views_of(device))
+        _LATEST.append((device, views))
+    return views
 
 
 #: Families are compared by identity, because comparing their members takes longer than making their views.
@@ -261,14 +292,19 @@ _LATEST: deque[tuple[Device, Sequence[DeviceView]]] = deque(maxlen=8)
 
 def _views_of(device: Device) -> Iterator[DeviceView]:
     for interface in device.interfaces:
-        here = for_codes(device, {item.code for item in device.variants_over(interface.name)})
-        # A register that only another interface reaches cannot update a parameter.
-        known = {"", *(item.name for item in here.registers)}
-        parameters = (item if item.register in known else replace(item, read_from="") for item in here.parameters)
-        yield DeviceView(replace(here, parameters=tuple(parameters)))
+        codes = {variant.code for variant in device.variants_over(interface.name)}
+        narrowed_device = for_codes(device, codes)
+        known_registers = {"", *(register.name for register in narrowed_device.registers)}
+        parameters = (_with_known_register(parameter, known_registers) for parameter in narrowed_device.parameters)
+        yield DeviceView(replace(narrowed_device, parameters=tuple(parameters)))
 
 
-def _at(build: Callable[[], _Built], *path: str) -> _Built:
+def _with_known_register(parameter: Parameter, known_registers: Set[str]) -> Parameter:
+    """Return a parameter. A register that only another interface reaches cannot update it."""
+    return parameter if parameter.register in known_registers else replace(parameter, read_from="")
+
+
+def _with_path(build: Callable[[], _Built], *path: str) -> _Built:
     """Return the result of ``build``. An error from it names this part of the spec."""
     try:
         return build()

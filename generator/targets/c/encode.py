@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
 
 from ...model import Field, Piece, assert_never
 from ...plan.codec import Fixed, Given, ParityIs, ParityOf, Term, Turned, Whole, ZerosAbove, characters
@@ -31,7 +32,7 @@ class Encoder:
         self.struct = struct
         self.plan = struct.plan
         self.reader = struct.reader
-        self.refusals = tuple(op for op in (*_powers_first(refusals(self.plan)), *limits) if not _cannot_be(op))
+        self.refusals = tuple(op for op in (*_powers_first(refusals(self.plan)), *limits) if not _never_applies(op))
         self._parities = frozenset(op.field.name for op in self.plan.checks if isinstance(op, ParityIs))
         self._padded = frozenset(op.field.name for op in self.plan.checks if isinstance(op, ZerosAbove))
         self._reserved = frozenset(op.field.name for op in self.plan.reserved)
@@ -47,19 +48,19 @@ class Encoder:
         return Cast("uint32_t", self.given(field)) if self.struct.enumeration(field) else self.given(field)
 
     def joined(self, whole: Whole) -> Expr:
-        return self.reader.joined(whole, self._bits_given)
+        return self.reader.joined(whole, self._bits_of_member)
 
     def total(self, field: Field) -> Expr:
         """Return the number that a field's runs of digits form."""
         work = unsigned(max(field.widest, 32))
         runs = ((Name(f"in->{c_name(run.name)}"), run.divisor) for run in field.runs)
-        return joined("+", tuple(_times(work, run, divisor) for run, divisor in runs))
+        return joined("+", tuple(_multiplied(work, run, divisor) for run, divisor in runs))
 
     # -- the word
 
     @property
     def word(self) -> tuple[Expr, ...]:
-        terms = (op for op in self.plan.terms if not isinstance(op.value, Turned) and not self._is_nothing(op))
+        terms = (op for op in self.plan.terms if not isinstance(op.value, Turned) and not self._is_always_zero(op))
         return (*map(self._term, terms), *self.struct.unused.in_word)
 
     def _term(self, op: Term) -> Expr:
@@ -73,22 +74,22 @@ class Encoder:
             case Fixed(number):
                 return Number(number, hexadecimal=op.field.name not in self._parities)
             case ParityOf(of, odd, mask):
-                parts = [(self._bits_given(field), field.widest) for field in of]
+                parts = [(self._bits_of_member(field), field.widest) for field in of]
                 if len(parts) == 1 and parts[0][1] <= 32:
                     parts = [(Cast("uint32_t", parts[0][0]), parts[0][1])]
                 ones = self.reader.parity(parts, mask)
                 return Operation("^", (ones, Number(1))) if odd else ones
             case Given(field):
-                return self._bits_given(field)
+                return self._bits_of_member(field)
             case Turned():
                 return self.struct.unused.given(op.field)
 
-    def _is_nothing(self, op: Term) -> bool:
+    def _is_always_zero(self, op: Term) -> bool:
         """Return True if none of its bits is ever set."""
         is_derived = op.field.name in self.plan.constants or op.field.name in self._parities
         return is_derived and op.value == Fixed(0)
 
-    def _bits_given(self, field: Field) -> Expr:
+    def _bits_of_member(self, field: Field) -> Expr:
         if field.name in self._reserved:
             return self.struct.unused.given(field)
         name = self.given(field)
@@ -101,42 +102,59 @@ class Encoder:
                 return Either(Operation("==", (name, Number(number))), Number(0), name)
             case Raw() | Named() | DigitRuns() | Characters():
                 return name
-            case other:
-                assert_never(other)
+            case never:
+                assert_never(never)
 
     # -- the bytes
 
     @property
     def bytes(self) -> Iterator[tuple[int, Expr]]:
         """The value of each byte, except those of the CRC."""
+        members = self._member_bytes()
+        crc_bytes = self._crc_bytes()
+        for byte, number in self._constant_bytes().items():
+            if byte in members:
+                constant = [Number(number, hexadecimal=True)] if number else []
+                yield byte, _as_byte(joined("|", (*constant, *members[byte])))
+            elif byte not in crc_bytes:
+                yield byte, Number(number, hexadecimal=True)
+
+    def _crc_bytes(self) -> set[int]:
+        """Return the bytes of a CRC that is computed over whole bytes."""
         crc = self.plan.crc
-        in_crc = {piece.byte for piece in crc.bits.pieces} if crc is not None else set()
-        in_crc = in_crc if self.plan.layout.crc_covers_bytes else set()
-        fixed = dict.fromkeys(range(self.plan.length), 0)
-        given: dict[int, list[Expr]] = {}
-        for byte, bits in self.struct.unused.in_bytes:
-            given.setdefault(byte, []).append(bits)
+        if crc is None or not self.plan.layout.crc_covers_bytes:
+            return set()
+        return {piece.byte for piece in crc.bits.pieces}
+
+    def _constant_bytes(self) -> dict[int, int]:
+        """Return the constant bits of every byte."""
+        constants = dict.fromkeys(range(self.plan.length), 0)
         for op in self.plan.terms:
             match op.value:
-                case Turned():
-                    continue
                 case Fixed(value):
                     for piece in op.field.pieces:
-                        fixed[piece.byte] |= (value >> piece.left & piece.mask) << piece.right
-                case Given(field):
-                    for byte, bits in self._given_bytes(op, field):
-                        given.setdefault(byte, []).append(bits)
-                case ParityOf():
-                    for piece in op.field.pieces:
-                        given.setdefault(piece.byte, []).append(left(right(self._value(op), piece.left), piece.right))
-                case _:
-                    assert_never(op.value)
-        for byte, number in fixed.items():
-            if byte in given:
-                constant = [Number(number, hexadecimal=True)] if number else []
-                yield byte, _as_byte(joined("|", (*constant, *given[byte])))
-            elif byte not in in_crc:
-                yield byte, Number(number, hexadecimal=True)
+                        constants[piece.byte] |= (value >> piece.left & piece.mask) << piece.right
+        return constants
+
+    def _member_bytes(self) -> dict[int, list[Expr]]:
+        """Return what members and parity bits contribute to each byte."""
+        contributions: dict[int, list[Expr]] = {}
+        for byte, bits in chain(self.struct.unused.in_bytes, *map(self._term_bytes, self.plan.terms)):
+            contributions.setdefault(byte, []).append(bits)
+        return contributions
+
+    def _term_bytes(self, op: Term) -> Iterator[tuple[int, Expr]]:
+        """Yield the contributions of a term that is not constant."""
+        match op.value:
+            case Turned() | Fixed():
+                return
+            case Given(field):
+                yield from self._given_bytes(op, field)
+            case ParityOf():
+                for piece in op.field.pieces:
+                    yield piece.byte, left(right(self._value(op), piece.left), piece.right)
+            case _:
+                assert_never(op.value)
 
     def _given_bytes(self, op: Term, field: Field) -> Iterator[tuple[int, Expr]]:
         """Yield the contributions of a member to its bytes."""
@@ -147,21 +165,24 @@ class Encoder:
                     yield byte, Cast("uint8_t", Name(f"{name}[{index}]"))
             case Active(low):
                 for piece in field.pieces:
-                    bit, none = Number(piece.mask << piece.right, hexadecimal=True), Number(0, hexadecimal=True)
-                    yield piece.byte, Either(name, none, bit) if low else Either(name, bit, none)
+                    bit, zero = Number(piece.mask << piece.right, hexadecimal=True), Number(0, hexadecimal=True)
+                    yield piece.byte, Either(name, zero, bit) if low else Either(name, bit, zero)
             case TwosComplement():
                 # Copies of the sign must not reach the zeros above the field.
                 bits = self._value(op) if field.name in self._padded else Cast("uint64_t", name)
                 for piece in field.pieces:
-                    yield piece.byte, self._put(field, piece, bits, may_be_wider=True)
+                    yield piece.byte, self._placed_piece(field, piece, bits, may_be_wider=True)
             case Raw() | ZeroMeans() | Named() | DigitRuns():
                 for piece in field.pieces:
                     if piece.left < size_of(widest_value(field)):
-                        yield piece.byte, self._put(field, piece, self._value(op), may_be_wider=len(field.pieces) > 1)
-            case other:
-                assert_never(other)
+                        yield (
+                            piece.byte,
+                            self._placed_piece(field, piece, self._value(op), may_be_wider=len(field.pieces) > 1),
+                        )
+            case never:
+                assert_never(never)
 
-    def _put(self, field: Field, piece: Piece, bits: Expr, may_be_wider: bool) -> Expr:
+    def _placed_piece(self, field: Field, piece: Piece, bits: Expr, may_be_wider: bool) -> Expr:
         """Return one piece of the bits of a field, shifted to its place in its byte."""
         value = right(bits, piece.left)
         if may_be_wider and piece.mask != 0xFF:
@@ -176,21 +197,21 @@ def _as_byte(value: Expr) -> Expr:
     """Cast a value to a byte. A one-byte member needs no cast."""
     if isinstance(value, Name):
         return value
-    return Cast("uint8_t", value.of if isinstance(value, Cast) and isinstance(value.of, Name) else value)
+    return Cast("uint8_t", value.value if isinstance(value, Cast) and isinstance(value.value, Name) else value)
 
 
-def _times(type_: str, run: Expr, divisor: int) -> Expr:
+def _multiplied(type_: str, run: Expr, divisor: int) -> Expr:
     return Operation("*", (Cast(type_, run), Number(divisor))) if divisor > 1 else run
 
 
 def _powers_first(ops: Iterable[Refusal]) -> list[Refusal]:
     """Move checks for a power of two before checks of the width. Both give the same error."""
-    found: list[Refusal] = []
+    ordered: list[Refusal] = []
     for op in ops:
-        found.insert(len(found) - isinstance(op, NoPowerOfTwo), op)
-    return found
+        ordered.insert(len(ordered) - isinstance(op, NoPowerOfTwo), op)
+    return ordered
 
 
-def _cannot_be(op: Refusal) -> bool:
+def _never_applies(op: Refusal) -> bool:
     """Return True if no value of the member's type would be refused."""
     return isinstance(op, TooWide) and op.width.is_constant and size_of(op.field.widest) == op.field.widest

@@ -40,15 +40,15 @@ class Enumeration:
 
     @property
     def is_enum(self) -> bool:
-        return max((item.value for item in self.entries), default=0) <= 0x7FFF
+        return max((entry.value for entry in self.entries), default=0) <= 0x7FFF
 
     @property
     def names(self) -> Mapping[int, str]:
-        return {item.value: item.name for item in self.entries}
+        return {entry.value: entry.name for entry in self.entries}
 
     def declared(self) -> Iterator[Declared]:
         yield self.type, self.path
-        yield from ((item.name, self.path) for item in self.entries)
+        yield from ((entry.name, self.path) for entry in self.entries)
 
 
 class Enumerations:
@@ -75,28 +75,28 @@ class Enumerations:
 
     def of(self, *path: str) -> list[Enumeration]:
         """Return those declared with this part of the spec, or with one inside it."""
-        return [item for item in self.all if item.path[: len(path)] == path]
+        return [enumeration for enumeration in self.all if enumeration.path[: len(path)] == path]
 
     def _add(self, owner: str, field: Field, path: Path, sole: str = "") -> None:
-        known = self._shared.get(field.name)
-        if known is not None and known[0] == field.values and not sole:
-            self.choices[owner, field.name] = known[1]
+        shared = self._shared.get(field.name)
+        if shared is not None and shared[0] == field.values and not sole:
+            self.choices[owner, field.name] = shared[1]
             return
         if sole:
             name = f"{self.prefix}_{path[-1]}"
         else:
-            name = f"{self.prefix}_{field.name}" if known is None else f"{self.prefix}_{path[-1]}_{field.name}"
-        entries = (Entry(f"{name}_{item.name}".upper(), item.value, _note(item)) for item in field.values)
+            name = f"{self.prefix}_{field.name}" if shared is None else f"{self.prefix}_{path[-1]}_{field.name}"
+        entries = (Entry(f"{name}_{value.name}".upper(), value.value, _note(value)) for value in field.values)
         about = () if sole else tuple(meaning(field, field.meaning))
         text = S.paragraph(about) or f"Values of {sole or title(field)}."
-        made = Enumeration(name, text, about, tuple(entries), (field.widest + 3) // 4, path)
-        if known is None and not sole:
-            self._shared[field.name] = (field.values, made)
-        self.choices[owner, field.name] = made
-        self.all.append(made)
+        enumeration = Enumeration(name, text, about, tuple(entries), (field.widest + 3) // 4, path)
+        if shared is None and not sole:
+            self._shared[field.name] = (field.values, enumeration)
+        self.choices[owner, field.name] = enumeration
+        self.all.append(enumeration)
 
 
-def _note(item: Value) -> str:
+def _note(value: Value) -> str:
     # Omit a printed name of one word that the constant already has. Keep longer ones, for readers who search for them.
-    about = told(item.meaning) if printed(item).lower() == item.name else meaning(item, item.meaning)
-    return S.paragraph(replace(one, source=item.source) for one in about) or words(item.name)
+    about = told(value.meaning) if printed(value).lower() == value.name else meaning(value, value.meaning)
+    return S.paragraph(replace(statement, source=value.source) for statement in about) or words(value.name)

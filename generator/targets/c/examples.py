@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
 from ...model import (
+    Answer,
     ModifyStep,
     Register,
     RegisterStep,
@@ -44,7 +45,7 @@ from .variants import CodeRow
 #: Names of the program and the README that a register must not take: the function show_frame, and variables.
 _TAKEN = frozenset(("bus", "encoder", "failure", "frame", "result"))
 #: Maximum number of characters of explanation after a number.
-_FEW = 40
+_LONGEST_EXPLANATION = 40
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +62,7 @@ class ShownRegister:
     def members(self) -> int:
         """The number of members in its struct."""
         plan = self.struct.plan
-        return len(plan.wholes) + sum(1 + len(item.field.runs) for item in plan.parts)
+        return len(plan.wholes) + sum(1 + len(part.field.runs) for part in plan.parts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +130,7 @@ class ExampleCode:
         self.name = view.stem
         self.row: CodeRow = view.variants.rows[view.device.variants.index(chosen.variant)]
         self.frame: Frame = chosen.frame
-        self.run = self._run()
+        self.run = self._shown_run()
         self.reads = [self._read(register) for register, _ in chosen.registers.values()]
         self.memory = list(self._memory())
 
@@ -144,18 +145,15 @@ class ExampleCode:
     @property
     def encoder(self) -> str:
         """The first arguments of the decoder."""
-        return ", ".join(("encoder", *(item.constant for item in self.asked)))
+        return ", ".join(("encoder", *(question.constant for question in self.asked)))
 
     @property
     def received(self) -> list[Received]:
         """The lengths of the frame as received, by order code."""
-        answers = [item.item.answers[0] for item in self.asked]
-        found = received(self.view.device, self.interface)
-        return [
-            item
-            for item in found
-            if item.layout is self.frame.layout and all(answer in answers for answer in item.answers)
-        ]
+        answers = [question.item.answers[0] for question in self.asked]
+        received_frames = received(self.view.device, self.interface)
+        of_layout = (frame for frame in received_frames if frame.layout is self.frame.layout)
+        return [frame for frame in of_layout if _has_only_answers(frame, answers)]
 
     @property
     def has_crc(self) -> bool:
@@ -179,7 +177,7 @@ class ExampleCode:
     @property
     def worth(self) -> tuple[str, ...]:
         """The verdicts in words, ordered by number."""
-        return tuple(WORTH[item] for item in Verdict)
+        return tuple(WORTH[verdict] for verdict in Verdict)
 
     @property
     def data(self) -> bytes:
@@ -192,25 +190,28 @@ class ExampleCode:
     @property
     def raw(self) -> Sampled | None:
         """The data line of SSI: high until the first clock has stored the position, the word, and the 0 after it."""
-        mine = next((item for item in self.received if item.variant is self._chosen.variant), None)
-        if mine is None or not isinstance(self.interface, Ssi):
+        received_frame = next(
+            (candidate for candidate in self.received if candidate.variant is self._chosen.variant), None
+        )
+        if received_frame is None or not isinstance(self.interface, Ssi):
             return None
-        bits, size = (item.name for item in self.view.lengths.macros_of(mine))
-        around = (1 << mine.bits | self.frame.wire) << 1
-        left = 8 * mine.bytes - mine.bits - SSI_AROUND
-        return Sampled(bits, size, (around << left).to_bytes(mine.bytes, "big"))
+        bits, size = (macro.name for macro in self.view.lengths.macros_of(received_frame))
+        around = (1 << received_frame.bits | self.frame.wire) << 1
+        unused_bits = 8 * received_frame.bytes - received_frame.bits - SSI_AROUND
+        return Sampled(bits, size, (around << unused_bits).to_bytes(received_frame.bytes, "big"))
 
     @property
     def session(self) -> Session | None:
         """The request for the position that the frame answers over SPI, if there is one."""
         interface = self.interface
-        asked = interface.exchanges if isinstance(interface, Spi) else ()
-        found = (item for item in asked if item.purpose == "position" and item.reply == self.frame.layout.name)
-        exchange = next(found, None)
+        spi_exchanges = interface.exchanges if isinstance(interface, Spi) else ()
+        position_exchanges = (exchange for exchange in spi_exchanges if exchange.purpose == "position")
+        answered = (exchange for exchange in position_exchanges if exchange.reply == self.frame.layout.name)
+        exchange = next(answered, None)
         if exchange is None:
             return None
         structs = (codec.struct for codec in self.view.interface.codecs)
-        request = next(item for item in structs if item.layout.name == exchange.request)
+        request = next(struct for struct in structs if struct.layout.name == exchange.request)
         bits = self.frame.layout.place(self._chosen.variant.parameters).bits
         data = self.frame.wire.to_bytes((bits + 7) // 8, "big")
         macro = f"{self.view.PREFIX}_REQUEST_{exchange.request}".upper()
@@ -221,26 +222,26 @@ class ExampleCode:
     def asking(self) -> Asking | None:
         """The request frame over RS-485 that the frame answers, or None if the request has only a control field."""
         placed = self.frame.layout.place(self._chosen.variant.parameters)
-        numbers = (item for item in placed.fields if isinstance(meaning_of(item.field), Raw))
-        given = {item.name: self.frame.wire >> item.low & item.mask for item in numbers}
+        numbers = (field for field in placed.fields if isinstance(meaning_of(field.field), Raw))
+        values = {field.name: self.frame.wire >> field.low & field.mask for field in numbers}
         for whole in self.struct.plan.wholes:
-            if all(field.name in given for field in whole.fields):
-                given[whole.join.name] = whole.joined(given, self._chosen.variant.parameters)
-        return self.view.interface.asking(self.frame.layout, given)
+            if all(field.name in values for field in whole.fields):
+                values[whole.join.name] = whole.joined(values, self._chosen.variant.parameters)
+        return self.view.interface.asking(self.frame.layout, values)
 
     @property
     def request(self) -> str:
         """Macro of the control field that asks for the frame, or an empty text."""
-        known = self.interface.data_ids if isinstance(self.interface, Rs485) else ()
-        sent = (item.name for item in known if self.data[:1] == bytes([item.control]))
-        name = next(sent, "")
+        data_ids = self.interface.data_ids if isinstance(self.interface, Rs485) else ()
+        names = (data_id.name for data_id in data_ids if self.data[:1] == bytes([data_id.control]))
+        name = next(names, "")
         return f"{self.view.PREFIX}_CONTROL_{name}".upper() if name else ""
 
     @property
     def longest_reply(self) -> int:
         """Bytes of the longest frame that the encoder sends on this interface."""
-        frames = (item for item in self.interface.layouts if item.sender == "encoder" and item.in_bytes)
-        return max((item.widest // 8 for item in frames), default=0)
+        frames = (layout for layout in self.interface.layouts if layout.sender == "encoder" and layout.in_bytes)
+        return max((layout.widest // 8 for layout in frames), default=0)
 
     @property
     def polls(self) -> bool:
@@ -249,7 +250,7 @@ class ExampleCode:
         if code is None or code.arguments or code.reads or not self.request:
             return False
         requests = [row.op for row in code.rows if isinstance(row, Row) and isinstance(row.op, Sends)]
-        return bool(requests) and all(item.reply is not None for item in requests)
+        return bool(requests) and all(send.reply is not None for send in requests)
 
     @property
     def position(self) -> Positions | None:
@@ -274,20 +275,25 @@ class ExampleCode:
 
     def is_signed(self, member: str) -> bool:
         """Return whether a member of the frame can be negative."""
-        found = (item for item in self.struct.plan.parts if c_name(item.field.name) == member)
-        return any(isinstance(item.meaning, TwosComplement) for item in found)
+        parts = (part for part in self.struct.plan.parts if c_name(part.field.name) == member)
+        return any(isinstance(part.meaning, TwosComplement) for part in parts)
 
     @property
     def headers(self) -> Iterator[str]:
         """The headers of the interface that the program includes."""
-        used = {"reports"} if self.reports is not None and self.reports.reports else set()
-        used |= ({"registers"} if self.reads else set()) | ({"procedures"} if self.run is not None else set())
+        names = set()
+        if self.reports is not None and self.reports.reports:
+            names.add("reports")
+        if self.reads:
+            names.add("registers")
+        if self.run is not None:
+            names.add("procedures")
         yield self.view.header
-        yield from self.headers_of(used)
+        yield from self.headers_of(names)
 
     def headers_of(self, names: Collection[str]) -> Iterator[str]:
         """Yield the further headers with these names."""
-        yield from (f"{self.view.maker.name}/{item.file}" for item in self.view.parts if item.name in names)
+        yield from (f"{self.view.maker.name}/{part.file}" for part in self.view.parts if part.name in names)
 
     # -- registers and procedures
 
@@ -302,20 +308,20 @@ class ExampleCode:
     @property
     def size(self) -> int:
         """The size of the simulated registers in bytes."""
-        return max((128, *(item.last_address + 1 for item in self.view.device.registers)))
+        return max((128, *(register.last_address + 1 for register in self.view.device.registers)))
 
     @property
     def _steps(self) -> tuple[object, ...]:
         return self.run.code.run.procedure.steps if self.run is not None else ()
 
-    def _run(self) -> ShownRun | None:
+    def _shown_run(self) -> ShownRun | None:
         if self._chosen.procedure is None:
             return None
         procedure, example = self._chosen.procedure
-        code = next(item for item in self.view.procedures if item.run.procedure is procedure)
-        values = (
-            {item.name: example.arguments[item.name] for item in procedure.arguments} if example is not None else {}
-        )
+        code = next(candidate for candidate in self.view.procedures if candidate.run.procedure is procedure)
+        values: dict[str, int] = {}
+        if example is not None:
+            values = {argument.name: example.arguments[argument.name] for argument in procedure.arguments}
         named = ", ".join(f"{name} {value}" for name, value in values.items())
         about = f"{procedure.title} [{cite(procedure.source)}]. It changes the contents of the encoder."
         heading = ascii_text(procedure.title) + (f": {named}" if named else "")
@@ -323,7 +329,7 @@ class ExampleCode:
 
     def _read(self, register: Register) -> ShownRegister:
         _, example = self._chosen.registers[register.name]
-        code = next(item for item in self.view.registers if item.register is register)
+        code = next(candidate for candidate in self.view.registers if candidate.register is register)
         heading = f"{ascii_text(title(register))} {register.address:02X}h"
         about = f"a worked example [{cite(example.source)}]"
         return ShownRegister(heading, c_name(register.name, _TAKEN), about, code.access, code.struct)
@@ -331,7 +337,8 @@ class ExampleCode:
     def _memory(self) -> Iterator[Memory]:
         """Yield the worked examples, and the factory defaults of the registers that the procedure writes."""
         written = {step.register for step in self._steps if isinstance(step, (WriteStep, ModifyStep))}
-        for register, example in sorted(self._chosen.registers.values(), key=lambda item: item[0].address):
+        registers = self._chosen.registers.values()
+        for register, example in sorted(registers, key=lambda pair: pair[0].address):
             if register.name in written:
                 delivered = register.default_bytes() or bytes(register.length)
                 yield Memory(register.address, delivered, f"{title(register)}, factory default")
@@ -349,13 +356,14 @@ class ExampleCode:
             case TwosComplement():
                 yield Printed(part.field.name, "%lld", f"(long long){member}")
             case Named(values):
-                yield replace(self.number(part.field.name, variable), known=_known(values))
+                yield replace(self.number(part.field.name, variable), known=_value_meanings(values))
             case DigitRuns(runs):
-                yield from (self.number(name, variable) for name in (part.field.name, *(run.name for run in runs)))
+                names = (part.field.name, *(run.name for run in runs))
+                yield from (self.number(name, variable) for name in names)
             case Raw() | ZeroMeans():
                 yield self.number(part.field.name, variable)
-            case other:
-                assert_never(other)
+            case never:
+                assert_never(never)
 
     @staticmethod
     def number(name: str, variable: str) -> Printed:
@@ -363,10 +371,15 @@ class ExampleCode:
         return Printed(name, "%llu", f"(unsigned long long){variable}.{c_name(name)}")
 
 
-def _known(values: Iterable[Value]) -> str:
+def _has_only_answers(frame: Received, answers: Sequence[Answer]) -> bool:
+    """Return True if the length of a frame depends on no other answers than these."""
+    return all(answer in answers for answer in frame.answers)
+
+
+def _value_meanings(values: Iterable[Value]) -> str:
     """Return the meanings of the values, if there are only a few."""
-    text = ", ".join(f"{item.value} {ascii_text(title(item))}" for item in values)
-    return text if len(text) <= _FEW else ""
+    text = ", ".join(f"{value.value} {ascii_text(title(value))}" for value in values)
+    return text if len(text) <= _LONGEST_EXPLANATION else ""
 
 
 def example_codes(view: DeviceView) -> Iterator[ExampleCode]:

@@ -56,10 +56,10 @@ class Call(Expr):
 @dataclass(frozen=True, slots=True)
 class Cast(Expr):
     type: str
-    of: Expr
+    value: Expr
 
     def __str__(self) -> str:
-        return f"({self.type}){self.of.operand}"
+        return f"({self.type}){self.value.operand}"
 
 
 _SUMS = frozenset("+-")
@@ -73,10 +73,11 @@ class Operation(Expr):
     operands: tuple[Expr, ...]
 
     def __str__(self) -> str:
-        first, *others = self.operands
+        first, *following = self.operands
         # A sum continues without parentheses, from the left.
         goes_on = isinstance(first, Operation) and {first.operator, self.operator} <= _SUMS
-        return f" {self.operator} ".join([str(first) if goes_on else first.operand, *(item.operand for item in others)])
+        start = str(first) if goes_on else first.operand
+        return f" {self.operator} ".join([start, *(operand.operand for operand in following)])
 
     @property
     def operand(self) -> str:
@@ -99,18 +100,21 @@ class Either(Expr):
         return f"({self})"
 
 
-def right(of: Expr, by: int) -> Expr:
-    """Return ``of`` shifted to the right, unless by 0."""
-    return Operation(">>", (of, Number(by))) if by else of
+def right(value: Expr, by: int) -> Expr:
+    """Return ``value`` shifted to the right, unless by 0."""
+    return Operation(">>", (value, Number(by))) if by else value
 
 
-def left(of: Expr, by: int | Expr) -> Expr:
-    """Return ``of`` shifted to the left, unless by 0."""
-    return Operation("<<", (of, Number(by) if isinstance(by, int) else by)) if by else of
+def left(value: Expr, by: int | Expr) -> Expr:
+    """Return ``value`` shifted to the left, unless by 0."""
+    if not by:
+        return value
+    distance = Number(by) if isinstance(by, int) else by
+    return Operation("<<", (value, distance))
 
 
-def masked(of: Expr, mask: int) -> Expr:
-    return Operation("&", (of, Number(mask, hexadecimal=True)))
+def masked(value: Expr, mask: int) -> Expr:
+    return Operation("&", (value, Number(mask, hexadecimal=True)))
 
 
 def joined(operator: str, operands: tuple[Expr, ...]) -> Expr:
@@ -169,23 +173,24 @@ class Scope:
         if constant == 0 and expression.terms and expression.terms[0].multiple > 0:
             total = None
         for term in expression.terms:
-            one = Call("cw_mask", (self.atom(term.factors[0].parameter),)) if term in masks else None
-            wide = Cast("int64_t", one or self._term(term))
-            total = Operation("+" if term.multiple > 0 else "-", (total, wide)) if total is not None else wide
+            product = Call("cw_mask", (self.atom(term.factors[0].parameter),)) if term in masks else self._term(term)
+            wide = Cast("int64_t", product)
+            sign = "+" if term.multiple > 0 else "-"
+            total = Operation(sign, (total, wide)) if total is not None else wide
         return total or Number(0, signed=True)
 
     def _term(self, term: Term) -> Expr:
         """Return a product, in 64 bits if 32 may be too few. A single parameter keeps its own type."""
-        first, *others = (self._factor(item) for item in term.factors)
+        first, *further = (self._factor(factor) for factor in term.factors)
         if abs(term.multiple) != 1:
-            others.append(Number(abs(term.multiple)))
-        if not others:
+            further.append(Number(abs(term.multiple)))
+        if not further:
             return first
         if not term.factors[0].power:
             # A parameter that an order code does not set has up to 32 bits.
-            largest = abs(term.multiple) * prod(self.largest.get(item.parameter, 1 << 32) for item in term.factors)
+            largest = abs(term.multiple) * prod(self.largest.get(factor.parameter, 1 << 32) for factor in term.factors)
             first = Cast("uint64_t" if term.is_power or largest >> 32 else "uint32_t", first)
-        return Operation("*", (first, *others))
+        return Operation("*", (first, *further))
 
     def _factor(self, factor: Factor) -> Expr:
         name = self.atom(factor.parameter)

@@ -19,7 +19,7 @@ class AlarmCode:
         self.macros = tuple(_macros(context.device, alarm, f"{context.PREFIX}_ALARM_{alarm.name.upper()}"))
 
     def declared(self) -> Iterator[Declared]:
-        yield from ((item.name, ("alarms", self.alarm.name)) for item in self.macros)
+        yield from ((macro.name, ("alarms", self.alarm.name)) for macro in self.macros)
 
 
 def _macros(device: Device, alarm: Alarm, stem: str) -> Iterator[Macro]:
@@ -33,14 +33,17 @@ def _macros(device: Device, alarm: Alarm, stem: str) -> Iterator[Macro]:
 def _mask(device: Device, alarm: Alarm) -> tuple[int, str]:
     """Return the bits of an alarm, or 0 if they have no place, and a note if they belong to one of several bytes."""
     fields = (field for _, layout in device.layouts() for field in layout.fields if field.group == alarm.group)
-    field = next((item for item in fields if item.name == alarm.field and item.pieces), None)
-    if alarm.group and field is not None and len(field.pieces) == 1:
-        piece = field.pieces[0]
-        group = next(item for item in device.field_groups if item.name == alarm.group)
-        return piece.mask << piece.right, "in its byte" if group.bits > 8 else ""
+    candidates = (field for field in fields if field.name == alarm.field and field.pieces)
+    frame_field = next(candidates, None)
+    if alarm.group and frame_field is not None and len(frame_field.pieces) == 1:
+        piece = frame_field.pieces[0]
+        group = next(group for group in device.field_groups if group.name == alarm.group)
+        note = "in its byte" if group.bits > 8 else ""
+        return piece.mask << piece.right, note
     if not alarm.register:
         return 0, ""
-    register = device.register(alarm.register)
-    item = register.layout.field(alarm.field) if alarm.field else register.layout.fields[0]
+    layout = device.register(alarm.register).layout
+    register_field = layout.field(alarm.field) if alarm.field else layout.fields[0]
     # A flag that moves with the order code has no mask. The register's codec finds it.
-    return item.mask_in_place if item.is_fixed else 0, ""
+    mask = register_field.mask_in_place if register_field.is_fixed else 0
+    return mask, ""

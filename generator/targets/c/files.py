@@ -110,12 +110,12 @@ def problems(library: Library) -> Iterator[TargetProblem]:
         try:
             headers += [(device, view.names) for view in views_of(device)]
         except TargetError as error:
-            said = f"{error}; use 'generate --target' to write the other outputs"
-            yield TargetProblem(device, "c-target", error.place or ("device",), said)
+            problem = f"{error}; use 'generate --target' to write the other outputs"
+            yield TargetProblem(device, "c-target", error.place or ("device",), problem)
     for device, clash in clashes(headers):
-        other = () if clash.other[:1] == ("device",) else clash.other
-        message = clash.message(" on line {line}" if other else "")
-        yield TargetProblem(device, "c-name", clash.path, message, other)
+        other_place = () if clash.other[:1] == ("device",) else clash.other
+        message = clash.message(" on line {line}" if other_place else "")
+        yield TargetProblem(device, "c-name", clash.path, message, other_place)
 
 
 def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, str]]:

@@ -52,10 +52,10 @@ FoldOperation = FoldWide | FoldHalves | Fold | Narrow
 def folds(steps: Sequence[FoldStep], bits: int, source: str) -> Iterator[FoldOperation]:
     """Yield the steps over ``source``, a number of this many bits. They leave the remainder in ``v``."""
     for step in steps:
-        left = max(step.shift, bits - step.shift + step.back)
+        bits_left = max(step.shift, bits - step.shift + step.back)
         if source == "v":
             yield Fold(step)
-        elif left > 32 or bits - step.shift > 32:
+        elif bits_left > 32 or bits - step.shift > 32:
             yield FoldWide(step, source, source == "wide")
             source = "wide"
         elif bits <= 32:
@@ -64,7 +64,7 @@ def folds(steps: Sequence[FoldStep], bits: int, source: str) -> Iterator[FoldOpe
         else:
             yield FoldHalves(step, source)
             source = "v"
-        bits = left
+        bits = bits_left
     if source != "v":
         yield Narrow(source, last=True)
 
@@ -116,7 +116,10 @@ class WordCrc:
 
     @property
     def needs_high(self) -> bool:
-        return any(byte.half == "high" for byte in (*self.one_by_one, *((self.first,) if self.crc.width <= 8 else ())))
+        byte_halves = [byte.half for byte in self.one_by_one]
+        if self.crc.width <= 8:
+            byte_halves.append(self.first.half)
+        return "high" in byte_halves
 
     @property
     def last_steps(self) -> tuple[FoldStep, ...]:

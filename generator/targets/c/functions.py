@@ -22,8 +22,9 @@ class Function:
 def number_of(scope: Scope, name: str, expression: Expression, largest: int, about: str) -> Function:
     """Build a function for numbers up to ``largest``, in 32 bits if they fit."""
     # A product is computed before anything is subtracted from it.
-    taken = min(expression.constant, 0) if any(term.is_product for term in expression.terms) else 0
-    bits, value = max((largest - taken).bit_length(), 32), scope.of(expression)
+    has_product = any(term.is_product for term in expression.terms)
+    subtracted = min(expression.constant, 0) if has_product else 0
+    bits, value = max((largest - subtracted).bit_length(), 32), scope.of(expression)
     if bits == 32 and any(term.is_power for term in expression.terms):
         value = Cast("uint32_t", value)
     return Function(name, unsigned(bits), value, about, not expression.is_constant)

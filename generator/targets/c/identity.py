@@ -23,9 +23,9 @@ class IdentityCode:
 
     @property
     def uses_variant(self) -> bool:
-        stated = (item.layout.fields[0].equals for item in self.compared if item.codec is None)
-        varies = any(isinstance(item, Expression) and not item.is_constant for item in stated)
-        return varies or any(item.codec is not None for item in self.compared)
+        stated = (register.layout.fields[0].equals for register in self.compared if register.codec is None)
+        varies = any(isinstance(equals, Expression) and not equals.is_constant for equals in stated)
+        return varies or any(register.codec is not None for register in self.compared)
 
     def declared(self) -> Iterator[Declared]:
         names = ("identity", "could_be", "next_candidate", "read_identity")
@@ -33,6 +33,6 @@ class IdentityCode:
 
 
 def identity_codes(context: Context, codes: Mapping[str, RegisterCode]) -> Iterator[IdentityCode]:
-    for item in identities(context.device):
-        compared = tuple(codes[entry.register.name] for entry in item.compared)
-        yield IdentityCode(context.prefix, context.device.interface(item.interface), compared)
+    for identity in identities(context.device):
+        compared = tuple(codes[entry.register.name] for entry in identity.compared)
+        yield IdentityCode(context.prefix, context.device.interface(identity.interface), compared)

@@ -76,24 +76,24 @@ class InterfaceCode:
         self.device, self.interface = context.device, interface
         self.prefix = context.prefix
         self.upper = self.prefix.upper()
-        self.cable = [item for item in interface.facts() if isinstance(item, CableLength)]
+        self.cable = [fact for fact in interface.facts() if isinstance(fact, CableLength)]
         self.timeout = interface.timeout if isinstance(interface, Biss) else None
         #: Statements that are comments on macros.
-        self._said: list[Said] = []
+        self._macro_statements: list[Said] = []
         self.macros = tuple(self._macros())
         self.controls = tuple(self._controls())
         self.about = list(self._about())
         self.enumerations = context.enumerations.of("interfaces", interface.name)
-        self.tellers = tuple(FrameTeller(context, self.prefix, item) for item in dispatches(interface.layouts))
-        self.codecs = tuple(self._codec(context, item) for item in interface.layouts)
+        self.tellers = tuple(FrameTeller(context, self.prefix, dispatch) for dispatch in dispatches(interface.layouts))
+        self.codecs = tuple(self._codec(context, layout) for layout in interface.layouts)
 
     def declared(self) -> Iterator[Declared]:
         path = ("interfaces", self.interface.name)
-        yield from ((item.name, path) for item in (*self.macros, *self.controls))
-        yield from ((self.frame_name(item), path) for item in self.frames)
+        yield from ((macro.name, path) for macro in (*self.macros, *self.controls))
+        yield from ((self.frame_name(layout), path) for layout in self.frames)
         if self.frames:
             yield from ((f"{self.prefix}_{name}", path) for name in ("frame", "frame_length"))
-        yield from ((name, path) for item in self.tellers for name in (item.by_bytes, item.by_value))
+        yield from ((name, path) for teller in self.tellers for name in (teller.by_bytes, teller.by_value))
         if self.cable:
             yield f"{self.prefix}_clock_limit_hz", path
         if self.timeout_product:
@@ -104,39 +104,48 @@ class InterfaceCode:
     @property
     def cable_source(self) -> str:
         """The source of the clocks by cable length."""
-        return cite(tuple(dict.fromkeys(source for item in self.cable for source in item.source)))
+        return cite(tuple(dict.fromkeys(source for cable in self.cable for source in cable.source)))
 
     @property
     def frames(self) -> list[Layout]:
-        told = {branch.layout.name for item in self.tellers for branch in item.dispatch.branches}
-        told |= {item.dispatch.fallback.name for item in self.tellers if item.dispatch.fallback is not None}
-        return [item for item in self.interface.layouts if item.name in told]
+        names = {branch.layout.name for teller in self.tellers for branch in teller.dispatch.branches}
+        names |= {teller.dispatch.fallback.name for teller in self.tellers if teller.dispatch.fallback is not None}
+        return [layout for layout in self.interface.layouts if layout.name in names]
 
     def request_of(self, reply: Layout) -> str:
         """Return the macro of the request that a frame answers, or an empty text."""
-        of = self.interface
-        if not isinstance(of, Rs485):
+        interface = self.interface
+        if not isinstance(interface, Rs485):
             return ""
-        names = (f"{self.upper}_CONTROL_{item.name}" for item in of.data_ids if answer(of, item.id) is reply)
-        return next(names, "").upper()
+        for request in interface.data_ids:
+            if answer(interface, request.id) is reply:
+                return f"{self.upper}_CONTROL_{request.name}".upper()
+        return ""
 
-    def asking(self, reply: Layout, given: Mapping[str, int] = MappingProxyType({})) -> Asking | None:
+    def asking(self, reply: Layout, values: Mapping[str, int] = MappingProxyType({})) -> Asking | None:
         """Return the request whose reply is a frame in bytes, with the given numbers in its fields, or None."""
-        found = (item for item in exchanges(self.interface) if item.reply is reply and reply.in_bytes)
-        item = next(found, None)
+        matching = (exchanged for exchanged in exchanges(self.interface) if exchanged.reply is reply and reply.in_bytes)
+        exchanged = next(matching, None)
         port = next((fact for fact in self.interface.facts() if isinstance(fact, Port)), None)
-        if item is None or port is None:
+        if exchanged is None or port is None:
             return None
-        codec = next(one for one in self.codecs if one.struct.layout is item.request)
+        codec = next(candidate for candidate in self.codecs if candidate.struct.layout is exchanged.request)
         bits = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
-        size = (item.request.widest + reply.widest) // 8
-        parameters = next(one.parameters for one in self.device.variants_over(self.interface.name))
-        initial = codec.struct.initial(parameters, given)
-        answered = set(_members(reply))
-        names = [name for name in _members(item.request) if name in answered]
+        size = (exchanged.request.widest + reply.widest) // 8
+        parameters = next(variant.parameters for variant in self.device.variants_over(self.interface.name))
+        initial = codec.struct.initial(parameters, values)
+        answered = set(_member_names(reply))
+        names = [name for name in _member_names(exchanged.request) if name in answered]
         # C does not compare texts by !=.
         repeated = tuple(c_name(name) for name in names if codec.struct.member_type(name) != "char")
-        return Asking(codec, initial, _take(item), ANSWER_US - -1_000_000 * size * bits // port.baud, repeated)
+        line_us = -(-1_000_000 * size * bits // port.baud)
+        return Asking(
+            codec=codec,
+            initial=initial,
+            take=_take_function(exchanged),
+            late_us=ANSWER_US + line_us,
+            repeated=repeated,
+        )
 
     def frame_name(self, layout: Layout) -> str:
         return f"{self.upper}_FRAME_{layout.name}".upper()
@@ -151,27 +160,32 @@ class InterfaceCode:
     def _about(self) -> Iterator[Paragraph]:
         """Yield the comment on the interface, without the layouts, which have their own."""
         interface = self.interface
-        yield from (S.sentence(item) for item in said_of(self.device, interface) if item not in self._said)
-        if any(item.sender == "master" and item.data_fields for item in interface.layouts):
+        statements = said_of(self.device, interface)
+        yield from (S.sentence(statement) for statement in statements if statement not in self._macro_statements)
+        if any(layout.sender == "master" and layout.data_fields for layout in interface.layouts):
             yield "Set all members of a request, because those that an initial value leaves out are 0."
         yield from self._receiving()
         path = f"interfaces.{interface.name}"
-        layouts = [f"{path}.{item.name}" for item in interface.layouts]
-        groups = {f"field_groups.{field.group}" for item in interface.layouts for field in item.fields if field.group}
+        layouts = [f"{path}.{layout.name}" for layout in interface.layouts]
+        fields = (field for layout in interface.layouts for field in layout.fields)
+        groups = {f"field_groups.{field.group}" for field in fields if field.group}
         below = errata(self.device, *layouts)
-        found = errata(self.device, path, *groups, without=layouts)
-        yield from (S.sentence(erratum(item)) for item in found if item not in below)
+        corrections = errata(self.device, path, *groups, without=layouts)
+        yield from (S.sentence(erratum(correction)) for correction in corrections if correction not in below)
 
     def _receiving(self) -> Iterator[Paragraph]:
         """Yield how to send a request and receive its reply over a serial port."""
-        found = [item for item in exchanges(self.interface) if item.reply is not None and item.reply.in_bytes]
-        takes = {_take(item): [one.request.name for one in found if _take(one) == _take(item)] for item in found}
-        if takes:
+        byte_exchanges = [
+            exchange for exchange in exchanges(self.interface) if exchange.reply is not None and exchange.reply.in_bytes
+        ]
+        requests: dict[str, list[str]] = {}
+        for exchanged in byte_exchanges:
+            requests.setdefault(_take_function(exchanged), []).append(exchanged.request.name)
+        if requests:
+            takes = ", or ".join(f"{name} ({', '.join(names)})" for name, names in requests.items())
             yield (
                 "Encode a request, call cw_rs485_ask in codewheel/receive.h with its first byte and the length of the"
-                " reply, and send the request. Then pass each byte received to "
-                + ", or ".join(f"{name} ({', '.join(requests)})" for name, requests in takes.items())
-                + "."
+                f" reply, and send the request. Then pass each byte received to {takes}."
             )
 
     # -- constants
@@ -186,7 +200,7 @@ class InterfaceCode:
 
     def _macro(self, name: str, value: int, about: Said | str = "", hexadecimal: bool = False) -> Macro:
         if isinstance(about, Said):
-            self._said.append(about)
+            self._macro_statements.append(about)
         note = about if isinstance(about, str) else S.sentence(about)
         return Macro(f"{self.upper}_{name}".upper(), number(value, hexadecimal), note)
 
@@ -197,7 +211,7 @@ class InterfaceCode:
                 case Clock():
                     yield from self._clock(fact, about)
                 case CableLength():
-                    self._said.append(about)  # A function states it.
+                    self._macro_statements.append(about)  # A function states it.
                 case Timeout():
                     yield from self._timeout(fact, about)
                 case Port():
@@ -212,9 +226,9 @@ class InterfaceCode:
                     pass  # Code needs no number from it.
         if isinstance(interface, Biss):
             yield from self._control_data(interface)
-        for item in interface.timings:
-            self._said.append(timing(item))
-            yield from timing_macros(item, self.upper)
+        for time in interface.timings:
+            self._macro_statements.append(timing(time))
+            yield from timing_macros(time, self.upper)
 
     def _clock(self, clock: Clock, about: Said) -> Iterator[Macro]:
         """Yield the limits, and the fastest clock in use. The first macro has the comment on all of them."""
@@ -223,8 +237,8 @@ class InterfaceCode:
             ("MAX", clock.max_hz, "highest clock in Hz"),
             ("USED", max(clock.used_hz, default=None), "a clock in use in Hz, not a limit"),
         )
-        known = [(name, hz, note) for name, hz, note in numbers if hz is not None]
-        for index, (name, hz, note) in enumerate(known):
+        stated = [(name, hz, note) for name, hz, note in numbers if hz is not None]
+        for index, (name, hz, note) in enumerate(stated):
             yield self._macro(f"CLOCK_{name}_HZ", hz, note if index else about)
 
     def _port(self, port: Port, about: Said) -> Iterator[Macro]:
@@ -236,31 +250,36 @@ class InterfaceCode:
     def _control_data(self, interface: Biss) -> Iterator[Macro]:
         for field in interface.control_data:
             yield self._macro(f"CONTROL_{field.name}_BITS", field.bits, control_field(field))
-            for item in field.values:
-                name = f"CONTROL_{field.name}_{item.name}"
-                yield self._macro(name, item.value, f"{title(field)}: {title(item)}", hexadecimal=True)
+            for value in field.values:
+                name = f"CONTROL_{field.name}_{value.name}"
+                yield self._macro(name, value.value, f"{title(field)}: {title(value)}", hexadecimal=True)
 
     def _timeout(self, timeout: Timeout, about: Said) -> Iterator[Macro]:
         numbers = [("TYPICAL", timeout.typical_ns), ("AT_MOST", timeout.at_most_ns)]
         if timeout.half_clock_periods is None:
-            numbers += [(f"AT_{item.clock_hz}_HZ", item.timeout_ns) for item in timeout.printed]
+            numbers += [(f"AT_{printed.clock_hz}_HZ", printed.timeout_ns) for printed in timeout.printed]
         for name, value in numbers:
             if value is not None:
-                yield self._macro(f"TIMEOUT_{name}_NS", value, about if about not in self._said else "see above")
+                yield self._macro(
+                    f"TIMEOUT_{name}_NS", value, about if about not in self._macro_statements else "see above"
+                )
 
     @property
     def exchanged(self) -> str:
         """Macro of the request for the position over SPI, or an empty text."""
-        found = self.interface.exchanges if isinstance(self.interface, Spi) else ()
-        asked = (f"{self.upper}_REQUEST_{item.request}".upper() for item in found if item.purpose == "position")
-        return next(asked, "")
+        exchanges = self.interface.exchanges if isinstance(self.interface, Spi) else ()
+        requests = (exchange.request for exchange in exchanges if exchange.purpose == "position")
+        request = next(requests, None)
+        return f"{self.upper}_REQUEST_{request}".upper() if request is not None else ""
 
     def _controls(self) -> Iterator[Macro]:
-        for item in self.interface.data_ids if isinstance(self.interface, Rs485) else ():
-            yield self._macro(f"CONTROL_{item.name}", item.control, data_id(item), hexadecimal=True)
-        # 0 means that there is none.
-        for number_, each in enumerate(self.interface.exchanges if isinstance(self.interface, Spi) else (), 1):
-            yield self._macro(f"REQUEST_{each.request}", number_, exchange(each))
+        if isinstance(self.interface, Rs485):
+            for rs485_id in self.interface.data_ids:
+                yield self._macro(f"CONTROL_{rs485_id.name}", rs485_id.control, data_id(rs485_id), hexadecimal=True)
+        if isinstance(self.interface, Spi):
+            # 0 means that there is none.
+            for request_number, spi_exchange in enumerate(self.interface.exchanges, 1):
+                yield self._macro(f"REQUEST_{spi_exchange.request}", request_number, exchange(spi_exchange))
 
     @property
     def controls_title(self) -> str:
@@ -269,12 +288,12 @@ class InterfaceCode:
         return first if isinstance(self.interface, Rs485) else "requests, for codewheel/spi.h"
 
 
-def _take(item: Exchanged) -> str:
+def _take_function(exchanged: Exchanged) -> str:
     """Return the function that receives a reply."""
-    return "cw_rs485_take" if item.repeats_first else "cw_rs485_take_any"
+    return "cw_rs485_take" if exchanged.repeats_first else "cw_rs485_take_any"
 
 
-def _members(layout: Layout) -> Iterator[str]:
+def _member_names(layout: Layout) -> Iterator[str]:
     """Yield the names of the fields with data and of the joins."""
-    yield from (item.name for item in layout.data_fields)
-    yield from (item.name for item in layout.joins)
+    yield from (field.name for field in layout.data_fields)
+    yield from (join.name for join in layout.joins)

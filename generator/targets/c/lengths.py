@@ -19,27 +19,30 @@ from .variants import CodeRow
 class LengthCode:
     """The lengths of one interface, empty if a peripheral receives its frames by itself."""
 
-    def __init__(self, context: Context, interface: Interface, rows: Sequence[CodeRow], shown: CodeRow) -> None:
+    def __init__(self, context: Context, interface: Interface, rows: Sequence[CodeRow], sample_row: CodeRow) -> None:
         self.interface = interface
-        found = list(received(context.device, interface))
+        received_frames = list(received(context.device, interface))
         #: Names of the frames whose lengths these are.
-        self.layouts = tuple(dict.fromkeys(item.layout.name for item in found))
+        self.layouts = tuple(dict.fromkeys(frame.layout.name for frame in received_frames))
         #: Names of the answers on which a length depends.
-        self.answers = tuple(dict.fromkeys(answer.name for item in found for answer in item.answers))
+        self.answers = tuple(dict.fromkeys(answer.name for frame in received_frames for answer in frame.answers))
         #: Macro of the bytes in a frame that is carried as bytes, empty for words.
-        self.length = next((context.length_macro(item.layout) for item in found if item.layout.in_bytes), "")
+        self.length = next(
+            (context.length_macro(frame.layout) for frame in received_frames if frame.layout.in_bytes), ""
+        )
         #: Names of the headers that receive words, bytes, or both.
         names = {True: "receive_frame.h", False: "receive.h"}
-        self.receivers = " and ".join(names[key] for key in sorted({item.layout.in_bytes for item in found}))
+        kinds = sorted({frame.layout.in_bytes for frame in received_frames})
+        self.receivers = " and ".join(names[in_bytes] for in_bytes in kinds)
         self._context = context
-        self.held = any(item.held for item in found)
+        self.held = any(frame.held for frame in received_frames)
         #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
-        self.register_access = "".join(_register_access(context.device, interface, found))
+        self.register_access = "".join(_register_access(context.device, interface, received_frames))
         self._codes = {id(row.variant): row.code for row in rows}
         self._prefix = f"{context.PREFIX}_"
-        self._shown = next((item for item in found if item.variant is shown.variant), None)
-        self.macros = [macro for item in found for macro in self.macros_of(item)]
+        self._shown = next((frame for frame in received_frames if frame.variant is sample_row.variant), None)
+        self.macros = [macro for frame in received_frames for macro in self.macros_of(frame)]
 
     @property
     def receive(self) -> str:
@@ -54,9 +57,9 @@ class LengthCode:
 
     def of(self, layout: Layout) -> LengthCode:
         """Return the same for one frame. Of an interface, some frames may be words, and others bytes."""
-        found = copy(self)
-        found.length = self._context.length_macro(layout) if layout.in_bytes else ""
-        return found
+        of_layout = copy(self)
+        of_layout.length = self._context.length_macro(layout) if layout.in_bytes else ""
+        return of_layout
 
     def holder(self, index: str = "") -> str:
         """Declare the variable that receives a frame, or an array of them."""
@@ -70,32 +73,33 @@ class LengthCode:
         """Return the arguments of a decoder that takes this variable."""
         return f"bytes{index}, {self.length}" if self.length else f"word{index}"
 
-    def code_of(self, item: Received) -> str:
+    def code_of(self, frame: Received) -> str:
         """Return the name of an order code in names of lengths, with the answers on which these depend."""
-        names = [item.layout.name] if len(self.layouts) > 1 else []
-        return "_".join((self._codes[id(item.variant)], *names, *(answer.name for answer in item.answers))).upper()
+        names = [frame.layout.name] if len(self.layouts) > 1 else []
+        return "_".join((self._codes[id(frame.variant)], *names, *(answer.name for answer in frame.answers))).upper()
 
     def declared(self) -> Iterator[Declared]:
-        names = (*(item.name for item in self.macros), self.receive)
+        names = (*(macro.name for macro in self.macros), self.receive)
         yield from ((name, ("interfaces", self.interface.name)) for name in names if name)
 
-    def macros_of(self, item: Received) -> Iterator[Macro]:
+    def macros_of(self, frame: Received) -> Iterator[Macro]:
         """Yield the macros of the number of bits and of the bytes of a buffer."""
-        stem = f"{self._prefix}{self.code_of(item)}"
-        yield Macro(f"{stem}_BITS", number(item.bits), "number of bits in its frame")
-        yield Macro(f"{stem}_RX_BYTES", number(item.bytes), "number of bytes in its buffer")
+        stem = f"{self._prefix}{self.code_of(frame)}"
+        yield Macro(f"{stem}_BITS", number(frame.bits), "number of bits in its frame")
+        yield Macro(f"{stem}_RX_BYTES", number(frame.bytes), "number of bytes in its buffer")
 
 
-def _register_access(device: Device, interface: Interface, found: Sequence[Received]) -> Iterator[str]:
+def _register_access(device: Device, interface: Interface, frames: Sequence[Received]) -> Iterator[str]:
     """Yield the deadlines for the control bit of a master, with the numbers of the family, if the interface is BiSS."""
-    if not isinstance(interface, Biss) or not found:
+    if not isinstance(interface, Biss) or not frames:
         return
-    bits, clock = min(item.bits for item in found), interface.clock
+    bits, clock = min(frame.bits for frame in frames), interface.clock
     after = f"{bits} clock periods after its CDS"
-    after = f"{after} with {initial(device)}" if any(item.held for item in found) else f"at least {after}"
+    depends_on_registers = any(frame.held for frame in frames)
+    after = f"{after} with {initial(device)}" if depends_on_registers else f"at least {after}"
     limits = [hz for hz in (clock.max_hz, clock.min_hz) if hz is not None]
-    shown = limits or [clock.fastest_hz]
-    times = " and ".join(f"{nanoseconds(bits * 1_000_000_000 // hz)} at {hertz(hz)}" for hz in shown)
+    clocks = limits or [clock.fastest_hz]
+    times = " and ".join(f"{nanoseconds(bits * 1_000_000_000 // hz)} at {hertz(hz)}" for hz in clocks)
     yield "For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before the last "
     yield f"clock of the same frame. It comes {after}: {times}. The bit of "
     yield "cw_biss_master_next_late, for SPI and DMA, is needed before the next frame begins, since the SPI mode "

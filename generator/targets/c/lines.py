@@ -22,8 +22,8 @@ _OPEN = ("(", " =", " |")
 
 def beside(note: object) -> str:
     """Return a comment for the end of a line. ``laid_out`` moves it above the line if the line gets too long."""
-    said = in_comment(note)
-    return f" /* {said} */" if said else ""
+    safe_note = in_comment(note)
+    return f" /* {safe_note} */" if safe_note else ""
 
 
 def in_lines(parts: Sequence[str], indent: int) -> str:
@@ -61,9 +61,9 @@ def _documented(line: str) -> Iterator[str]:
     if _OPENS.match(line):
         yield from _one_or_more(line.replace("/*", "/**", 1))
         return
-    made = _BEHIND.sub(r"\1 /**< ", line)
-    if made == line or len(made) <= COLUMNS:
-        yield made
+    marked = _BEHIND.sub(r"\1 /**< ", line)
+    if marked == line or len(marked) <= COLUMNS:
+        yield marked
         return
     code, _, note = line.rpartition(" /* ")
     margin = " " * (len(code) - len(code.lstrip()))
@@ -109,31 +109,31 @@ def _lines(line: str, goes_on: bool) -> Iterator[str]:
         yield f"{head}("
         yield from _lines(f"    {arguments}", goes_on=True)
     else:
-        yield from _broken(code.lstrip(), margin, margin + " " * (0 if goes_on else 4))
+        yield from _broken_line(code.lstrip(), margin, margin + " " * (0 if goes_on else 4))
 
 
-def _broken(line: str, margin: str, hang: str) -> Sequence[str]:
+def _broken_line(line: str, margin: str, hang: str) -> Sequence[str]:
     """Break a line after an assignment or a question mark if that is enough, else between conditions or anywhere."""
-    seen = _STRING.sub(lambda text: "x" * len(text[0]), line)
-    first, mark, _ = seen.partition(" ? ")
+    without_strings = _STRING.sub(lambda text: "x" * len(text[0]), line)
+    first, mark, _ = without_strings.partition(" ? ")
     if not mark or first.count("(") > first.count(")") + 1:
-        first, mark, _ = seen.partition(" = ")
+        first, mark, _ = without_strings.partition(" = ")
     at = len(first) + len(mark)
     twice = [margin + line[: at - 1], hang + line[at:]]
-    if mark and " | " not in seen and _fit(twice):
+    if mark and " | " not in without_strings and _fit(twice):
         return twice
-    lines = _split(line, seen, margin, hang, _CONDITIONS)
-    return lines if _fit(lines) else _split(line, seen, margin, hang, _ANYWHERE)
+    lines = _split(line, without_strings, margin, hang, _CONDITIONS)
+    return lines if _fit(lines) else _split(line, without_strings, margin, hang, _ANYWHERE)
 
 
 def _fit(lines: Sequence[str]) -> bool:
     return max(map(len, lines)) <= COLUMNS
 
 
-def _split(line: str, seen: str, margin: str, hang: str, places: re.Pattern[str]) -> list[str]:
-    """Break the line as late as possible at the places found in ``seen``."""
+def _split(line: str, without_strings: str, margin: str, hang: str, places: re.Pattern[str]) -> list[str]:
+    """Break the line as late as possible at the places found in ``without_strings``."""
     lines, current, start = [], margin, 0
-    for end in (*(place.start() for place in places.finditer(seen)), len(line)):
+    for end in (*(place.start() for place in places.finditer(without_strings)), len(line)):
         piece = line[start:end]
         if start and len(current) + len(piece) > COLUMNS:
             lines.append(current)

@@ -70,9 +70,9 @@ def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
     """Yield the C names of members, arguments and locals, and the part of the spec that each comes from."""
     for parameter in device.parameters:
         yield c_name(parameter.name), ("parameters", parameter.name)
-    places: list[tuple[Path, Layout]] = [
-        (("interfaces", interface.name, "layouts", layout.name), layout) for interface, layout in device.layouts()
-    ]
+    places: list[tuple[Path, Layout]] = []
+    for interface, layout in device.layouts():
+        places.append((("interfaces", interface.name, "layouts", layout.name), layout))
     places += [(("registers", register.name), register.layout) for register in device.registers]
     for path, layout in places:
         yield from ((c_name(field.name), path) for field in layout.fields)
@@ -81,21 +81,21 @@ def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
     for register in device.registers:
         yield c_name(register.name), ("registers", register.name)
     for procedure in device.procedures:
-        yield from ((c_name(item.name), ("procedures", procedure.name)) for item in procedure.arguments)
+        yield from ((c_name(argument.name), ("procedures", procedure.name)) for argument in procedure.arguments)
 
 
 def clashes(headers: Iterable[tuple[Device, Names]]) -> Iterator[tuple[Device, Clash]]:
     """Yield every clash within these headers, and between families."""
-    taken: dict[str, Path] = {}
+    declared_paths: dict[str, Path] = {}
     for device, names in headers:
         if device.manufacturer.name in TAKEN:
             yield device, Clash(device.manufacturer.name, ("manufacturer",), ())
         for clash in names.clashes:
             yield device, clash
         for name, path in names.paths.items():
-            if name in taken:
-                yield device, Clash(name, path or ("device",), taken[name])
-            taken[name] = ("device", device.name)
+            if name in declared_paths:
+                yield device, Clash(name, path or ("device",), declared_paths[name])
+            declared_paths[name] = ("device", device.name)
         for name, path in inner_names(device):
-            if name in taken:
+            if name in declared_paths:
                 yield device, Clash(name, path, ())

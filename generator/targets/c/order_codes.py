@@ -31,7 +31,7 @@ _CLASSES = {
 }
 _FITS = {"#": "[0-9]", "@": "[A-Z]", "%": "[A-Z0-9]", "~": "[0-9]?"}
 #: An open part with more patterns than this is omitted.
-_MOST = 16
+_MOST_PATTERNS = 16
 #: Largest number of combinations of listed values and patterns, over all spellings of the labels.
 _MOST_COMBINATIONS = 100_000
 
@@ -63,32 +63,34 @@ class _Choice:
 
 def written_out(expression: str) -> tuple[str, ...]:
     """Return the patterns of an open part, the longest first, or nothing if it cannot be expanded."""
-    found: list[str] = []
+    patterns: list[str] = []
     for alternative in expression.split("|"):
         atoms, at = [], 0
         while at < len(alternative):
             match = _ATOM.match(alternative, at)
             if match is None:
                 return ()
-            atoms.append(_repeated(match, match.end() == len(alternative)))
+            atoms.append(_repetitions(match, match.end() == len(alternative)))
             at = match.end()
-        found += ["".join(parts) for parts in itertools.product(*atoms)] if all(atoms) else []
-        if not all(atoms) or len(found) > _MOST:
+        if not all(atoms):
             return ()
-    return tuple(sorted(found, key=len, reverse=True))
+        patterns += map("".join, itertools.product(*atoms))
+        if len(patterns) > _MOST_PATTERNS:
+            return ()
+    return tuple(sorted(patterns, key=len, reverse=True))
 
 
-def _repeated(match: re.Match[str], is_last: bool) -> tuple[str, ...]:
+def _repetitions(match: re.Match[str], is_last: bool) -> tuple[str, ...]:
     """Return one unit with its repetitions, or an empty text if its kind has no mark."""
     unit = match["unit"]
     mark = _CLASSES.get(unit, unit[-1] if len(unit) == 1 or (unit[0] == "\\" and not unit[1].isalnum()) else "")
-    least = 0 if match["maybe"] else int(match["least"] or 1)
-    most = 1 if match["maybe"] else int(match["most"] or least)
-    if not mark or most > _MOST:
+    fewest = 0 if match["maybe"] else int(match["least"] or 1)
+    most_repetitions = 1 if match["maybe"] else int(match["most"] or fewest)
+    if not mark or most_repetitions > _MOST_PATTERNS:
         return ()
     if mark == "#" and is_last:
-        return ("#" * least + "~" * (most - least),)
-    return tuple(mark * count for count in range(most, least - 1, -1))
+        return ("#" * fewest + "~" * (most_repetitions - fewest),)
+    return tuple(mark * count for count in range(most_repetitions, fewest - 1, -1))
 
 
 def unknown_parts(device: Device) -> tuple[str, ...]:
@@ -105,13 +107,17 @@ def open_codes(device: Device) -> tuple[OpenCode, ...]:
     code, codes = device.order_code, _Codes(device)
     spellings = [(code.pattern, [_choices(part) for part in code.parts], True)]
     for spelling in code.also_written:
-        own = {item.part for item in spelling.values}
-        choices = [_spelled_choices(part, spelling) if part.name in own else _choices(part) for part in code.parts]
+        own_parts = {value.part for value in spelling.values}
+        spelled_parts = {part.name: _spelled_choices(part, spelling) for part in code.parts if part.name in own_parts}
+        choices = [spelled_parts.get(part.name) or _choices(part) for part in code.parts]
         thens = written_out(spelling.then) if spelling.then else ("",)
         spellings += [(spelling.pattern + then, choices, False) for then in thens]
     if sum(math.prod(map(len, choices)) for _, choices, _ in spellings) > _MOST_COMBINATIONS:
-        wrong = f"open parts and other spellings combine to more than {_MOST_COMBINATIONS} patterns of labels"
-        raise TargetError(f"{wrong}, the maximum of the C target", ("order_code",))
+        raise TargetError(
+            f"open parts and other spellings combine to more than {_MOST_COMBINATIONS} patterns of labels, "
+            "the maximum of the C target",
+            ("order_code",),
+        )
     return tuple(row for spelling in spellings for row in _rows(codes, *spelling))
 
 
@@ -126,36 +132,42 @@ class _Codes:
 
     def first(self, chosen: Mapping[str, _Choice]) -> int | None:
         """Return the first order code with the listed parts, if the other parts may be open there."""
-        names = tuple(name for name, item in chosen.items() if not item.is_open)
+        names = tuple(name for name, choice in chosen.items() if not choice.is_open)
         if names not in self._indices:
-            found: dict[tuple[str, ...], list[int]] = defaultdict(list)
+            indices_by_texts: dict[tuple[str, ...], list[int]] = defaultdict(list)
             for index, variant in enumerate(self._device.variants):
-                found[tuple(variant.parts[name] for name in names)].append(index)
-            self._indices[names] = found
+                indices_by_texts[tuple(variant.parts[name] for name in names)].append(index)
+            self._indices[names] = indices_by_texts
         indices = self._indices[names].get(tuple(chosen[name].text for name in names), ())
         parts, variants = self._device.order_code.parts, self._device.variants
-        return next((index for index in indices if all(_open_here(parts, chosen, variants[index]))), None)
+        return next((index for index in indices if all(_open_combinations(parts, chosen, variants[index]))), None)
 
 
 def _rows(codes: _Codes, pattern: str, choices: Sequence[Sequence[_Choice]], is_listed: bool) -> list[OpenCode]:
     """Return the rows of one spelling. For the listed spelling, codes without open parts need no row."""
     combinations = [dict(zip(codes.names, values, strict=True)) for values in itertools.product(*choices)]
-    found = [(chosen, codes.first(chosen)) for chosen in combinations]
-    allowed = {
-        tuple(chosen.values())
-        for chosen, code in found
-        if code is not None and any(item.is_open for item in chosen.values())
-    }
-    patterns = [[item for item in of_part if item.is_open] for of_part in choices]
+    coded = [(chosen, codes.first(chosen)) for chosen in combinations]
+    allowed = {tuple(chosen.values()) for chosen, code in coded if code is not None and _open_parts(chosen)}
+    patterns = [_open_choices(part_choices) for part_choices in choices]
     rows = []
-    for chosen, code in found:
-        unlisted = tuple(name for name, item in chosen.items() if item.is_open)
-        wanted = bool(unlisted) or not is_listed
-        if (code is not None and wanted) or (code is None and _is_covered(tuple(chosen.values()), patterns, allowed)):
-            shown = {name: item.shown for name, item in chosen.items()}
-            text = filled(without_blanks(pattern), shown)
-            rows.append(OpenCode(text, code, unlisted))
+    for chosen, code in coded:
+        unlisted = _open_parts(chosen)
+        if code is None:
+            needs_row = _is_covered(tuple(chosen.values()), patterns, allowed)
+        else:
+            needs_row = bool(unlisted) or not is_listed
+        if needs_row:
+            label_texts = {name: choice.shown for name, choice in chosen.items()}
+            rows.append(OpenCode(filled(without_blanks(pattern), label_texts), code, unlisted))
     return sorted(rows, key=lambda row: len(row.unlisted))
+
+
+def _open_parts(chosen: Mapping[str, _Choice]) -> tuple[str, ...]:
+    return tuple(name for name, choice in chosen.items() if choice.is_open)
+
+
+def _open_choices(choices: Sequence[_Choice]) -> list[_Choice]:
+    return [choice for choice in choices if choice.is_open]
 
 
 def _spelled_choices(part: CodePart, spelling: Spelling) -> list[_Choice]:
@@ -163,19 +175,16 @@ def _spelled_choices(part: CodePart, spelling: Spelling) -> list[_Choice]:
 
 
 def _choices(part: CodePart) -> list[_Choice]:
-    return [
-        *(_Choice(value.text, False) for value in part.values),
-        *(_Choice(text, True) for text in written_out(part.open) if part.open),
-    ]
+    listed = [_Choice(value.text, False) for value in part.values]
+    patterns = written_out(part.open) if part.open else ()
+    return [*listed, *(_Choice(pattern, True) for pattern in patterns)]
 
 
-def _open_here(parts: Sequence[CodePart], chosen: Mapping[str, _Choice], variant: Variant) -> Iterator[bool]:
+def _open_combinations(parts: Sequence[CodePart], chosen: Mapping[str, _Choice], variant: Variant) -> Iterator[bool]:
     for part in parts:
         if chosen[part.name].is_open:
-            yield from (
-                chosen[other].is_open or variant.parts[other] in allowed
-                for other, allowed in part.open_only_with.items()
-            )
+            for other_part, allowed in part.open_only_with.items():
+                yield chosen[other_part].is_open or variant.parts[other_part] in allowed
 
 
 def _is_covered(
@@ -185,11 +194,17 @@ def _is_covered(
 
     ``patterns`` contains the patterns of each part.
     """
-    wider = (
-        [item, *(pattern for pattern in of_part if not item.is_open and _expression(pattern.text).fullmatch(item.text))]
-        for item, of_part in zip(chosen, patterns, strict=True)
-    )
-    return bool(allowed) and any(values in allowed for values in itertools.product(*wider))
+    if not allowed:
+        return False
+    wider = (_wider_choices(choice, part_patterns) for choice, part_patterns in zip(chosen, patterns, strict=True))
+    return any(values in allowed for values in itertools.product(*wider))
+
+
+def _wider_choices(choice: _Choice, patterns: Sequence[_Choice]) -> list[_Choice]:
+    """Return a choice, and the patterns that match its text if it is a listed value."""
+    if choice.is_open:
+        return [choice]
+    return [choice, *(pattern for pattern in patterns if _expression(pattern.text).fullmatch(choice.text))]
 
 
 @functools.cache

@@ -65,13 +65,15 @@ class Package(Named):
 def package_files(views: Sequence[DeviceView], tests: Iterable[str], render: Render) -> dict[str, str]:
     """Return the files of the package that are not those of a family nor ``tests``, by their path in the C folder."""
     programs = [example for view in views for example in example_codes(view)]
-    shown: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
+    programs_of_views: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
     makers = manufacturers(view.device for view in views)
     main = main_manufacturer(makers)
     namespace = main.name if main else "-".join(maker.name for maker in makers)
-    names = [_named(maker.name, [maker]) for maker in makers]
+    names = [_package_names(maker.name, [maker]) for maker in makers]
+    procedures = [procedure for view in views for procedure in view.procedures if procedure.arguments]
+    family_headers = [header for view in views for header in (*view.headers, view.cpp_header)]
     values: Package = {
-        **_named(namespace, makers),
+        **_package_names(namespace, makers),
         "makers": [maker.name for maker in makers],
         "others": [maker.name for maker in makers if maker is not main],
         "guide": guide(programs),
@@ -79,33 +81,26 @@ def package_files(views: Sequence[DeviceView], tests: Iterable[str], render: Ren
         "views": views,
         "with_tables": _with_crcs(views, lambda crc: not crc.by_bits and bool(crc.table)),
         "with_bitwise": _with_crcs(views, lambda crc: crc.by_bits),
-        "longest": max(
-            (item for view in views for item in view.procedures if item.arguments),
-            key=lambda item: item.count,
-            default=None,
-        ),
-        "headers": [
-            *(header for view in views for header in (*view.headers, view.cpp_header)),
-            *(f"{FOLDER}/{item}" for item in runtime_headers()),
-        ],
-        "examples": [item.name for item in shown],
+        "longest": max(procedures, key=lambda procedure: procedure.count, default=None),
+        "headers": [*family_headers, *(f"{FOLDER}/{name}" for name in runtime_headers())],
+        "examples": [program.name for program in programs_of_views],
         "tests": sorted(path for path in tests if path.endswith(".c")),
     }
     files = {path: render(template, values) for path, template in FILES.items()}
-    for named in names if main else [*names, _named(namespace, makers)]:
+    for named in names if main else [*names, _package_names(namespace, makers)]:
         for path, template in FOUND_BY_NAME.items():
             files[path.format(package=named["package"])] = render(template, named)
     return files
 
 
-def _named(namespace: str, makers: Sequence[Manufacturer]) -> Named:
+def _package_names(namespace: str, makers: Sequence[Manufacturer]) -> Named:
     """Return the headers of these manufacturers as a package with a name of its own."""
     package = f"{namespace}-encoders"
     return {
         "package": package,
         "namespace": namespace,
         "option": package.replace("-", "_").upper(),
-        "version": max((maker.version for maker in makers), key=_order),
+        "version": max((maker.version for maker in makers), key=_version_numbers),
         "title": bare(f"Headers for encoders by {' and '.join(maker.title for maker in makers)}"),
     }
 
@@ -113,15 +108,15 @@ def _named(namespace: str, makers: Sequence[Manufacturer]) -> Named:
 def own_programs(view: DeviceView, render: Render) -> Iterator[tuple[str, str]]:
     """Yield the example programs of an interface, with their paths in the C folder."""
     maker, programs = view.maker, list(example_codes(view))
-    shown: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
-    for item in shown:
-        used = {"maker": maker, "PREFIX": maker.name.upper(), "d": view, "e": item}
-        yield f"examples/{item.name}.c", render(_template(item), used)
-        if isinstance(item, ReceiverCode):
-            yield f"examples/{item.sketch}/{item.sketch}.ino", render("sketch.ino.jinja", used)
+    all_programs: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
+    for program in all_programs:
+        used = {"maker": maker, "PREFIX": maker.name.upper(), "d": view, "e": program}
+        yield f"examples/{program.name}.c", render(_program_template(program), used)
+        if isinstance(program, ReceiverCode):
+            yield f"examples/{program.sketch}/{program.sketch}.ino", render("sketch.ino.jinja", used)
 
 
-def _template(program: ExampleCode | ReceiverCode) -> str:
+def _program_template(program: ExampleCode | ReceiverCode) -> str:
     if isinstance(program, ReceiverCode):
         return "receiver.c.jinja"
     return "poller.c.jinja" if program.polls else "example.c.jinja"
@@ -150,15 +145,16 @@ class Guide:
     @property
     def bits(self) -> str:
         """The macro of the length of its frame, for a receiver."""
-        mine = next(item for item in self.example.received if item.variant is self.example.row.variant)
-        return next(self.example.view.lengths.macros_of(mine)).name
+        received = next(frame for frame in self.example.received if frame.variant is self.example.row.variant)
+        return next(self.example.view.lengths.macros_of(received)).name
 
     @property
     def number(self) -> str:
         """The position or else the first number of the frame, by its name in the spec."""
         plan = self.example.struct.plan
-        names = (*(item.join.name for item in plan.wholes), *(item.field.name for item in plan.parts), "no_data")
-        return next((name for name in names if c_name(name) == self.example.counts), names[0])
+        field_names = [*(whole.join.name for whole in plan.wholes), *(part.field.name for part in plan.parts)]
+        positions = (name for name in field_names if c_name(name) == self.example.counts)
+        return next(positions, field_names[0] if field_names else "no_data")
 
     @property
     def member(self) -> str:
@@ -180,16 +176,25 @@ def guide(examples: Sequence[ExampleCode]) -> Guide | None:
     """Choose the program of the family with the most interfaces whose procedure has the most steps."""
     if not examples:
         return None
-    shown = Counter(item.view.device.name for item in examples)
-    example = max(examples, key=lambda item: (shown[item.view.device.name], item.run.code.count if item.run else 0))
-    ordered = sorted(examples, key=lambda item: item is not example)
-    whole = [item for item in example.reads if item.access.struct]
+    family_sizes = Counter(program.view.device.name for program in examples)
+
+    def preference(program: ExampleCode) -> tuple[int, int]:
+        step_count = program.run.code.count if program.run else 0
+        return family_sizes[program.view.device.name], step_count
+
+    example = max(examples, key=preference)
+    whole_reads = [register for register in example.reads if register.access.struct]
     run = example.run if example.run is not None and not example.run.code.reads else None
-    wires = tuple(item for item in ordered if item.view.device.name == example.view.device.name)
-    return Guide(example, max(whole, key=lambda item: item.members, default=None), run, wires)
+    ordered = sorted(examples, key=lambda program: program is not example)
+    return Guide(
+        example=example,
+        reads=max(whole_reads, key=lambda register: register.members, default=None),
+        runs=run,
+        wires=tuple(program for program in ordered if program.view.device.name == example.view.device.name),
+    )
 
 
-def _order(version: str) -> tuple[int, ...]:
+def _version_numbers(version: str) -> tuple[int, ...]:
     return tuple(map(int, version.split(".")))
 
 

@@ -53,8 +53,8 @@ class AnglePositions:
     def names(self) -> Iterator[str]:
         """The functions, by the ends of their names."""
         yield "counts_per_turn"
-        for item in self.ranges:
-            yield from item.names
+        for functions in self.ranges:
+            yield from functions.names
         yield from ("turns", "degrees")
 
     def declared(self) -> Iterator[Declared]:
@@ -78,8 +78,8 @@ class LengthPositions:
     @property
     def names(self) -> Iterator[str]:
         """The functions, by the ends of their names."""
-        for item in self.ranges:
-            yield from item.names
+        for functions in self.ranges:
+            yield from functions.names
         yield from (self.unit, "millimetres")
 
     def declared(self) -> Iterator[Declared]:
@@ -96,10 +96,10 @@ def positions(context: Context) -> Positions | None:
 
 
 def _positions(context: Context, measurement: Measurement) -> Positions | None:
-    found = position_ranges(context.device, context.interface)
-    is_signed = any(item.signed_field is not None for item in found)
+    position_ranges_ = position_ranges(context.device, context.interface)
+    is_signed = any(position_range.signed_field is not None for position_range in position_ranges_)
     scope, prefix, where = context.scope, context.prefix, f"[{cite(measurement.source)}]"
-    ranges = tuple(_range_functions(context, found))
+    ranges = tuple(_range_functions(context, position_ranges_))
     step, fine, counts = measurement.step_um, measurement.step_nm, measurement.per_counts
     if measurement.counts_per_turn is not None:
         about = f"Return the number of counts in one revolution {where}."
@@ -109,42 +109,52 @@ def _positions(context: Context, measurement: Measurement) -> Positions | None:
     if length is not None:
         unit, per_mm = ("micrometres", 1_000) if step is not None else ("nanometres", 1_000_000)
         per_counts = _signed(scope, counts) if counts is not None else None
-        varies = not all(item.is_constant for item in measurement.steps)
+        varies = not all(step.is_constant for step in measurement.steps)
         return LengthPositions(
-            prefix, where, is_signed, ranges, _signed(scope, length), varies, unit, per_mm, per_counts
+            prefix=prefix,
+            where=where,
+            is_signed=is_signed,
+            ranges=ranges,
+            step=_signed(scope, length),
+            step_varies=varies,
+            unit=unit,
+            per_mm=per_mm,
+            per_counts=per_counts,
         )
     return None
 
 
 def _range_functions(context: Context, ranges: Sequence[PositionRange]) -> Iterator[RangeFunctions]:
     """Yield the functions of the interface, or those of each frame if their ranges differ."""
-    for item in ranges:
-        if not item.has_difference:
+    for position_range in ranges:
+        if not position_range.has_difference:
             continue
         if len(ranges) == 1:
-            yield _functions_of(context, item, "", item.layouts)
+            yield _functions_of_range(context, position_range, "", position_range.layouts)
             continue
-        for layout in item.layouts:
-            yield _functions_of(context, item, f"{layout.name}_", (layout,))
+        for layout in position_range.layouts:
+            yield _functions_of_range(context, position_range, f"{layout.name}_", (layout,))
 
 
-def _functions_of(context: Context, item: PositionRange, before: str, layouts: tuple[Layout, ...]) -> RangeFunctions:
-    turns, is_signed = item.measurement.turns, item.signed_field is not None
+def _functions_of_range(
+    context: Context, position_range: PositionRange, before: str, layouts: tuple[Layout, ...]
+) -> RangeFunctions:
+    turns, is_signed = position_range.measurement.turns, position_range.signed_field is not None
     return RangeFunctions(
         prefix=context.prefix,
         scope=before,
         is_signed=is_signed,
-        never_wraps=item.never_wraps,
-        modulus=_modulus(context, item, f"{context.prefix}_{before}modulus"),
+        never_wraps=position_range.never_wraps,
+        modulus=_modulus(context, position_range, f"{context.prefix}_{before}modulus"),
         turns=context.scope.of(turns) if turns is not None else None,
         one_turn=turns == Expression(1),
         layouts=layouts,
     )
 
 
-def _modulus(context: Context, item: PositionRange, name: str) -> Function | None:
+def _modulus(context: Context, position_range: PositionRange, name: str) -> Function | None:
     """Return the function for the number of counts after which a length wraps around."""
-    measurement, is_signed = item.measurement, item.signed_field is not None
+    measurement, is_signed = position_range.measurement, position_range.signed_field is not None
     if measurement.modulus is None:
         return None
     wraps = "wraps around" if is_signed else "wraps around to 0"

@@ -130,14 +130,14 @@ class ProcedureCode:
         self.function = f"{context.prefix}_{procedure.name}"
         self.steps = f"{self.function}_steps"
         self.count_macro = f"{self.steps}_count".upper()
-        self._names = {item.argument.name: c_name(item.argument.name, _TAKEN) for item in run.arguments}
-        self._filled = dict(self._fill())
-        self._wholes = dict(self._whole())
-        self._teaching = {item.register.name for item in run.operations if isinstance(item, Writes) and item.teaches}
-        self.arguments = [self._argument(item) for item in run.arguments]
+        self._names = {parameter.argument.name: c_name(parameter.argument.name, _TAKEN) for parameter in run.arguments}
+        self._filled = dict(self._structs_to_fill())
+        self._wholes = dict(self._whole_numbers())
+        self._teaching = {step.register.name for step in run.operations if isinstance(step, Writes) and step.teaches}
+        self.arguments = [self._argument(parameter) for parameter in run.arguments]
         self.rows = list(self._rows())
-        self.count = sum(1 if isinstance(item, (Waits, Sends)) else len(item.pieces) for item in run.operations)
-        self.reads = list(self._reads())
+        self.count = sum(map(_rows_of, run.operations))
+        self.reads = list(self._read_members())
         self.about = about_procedure(context.device, procedure)
         #: The comment on the function that carries it out.
         self.whole_about = [*self.about, *about_run(context.device, run, read_state), *self._parameters()]
@@ -153,7 +153,7 @@ class ProcedureCode:
 
     @property
     def read_bytes(self) -> int:
-        return sum(item.length for item in self.reads)
+        return sum(member.length for member in self.reads)
 
     @property
     def wholes(self) -> list[Whole]:
@@ -167,9 +167,9 @@ class ProcedureCode:
         """The variant that functions receive, which is a copy if limits depend on values written earlier."""
         return "&written" if self._teaching else "variant"
 
-    def taker(self, item: Filled | Whole) -> str:
+    def taker(self, written: Filled | Whole) -> str:
         """Return the function that updates the copy from written bytes, or an empty text if no limit needs it."""
-        name = item.code.register.name
+        name = written.code.register.name
         return f"{self.context.prefix}_take_{name}" if name in self._teaching else ""
 
     def is_late(self, refusal: ArgumentRefusal) -> bool:
@@ -179,10 +179,10 @@ class ProcedureCode:
 
     @property
     def needs_variant(self) -> bool:
-        refusals = [refusal for item in self.arguments for refusal in item.refusals]
+        refusals = [refusal for argument in self.arguments for refusal in argument.refusals]
         limits = (refusal.limits for refusal in refusals if isinstance(refusal, Beyond))
         decoded = any(isinstance(refusal, Undecodable) for refusal in refusals)
-        varying = any(not bound.is_constant for item in limits for _, bound in item.binding)
+        varying = any(not bound.is_constant for limit in limits for _, bound in limit.binding)
         return bool(self._filled) or decoded or varying or bool(self._teaching)
 
     def declared(self) -> Iterator[Declared]:
@@ -194,145 +194,177 @@ class ProcedureCode:
         if self.arguments:
             yield "@param transport ", "Your bus access functions."
             yield "@param variant ", "The order code."
-            yield from ((f"@param {item.name} ", item.about) for item in self.arguments)
+            yield from ((f"@param {argument.name} ", argument.about) for argument in self.arguments)
             if self.reads:
                 yield "@param out ", "The bytes read, unchanged on error."
             yield "@param failure ", "Details of a failed step, or NULL."
 
     # -- arguments
 
-    def _argument(self, given: Given) -> ArgumentCode:
-        refusals = [*given.refusals, *(refusal for item in given.written for refusal in self._of_byte(item))]
-        kept = (item for index, item in enumerate(refusals) if item not in refusals[:index] and not _is_held(item))
-        kind = self._type(given.written[0])
-        about = about_argument(self.context.device, given.argument)
-        return ArgumentCode(given, kind, self._names[given.argument.name], about, tuple(kept))
+    def _argument(self, parameter: Given) -> ArgumentCode:
+        refusals = list(parameter.refusals)
+        for write in parameter.written:
+            refusals += self._byte_refusals(write)
+        distinct = [refusal for index, refusal in enumerate(refusals) if refusal not in refusals[:index]]
+        return ArgumentCode(
+            given=parameter,
+            type=self._argument_type(parameter.written[0]),
+            name=self._names[parameter.argument.name],
+            about=about_argument(self.context.device, parameter.argument),
+            refusals=tuple(refusal for refusal in distinct if not _is_excluded_by_type(refusal)),
+        )
 
-    def _of_byte(self, item: Writes) -> Iterator[ArgumentRefusal]:
+    def _byte_refusals(self, write: Writes) -> Iterator[ArgumentRefusal]:
         """Yield the reasons to refuse an argument that is a whole register of one byte, which has no encoder."""
-        match item.value:
-            case AsMember(argument, member) if self.registers[item.register.name].is_plain:
+        match write.value:
+            case AsMember(argument, member) if self.registers[write.register.name].is_plain:
                 yield from field_refusals(
-                    self.context.device, item.register, item.register.layout.field(member), argument
+                    self.context.device, write.register, write.register.layout.field(member), argument
                 )
 
-    def _type(self, item: Writes) -> str:
-        match item.value:
+    def _argument_type(self, write: Writes) -> str:
+        match write.value:
             case InField(field=field):
                 return unsigned(field.widest)
-            case AsMember(member=member) if not self.registers[item.register.name].is_plain:
-                return self.registers[item.register.name].struct.member_type(member)
+            case AsMember(member=member) if not self.registers[write.register.name].is_plain:
+                return self.registers[write.register.name].struct.member_type(member)
             case AsMember() | AsNumber() | Stated():
-                return unsigned(8 * item.register.length)
+                return unsigned(8 * write.register.length)
             case _:
-                assert_never(item.value)
+                assert_never(write.value)
 
-    def _fill(self) -> Iterator[tuple[tuple[str, str], Filled]]:
+    def _structs_to_fill(self) -> Iterator[tuple[tuple[str, str], Filled]]:
         """Yield the structs that take arguments, by argument and register."""
-        for given in self.run.arguments:
-            argument = given.argument.name
-            members = {
-                item.register.name: item.value.member for item in given.written if isinstance(item.value, AsMember)
-            }
+        for parameter in self.run.arguments:
+            argument = parameter.argument.name
+            values = ((write.register.name, write.value) for write in parameter.written)
+            members = {name: value.member for name, value in values if isinstance(value, AsMember)}
             coded = {name: member for name, member in members.items() if not self.registers[name].is_plain}
             for index, (register, member) in enumerate(coded.items()):
                 stem = argument if index == 0 else f"{argument}_{register}"
-                local, data = (c_name(f"{stem}_{what}", self._names) for what in ("register", "bytes"))
-                filled = Filled(self.registers[register], self._names[argument], member, local, data)
-                yield (argument, register), filled
+                yield (
+                    (argument, register),
+                    Filled(
+                        code=self.registers[register],
+                        argument=self._names[argument],
+                        member=member,
+                        local=c_name(f"{stem}_register", self._names),
+                        bytes=c_name(f"{stem}_bytes", self._names),
+                    ),
+                )
 
-    def _whole(self) -> Iterator[tuple[tuple[str, str], Whole]]:
+    def _whole_numbers(self) -> Iterator[tuple[tuple[str, str], Whole]]:
         """Yield the registers whose whole number is an argument, if their decoder or a later limit checks it."""
-        for given in self.run.arguments:
-            refusing = {refusal.register.name for refusal in given.refusals if isinstance(refusal, Undecodable)}
-            for item in given.written:
-                if isinstance(item.value, AsNumber) and (item.register.name in refusing or item.teaches):
-                    stem = f"{given.argument.name}_{item.register.name}"
-                    local, data = (c_name(f"{stem}_{what}", self._names) for what in ("held", "sent"))
-                    values = tuple(self._bits(item, piece) for piece in item.pieces)
-                    code = self.registers[item.register.name]
-                    yield (given.argument.name, item.register.name), Whole(code, local, data, values)
+        for parameter in self.run.arguments:
+            refusing = {refusal.register.name for refusal in parameter.refusals if isinstance(refusal, Undecodable)}
+            for write in parameter.written:
+                name = write.register.name
+                if isinstance(write.value, AsNumber) and (name in refusing or write.teaches):
+                    stem = f"{parameter.argument.name}_{name}"
+                    yield (
+                        (parameter.argument.name, name),
+                        Whole(
+                            code=self.registers[name],
+                            local=c_name(f"{stem}_held", self._names),
+                            bytes=c_name(f"{stem}_sent", self._names),
+                            values=tuple(self._bits(write, piece) for piece in write.pieces),
+                        ),
+                    )
 
     # -- steps
 
     def _rows(self) -> Iterator[Row | FilledRows]:
         at = 0
-        for item in self.run.operations:
-            note = note_of_step(self.context.device, item)
-            if isinstance(item, (Waits, Sends)):
-                yield Row(at, item, note)
+        for step in self.run.operations:
+            note = note_of_step(self.context.device, step)
+            if isinstance(step, (Waits, Sends)):
+                yield Row(at, step, note)
                 at += 1
                 continue
-            filled = self._filled_by(item)
-            if filled is not None and isinstance(item, Verifies):
-                yield from self._read_back(at, item, filled, note)
+            filled = self._filled_by(step)
+            if filled is not None and isinstance(step, Verifies):
+                yield from self._read_back(at, step, filled, note)
             elif filled is not None:
                 yield FilledRows(at, "write", filled, note)
-            elif not item.pieces:
+            elif not step.pieces:
                 raise TargetError(
-                    f"the place of '{_place(item)}' depends on the order code; the C target cannot access it alone"
+                    f"the place of '{_place_text(step)}' depends on the order code; the C target cannot access it alone"
                 )
-            elif isinstance(item, Polls) and len(item.pieces) > 1 and not item.register.is_accessed_whole:
+            elif isinstance(step, Polls) and len(step.pieces) > 1 and not step.register.is_accessed_whole:
                 # The bytes could match one after the other, and never all at the same time.
-                lies = f"'{_place(item)}' is spread over {len(item.pieces)} bytes"
-                raise TargetError(f"{lies}, which the C target would poll one after the other")
+                raise TargetError(
+                    f"'{_place_text(step)}' is spread over {len(step.pieces)} bytes, which the C target would poll one "
+                    "after the other"
+                )
             else:
-                for index, piece in enumerate(item.pieces):
-                    yield self._row(at + index, item, "" if index else note, piece, self._bits(item, piece))
-            at += len(item.pieces)
+                for index, piece in enumerate(step.pieces):
+                    yield self._row(at + index, step, "" if index else note, piece, self._bits(step, piece))
+            at += len(step.pieces)
 
     @staticmethod
     def _row(at: int, op: Writes | Reads | Polls | Verifies, note: str, piece: Piece, value: Expr) -> Row:
-        address, more = op.register.address_of(piece.byte), op.register.is_accessed_whole and piece.byte > 0
-        return Row(at, op, note, address, piece.mask << piece.right, value, more)
+        return Row(
+            at=at,
+            op=op,
+            note=note,
+            address=op.register.address_of(piece.byte),
+            mask=piece.mask << piece.right,
+            value=value,
+            more=op.register.is_accessed_whole and piece.byte > 0,
+        )
 
-    def _read_back(self, at: int, item: Verifies, filled: Filled, note: str) -> Iterator[Row | FilledRows]:
+    def _read_back(self, at: int, step: Verifies, filled: Filled, note: str) -> Iterator[Row | FilledRows]:
         """Yield one row for all bytes if every bit of them counts, else one row per byte."""
-        if item.pieces == item.write.pieces:
+        if step.pieces == step.write.pieces:
             yield FilledRows(at, "verify", filled, note)
             return
-        for index, piece in enumerate(item.pieces):
+        for index, piece in enumerate(step.pieces):
             value = _ZERO if not piece.mask else masked(Name(f"{filled.bytes}[{piece.byte}]"), piece.mask)
-            yield self._row(at + index, item, "" if index else note, piece, value)
+            yield self._row(at + index, step, "" if index else note, piece, value)
 
-    def _filled_by(self, item: Writes | Reads | Polls | Verifies) -> Filled | None:
-        write = item.write if isinstance(item, Verifies) else item
+    def _filled_by(self, step: Writes | Reads | Polls | Verifies) -> Filled | None:
+        write = step.write if isinstance(step, Verifies) else step
         if isinstance(write, Writes) and isinstance(write.value, AsMember):
             return self._filled.get((write.value.argument.name, write.register.name))
         return None
 
-    def _bits(self, item: Writes | Reads | Polls | Verifies, piece: Piece) -> Expr:
+    def _bits(self, step: Writes | Reads | Polls | Verifies, piece: Piece) -> Expr:
         """Return the value that a step writes to a byte, waits for, or reads back."""
-        if isinstance(item, Reads) or not piece.mask:
+        if isinstance(step, Reads) or not piece.mask:
             return _ZERO
-        write = item.write if isinstance(item, Verifies) else item
+        write = step.write if isinstance(step, Verifies) else step
         value = Stated(write.step.value) if isinstance(write, Polls) else write.value
         if isinstance(value, Stated):
             return Number((value.number >> piece.left & piece.mask) << piece.right, hexadecimal=True)
         bits = right(Name(self._names[value.argument.name]), piece.left)
-        if isinstance(value, AsNumber) and len(item.pieces) == 1 and piece.mask == 0xFF:
+        if isinstance(value, AsNumber) and len(step.pieces) == 1 and piece.mask == 0xFF:
             return bits
         return Cast("uint8_t", left(masked(bits, piece.mask), piece.right) if piece.mask != 0xFF else bits)
 
-    def _reads(self) -> Iterator[ReadMember]:
+    def _read_members(self) -> Iterator[ReadMember]:
         names: list[str] = []
         first = 0
-        for item in self.run.reads:
-            length = len(item.pieces)
-            stem = item.register.name
-            if length != item.register.length and item.field is not None:
-                stem += f"_{item.field.name}"
+        for read in self.run.reads:
+            length = len(read.pieces)
+            stem = read.register.name
+            if length != read.register.length and read.field is not None:
+                stem += f"_{read.field.name}"
             base = c_name(stem)
             numbered = (f"{base}_{number}" for number in range(2, len(names) + 3))
             names.append(next(name for name in (base, *numbered) if name not in names))
-            yield ReadMember(names[-1], first, length, note_of_read(self.context.device, item))
+            yield ReadMember(names[-1], first, length, note_of_read(self.context.device, read))
             first += length
 
 
-def _is_held(refusal: ArgumentRefusal) -> bool:
+def _rows_of(step: Operation) -> int:
+    """Return the number of elementary steps: one for each byte of a register."""
+    return 1 if isinstance(step, (Waits, Sends)) else len(step.pieces)
+
+
+def _is_excluded_by_type(refusal: ArgumentRefusal) -> bool:
     """Return True if the type of the argument already excludes the value."""
     return isinstance(refusal, TooWide) and size_of(refusal.field.widest) == refusal.field.widest
 
 
-def _place(item: Writes | Reads | Polls | Verifies) -> str:
-    return f"{item.register.name}.{item.field.name if item.field is not None else ''}"
+def _place_text(step: Writes | Reads | Polls | Verifies) -> str:
+    return f"{step.register.name}.{step.field.name if step.field is not None else ''}"

@@ -20,18 +20,24 @@ class ReceiverCode:
         self.verdict = example.reports.verdict if example.reports is not None else ""
         self.member = example.counts
         self.is_signed = example.is_signed(example.counts)
-        self.longest = max(example.received, key=lambda item: item.bits)
+        self.longest = max(example.received, key=lambda frame: frame.bits)
         rows = view.variants.rows
         self.row: CodeRow = next(row for row in rows if row.variant is self.longest.variant)
-        self.bits, self.size = (item.name for item in view.lengths.macros_of(self.longest))
+        self.bits, self.size = (macro.name for macro in view.lengths.macros_of(self.longest))
         self.receive = f"{view.lengths.receive}({view.lengths.code_of(self.longest)}, rx, {view.lengths.into()})"
         self.modulus = example.modulus
 
 
 def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:
     """Yield a program for each family whose BiSS frames have a verdict."""
-    for item in examples:
-        told = item.reports is not None and item.reports.verdict
-        lengths = item.view.lengths
-        if isinstance(item.interface, Biss) and told and item.counts and item.position and len(lengths.layouts) == 1:
-            yield ReceiverCode(item)
+    for example in examples:
+        has_verdict = example.reports is not None and example.reports.verdict
+        lengths = example.view.lengths
+        if (
+            isinstance(example.interface, Biss)
+            and has_verdict
+            and example.counts
+            and example.position
+            and len(lengths.layouts) == 1
+        ):
+            yield ReceiverCode(example)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 
 from ...model import Field, Register, RegisterMeaning, assert_never
@@ -61,7 +61,7 @@ class RegisterCode:
         self.codec = None if self.is_plain else StructCodec(self.struct, (), limits)
         self.access = Access(self.struct, self.codec is not None, limits)
         #: Its own limits, and those of each of its meanings.
-        self.limits = tuple(self._limits(item) for item in (None, *register.meanings))
+        self.limits = tuple(self._limits(meaning) for meaning in (None, *register.meanings))
         self.explained = tuple(self._explained())
 
     def declared(self) -> Iterator[Declared]:
@@ -83,11 +83,11 @@ class RegisterCode:
             yield from (f"{self.name}_{field.name}_{ending}".upper() for ending in endings)
         for field in self.moving:
             yield from (f"{self.name}_{field.name}_{ending}" for ending in ("shift", "mask"))
-        yield from (item.name for item in self.explained)
-        yield from (item.name for item in self.struct.scales if self.codec is None)
+        yield from (explanation.name for explanation in self.explained)
+        yield from (scale.name for scale in self.struct.scales if self.codec is None)
         for bounds in self.limits:
             yield from (name for name, _ in bounds.macros)
-            yield from (item.name for item in bounds.functions)
+            yield from (function.name for function in bounds.functions)
         yield from filter(None, (self.access.read, self.access.write))
 
     @property
@@ -118,14 +118,13 @@ class RegisterCode:
     @cached_property
     def _with_masks(self) -> tuple[Field, ...]:
         """The fields that have masks. A register's only field is the register itself."""
-        fields = self.layout.fields
+        fields: Sequence[Field] = self.layout.fields
         is_whole = len(fields) == 1 and not isinstance(meaning_of(fields[0]), Named)
         if self.is_plain or self.register.length > 8 or is_whole:
             return ()
         constants = self.struct.plan.constants
-        return tuple(
-            item for item in fields if item.name not in constants and not isinstance(meaning_of(item), Characters)
-        )
+        fields = [field for field in fields if field.name not in constants]
+        return tuple(field for field in fields if not isinstance(meaning_of(field), Characters))
 
     @staticmethod
     def has_shift(field: Field) -> bool:
@@ -135,25 +134,25 @@ class RegisterCode:
                 return False
             case Raw() | TwosComplement() | ZeroMeans() | Named() | DigitRuns() | Characters():
                 return True
-            case other:
-                assert_never(other)
+            case never:
+                assert_never(never)
 
     @property
     def masked(self) -> tuple[Field, ...]:
         """The fields at the same place for every order code."""
-        return tuple(item for item in self._with_masks if item.is_fixed)
+        return tuple(field for field in self._with_masks if field.is_fixed)
 
     @property
     def moving(self) -> tuple[Field, ...]:
-        return tuple(item for item in self._with_masks if item not in self.masked)
+        return tuple(field for field in self._with_masks if field not in self.masked)
 
     def _explained(self) -> Iterator[Explained]:
         for field in self.layout.fields:
             bits: dict[str, int] = {}
             for place in field.explained_by:
                 name, _, bit = place.partition(".")
-                other = self.device.register(name).layout.field(bit)
-                bits[name] = bits.get(name, 0) | other.mask_in_place
+                explaining_field = self.device.register(name).layout.field(bit)
+                bits[name] = bits.get(name, 0) | explaining_field.mask_in_place
             for name, mask in bits.items():
                 yield Explained(f"{self.stem}_{field.name}_IN_{name}".upper(), mask, title(self.device.register(name)))
 
@@ -163,24 +162,23 @@ class RegisterCode:
         limits = limits_of(self.device, self.register, meaning)
         bounded = self.register.limits_of if meaning is None else words(meaning.name)
         stem = self.name if meaning is None else f"{self.name}_{meaning.name}"
-        sides = (("min", "lowest", limits.low), ("max", "highest", limits.high))
-        macros = tuple(
-            (f"{stem}_{side}".upper(), NumberExpr(limit.constant, signed=limits.signed))
-            for side, _, limit in sides
-            if limit is not None and limit.is_constant
-        )
-        functions = tuple(
-            self._function(f"{stem}_{side}", f"Return the {word} {bounded}: {limit.render()}.", limit, limits.signed)
-            for side, word, limit in sides
-            if limit is not None and not limit.is_constant
-        )
-        return Bounds(macros, functions)
+        macros: list[tuple[str, Expr]] = []
+        functions: list[Function] = []
+        for side, word, limit in (("min", "lowest", limits.low), ("max", "highest", limits.high)):
+            if limit is None:
+                continue
+            if limit.is_constant:
+                macros.append((f"{stem}_{side}".upper(), NumberExpr(limit.constant, signed=limits.signed)))
+            else:
+                about = f"Return the {word} {bounded}: {limit.render()}."
+                functions.append(self._function(f"{stem}_{side}", about, limit, limits.signed))
+        return Bounds(tuple(macros), tuple(functions))
 
     def _function(self, name: str, about: str, limit: Expression, signed: bool) -> Function:
         if signed:
             return Function(name, "int64_t", self.scope.signed(limit), about, uses_variant=True)
-        mine = self.device.variants_over(self.register.interface)
-        states = (parameters for item in mine for parameters in parameters_at_run_time(self.device, item))
+        variants = self.device.variants_over(self.register.interface)
+        states = (parameters for variant in variants for parameters in parameters_at_run_time(self.device, variant))
         largest = max(map(limit.value, states), default=0)
         return number_of(self.scope, name, limit, largest, about)
 
@@ -194,5 +192,5 @@ def _is_byte(plan: Codec) -> bool:
             return plan.parts[0].field.width == Expression(8)
         case TwosComplement() | ZeroMeans() | Active() | DigitRuns() | Characters():
             return False
-        case other:
-            assert_never(other)
+        case never:
+            assert_never(never)

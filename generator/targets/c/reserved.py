@@ -19,14 +19,10 @@ _WORDS = """
     unsigned using virtual void volatile wchar_t while xor xor_eq
 """
 #: Types and macros of the three headers that the generated ones include.
+_SIZES = [f"{speed}{bits}" for speed in ("", "_least", "_fast") for bits in (8, 16, 32, 64)]
+_SIZED_TYPES = " ".join(f"{sign}int{size}_t" for sign in ("", "u") for size in _SIZES)
 _TYPES = (
-    "intmax_t intptr_t max_align_t nullptr_t offsetof ptrdiff_t size_t uintmax_t uintptr_t unreachable "
-    + " ".join(
-        f"{sign}int{speed}{bits}_t"
-        for sign in ("", "u")
-        for speed in ("", "_least", "_fast")
-        for bits in (8, 16, 32, 64)
-    )
+    "intmax_t intptr_t max_align_t nullptr_t offsetof ptrdiff_t size_t uintmax_t uintptr_t unreachable " + _SIZED_TYPES
 )
 #: Object-like macros of compilers, and of headers of C, Windows, Qt, POSIX and small processors.
 _MACROS = """
@@ -35,17 +31,15 @@ _MACROS = """
     powerpc quad sgi signals signgam slots small sparc stdcall stderr stdin stdout sun timezone tzname ultrix unix
     vax vector vms
 """
-#: Names that avr-libc maps to the function for double.
-_MATH = " ".join(
-    f"{name}f"
-    for name in """
+#: Functions for double. avr-libc maps the names with an f at the end to them.
+_DOUBLE_FUNCTIONS = """
     acos asin atan atan2 cbrt ceil copysign cos cosh exp fabs fdim floor fma fmax fmin fmod frexp hypot isfinite
     isinf isnan ldexp log log10 lrint lround pow round signbit sin sinh sqrt square strtod tan tanh trunc
-""".split()
-)
+"""
+_MATH = " ".join(f"{name}f" for name in _DOUBLE_FUNCTIONS.split())
 RESERVED = frozenset(f"{_WORDS} {_TYPES} {_MACROS} {_MATH}".split())
 
 
-def c_name(name: str, taken: Iterable[str] = ()) -> str:
+def c_name(name: str, taken_names: Iterable[str] = ()) -> str:
     """Return ``name`` as the name of a member or argument."""
-    return name + "_" if name in RESERVED or name in taken or name.startswith(PREFIX) else name
+    return name + "_" if name in RESERVED or name in taken_names or name.startswith(PREFIX) else name

@@ -26,12 +26,12 @@ _TAKEN = frozenset(("failure", "result", "taken", "transport", "variant"))
 class HeldValue:
     """A parameter held by a register, and its local."""
 
-    def __init__(self, context: Context, held: Held) -> None:
-        parameter, field = held.parameter, held.field
+    def __init__(self, context: Context, parameter_in_register: Held) -> None:
+        parameter, field = parameter_in_register.parameter, parameter_in_register.field
         if not field.pieces:
-            wrong = f"the place of '{parameter.read_from}' depends on the order code; the C target cannot read it"
-            raise TargetError(wrong)
-        self.held = held
+            problem = f"the place of '{parameter.read_from}' depends on the order code; the C target cannot read it"
+            raise TargetError(problem)
+        self.held = parameter_in_register
         self.local = c_name(parameter.name, ("bytes", "length", "variant"))
         self.member = c_name(parameter.name)
         self.member_type = context.member_type(parameter)
@@ -70,8 +70,8 @@ class HeldValue:
         """Condition that the parameter cannot have the value, or None if it can have any value."""
         name, low, high = Name(self.local), self.held.low, self.held.high
         sides = (("<", low), (">", high))
-        found = tuple(Operation(sign, (name, Number(limit))) for sign, limit in sides if limit is not None)
-        return joined("||", found) if found else None
+        comparisons = tuple(Operation(sign, (name, Number(limit))) for sign, limit in sides if limit is not None)
+        return joined("||", comparisons) if comparisons else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,30 +85,38 @@ class CodeSwitch:
 def _switches(values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
     """Yield a switch for each field that holds a code. A code is valid if all parameters have it."""
     fields: dict[str, list[HeldValue]] = {}
-    for item in values:
-        if item.is_coded:
-            fields.setdefault(item.held.parameter.read_from, []).append(item)
-    for items in fields.values():
-        common = set.intersection(*({one.code for one in item.held.parameter.by_code} for item in items))
-        cases = (
-            (str(Number(code)), tuple((item.local, item.for_code(code)) for item in items)) for code in sorted(common)
-        )
-        yield CodeSwitch(items[0].code, tuple(cases))
+    for value in values:
+        if value.is_coded:
+            fields.setdefault(value.held.parameter.read_from, []).append(value)
+    for field_values in fields.values():
+        common_codes = set.intersection(*map(_codes_of, field_values))
+        cases = tuple(_case(code, field_values) for code in sorted(common_codes))
+        yield CodeSwitch(field_values[0].code, cases)
+
+
+def _codes_of(value: HeldValue) -> set[int]:
+    return {row.code for row in value.held.parameter.by_code}
+
+
+def _case(code: int, values: Sequence[HeldValue]) -> tuple[str, tuple[tuple[str, str], ...]]:
+    """Return a code, and the assignments that it stands for."""
+    return str(Number(code)), tuple((value.local, value.for_code(code)) for value in values)
 
 
 class Taker:
     """The function that updates a variant from the content of a register."""
 
-    def __init__(self, context: Context, held: HeldBy, access: Access) -> None:
-        register = held.register
+    def __init__(self, context: Context, register_parameters: HeldBy, access: Access) -> None:
+        register = register_parameters.register
         self.name = f"{context.prefix}_take_{register.name}"
-        names = listed(item.parameter.name for item in held.parameters)
+        names = listed(parameter.parameter.name for parameter in register_parameters.parameters)
         self.about = f"Update {names} in a variant from the content of the {title(register)} register."
-        self.values = tuple(HeldValue(context, item) for item in held.parameters)
+        self.values = tuple(HeldValue(context, parameter) for parameter in register_parameters.parameters)
         self.switches = tuple(_switches(self.values))
-        unneeded = {item.code for item in self.values if item.is_coded} - {item.local for item in self.switches}
+        code_locals = {value.code for value in self.values if value.is_coded}
+        unneeded = code_locals - {switch.local for switch in self.switches}
         #: Locals that the bits are read into, without further locals for the same code.
-        self.locals = tuple(one for item in self.values for one in item.locals if one[1] not in unneeded)
+        self.locals = tuple(local for value in self.values for local in value.locals if local[1] not in unneeded)
         self.bytes = c_name(register.name, _TAKEN)
         self.access = access
 

@@ -29,13 +29,12 @@ def runtime_tests() -> dict[str, str]:
 @cache
 def runtime_version() -> tuple[int, int]:
     """Return the major and minor version of the headers."""
-    major, minor = (
-        int(re.findall(rf"#define CW_RUNTIME_{part} (\d+)", runtime_headers()["version.h"])[0])
-        for part in ("MAJOR", "MINOR")
-    )
-    return major, minor
+    text = runtime_headers()["version.h"]
+    numbers = dict(re.findall(r"#define CW_RUNTIME_(MAJOR|MINOR) (\d+)", text))
+    return int(numbers["MAJOR"]), int(numbers["MINOR"])
 
 
 def _texts(folder: str) -> dict[str, str]:
-    found = resources.files("codewheel.runtime") / "c" / folder
-    return {item.name: item.read_text(encoding="utf-8") for item in sorted(found.iterdir(), key=lambda item: item.name)}
+    texts_folder = resources.files("codewheel.runtime") / "c" / folder
+    paths = sorted(texts_folder.iterdir(), key=lambda path: path.name)
+    return {path.name: path.read_text(encoding="utf-8") for path in paths}

@@ -115,64 +115,72 @@ class SelfTest:
         self.view = view
         self.name = f"{view.prefix}_selftest"
         self.path = f"selftest/{view.stem}.c"
-        works = [*self._examples(), *self._vectors()]
+        works = [*self._example_checks(), *self._vector_checks()]
         self.checks = [Check(index, about, work) for index, (about, work) in enumerate(works, 1)]
 
     @property
     def is_used(self) -> Mapping[str, bool]:
         """The helpers that the checks need."""
-        frames = [item.work for item in self.checks if isinstance(item.work, FrameCheck)]
+        frames = [check.work for check in self.checks if isinstance(check.work, FrameCheck)]
         return {
-            "bytes": any(item.data and not item.fault for item in frames),
-            "texts": any(one.text for item in frames for one in item.expected),
-            "writes": any(isinstance(item.work, ProcedureCheck) for item in self.checks),
+            "bytes": any(frame.data and not frame.fault for frame in frames),
+            "texts": any(member.text for frame in frames for member in frame.expected),
+            "writes": any(isinstance(check.work, ProcedureCheck) for check in self.checks),
         }
 
-    def _examples(self) -> Iterator[tuple[str, Work]]:
+    def _example_checks(self) -> Iterator[tuple[str, Work]]:
         for example in self.view.device.examples:
             about = f"{example.name.replace('_', ' ')} [{cite(example.source)}]"
-            yield from ((about, work) for work in self._works(example))
+            yield from ((about, work) for work in self._checks_of_example(example))
 
-    def _vectors(self) -> Iterator[tuple[str, Work]]:
+    def _vector_checks(self) -> Iterator[tuple[str, Work]]:
         for codec in self.view.interface.codecs:
             crc = codec.word_crc
             if crc is None:
                 continue
             for vector in vectors_of(crc.crc):
                 about = f"{vector.title} [{vector.source}]"
-                yield from ((f"{crc.crc.name}: {about}", work) for work in _whole_word(crc, vector.data, vector.crc))
+                yield from ((f"{crc.crc.name}: {about}", work) for work in _word_check(crc, vector.data, vector.crc))
         interface = self.view.context.interface
-        for item in interface.data_ids if isinstance(interface, Rs485) else ():
-            if item.id in CONTROL_FIELDS:
-                macro = f"{self.view.PREFIX}_CONTROL_{item.name}".upper()
-                yield f"control field of data ID {item.id}", ConstantCheck(macro, _hex(CONTROL_FIELDS[item.id]))
+        for data_id in interface.data_ids if isinstance(interface, Rs485) else ():
+            if data_id.id in CONTROL_FIELDS:
+                macro = f"{self.view.PREFIX}_CONTROL_{data_id.name}".upper()
+                yield f"control field of data ID {data_id.id}", ConstantCheck(macro, _hex(CONTROL_FIELDS[data_id.id]))
 
-    def _works(self, example: Example) -> Iterator[Work]:
+    def _checks_of_example(self, example: Example) -> Iterator[Work]:
         match example:
             case FrameExample():
-                yield from self._frames(example)
+                yield from self._frame_checks(example)
             case RegisterExample():
-                yield from self._register(example)
+                yield from self._register_checks(example)
             case CrcExample():
-                yield from self._crc(example)
+                yield from self._crc_checks(example)
             case ProcedureExample():
-                code = next(item for item in self.view.procedures if item.run.procedure.name == example.procedure)
-                given = tuple(number(example.arguments[item.given.argument.name]) for item in code.arguments)
-                writes = tuple(byte for item in example.writes for byte in self._written(item))
-                yield ProcedureCheck(code, self._variant(example.order_code), given, writes)
+                yield self._procedure_check(example)
             case MeasureExample():
-                yield from self._measure(example)
+                yield from self._measure_checks(example)
             case _:
                 assert_never(example)
 
-    def _written(self, item: Write) -> Iterator[tuple[str, str]]:
+    def _procedure_check(self, example: ProcedureExample) -> ProcedureCheck:
+        codes = {code.run.procedure.name: code for code in self.view.procedures}
+        code = codes[example.procedure]
+        names = (argument.given.argument.name for argument in code.arguments)
+        return ProcedureCheck(
+            code=code,
+            variant=self._variant(example.order_code),
+            arguments=tuple(number(example.arguments[name]) for name in names),
+            writes=tuple(byte for write in example.writes for byte in self._written_bytes(write)),
+        )
+
+    def _written_bytes(self, write: Write) -> Iterator[tuple[str, str]]:
         """Yield the bytes of a write, each with its address."""
         length = 1
         if self.writes_whole:
-            over = self.view.context.interface.name
-            registers = (one for one in self.view.device.registers_over(over) if one.writable)
-            length = next(one.length for one in registers if one.address == item.address)
-        yield from ((_hex(item.address), _hex(byte)) for byte in item.value.to_bytes(length, "big"))
+            interface = self.view.context.interface.name
+            registers = (register for register in self.view.device.registers_over(interface) if register.writable)
+            length = next(register.length for register in registers if register.address == write.address)
+        yield from ((_hex(write.address), _hex(byte)) for byte in write.value.to_bytes(length, "big"))
 
     @property
     def writes_whole(self) -> bool:
@@ -182,100 +190,113 @@ class SelfTest:
     def _variant(self, order_code: str) -> str:
         """Return the macro of an order code, or of the first one if it is not a listed code."""
         device = self.view.device
-        codes = [item.code for item in device.variants]
+        codes = [variant.code for variant in device.variants]
         at = codes.index(order_code) if order_code in codes else 0
         return self.view.variants.rows[at].macro
 
     def _codecs(self, example: FrameExample) -> Iterator[StructCodec]:
-        for item in self.view.interface.codecs:
-            layout = item.struct.layout
+        for codec in self.view.interface.codecs:
+            layout = codec.struct.layout
             if layout.name == example.layout or (not example.layout and layout.sender == example.sender):
-                yield item
+                yield codec
 
-    def _frames(self, example: FrameExample) -> Iterator[Work]:
-        for item in self._codecs(example):
-            layout = item.struct.layout
-            # A word can be given as its bytes, too.
-            word = int(example.bits, 2) if example.bits else int.from_bytes(example.bytes, "big")
-            fits = bool(example.bytes) if item.plan.in_bytes else bool(example.bits) or example.refused != "length"
+    def _frame_checks(self, example: FrameExample) -> Iterator[Work]:
+        for codec in self._codecs(example):
+            in_bytes = codec.plan.in_bytes
+            fits = bool(example.bytes) if in_bytes else bool(example.bits) or example.refused != "length"
             if fits and (example.layout or example.refused == "length"):
-                fault = f"CW_FAULT_{example.refused.upper()}" if example.refused else ""
-                yield FrameCheck(
-                    item,
-                    self._variant(example.order_code),
-                    self._answers(item, example),
-                    _bytes(example.bytes) if item.plan.in_bytes else (),
-                    "" if item.plan.in_bytes else _hex(word, 64),
-                    () if fault else tuple(self._expected(item, layout.name, example.values)),
-                    fault,
-                )
+                yield self._frame_check(codec, example)
 
-    def _answers(self, item: StructCodec, example: FrameExample) -> str:
+    def _frame_check(self, codec: StructCodec, example: FrameExample) -> FrameCheck:
+        # A word can be given as its bytes, too.
+        word = int(example.bits, 2) if example.bits else int.from_bytes(example.bytes, "big")
+        fault = f"CW_FAULT_{example.refused.upper()}" if example.refused else ""
+        layout = codec.struct.layout
+        return FrameCheck(
+            codec=codec,
+            variant=self._variant(example.order_code),
+            answers=self._answers(codec, example),
+            data=_bytes(example.bytes) if codec.plan.in_bytes else (),
+            word="" if codec.plan.in_bytes else _hex(word, 64),
+            expected=() if fault else tuple(self._expected_members(codec, layout.name, example.values)),
+            fault=fault,
+        )
+
+    def _answers(self, codec: StructCodec, example: FrameExample) -> str:
         """Return the answers for the example, or the first answer if it states none."""
-        found = ""
-        for asked in item.asked:
-            names = [answer.name for answer in asked.item.answers]
-            at = names.index(example.alternatives.get(asked.item.name, names[0]))
-            found += f"{asked.enumeration.entries[at].name}, "
-        return found
+        answers = ""
+        for question in codec.asked:
+            names = [answer.name for answer in question.item.answers]
+            at = names.index(example.alternatives.get(question.item.name, names[0]))
+            answers += f"{question.enumeration.entries[at].name}, "
+        return answers
 
-    def _register(self, example: RegisterExample) -> Iterator[Work]:
-        code = next(item for item in self.view.registers if item.register.name == example.register)
+    def _register_checks(self, example: RegisterExample) -> Iterator[Work]:
+        code = next(register for register in self.view.registers if register.register.name == example.register)
         if code.codec is not None:
-            expected = tuple(self._expected(code.codec, f"reg_{example.register}", example.values))
-            variant = self._variant(example.order_code)
-            yield FrameCheck(code.codec, variant, "", _bytes(example.bytes), "", expected, "")
+            yield FrameCheck(
+                codec=code.codec,
+                variant=self._variant(example.order_code),
+                answers="",
+                data=_bytes(example.bytes),
+                word="",
+                expected=tuple(self._expected_members(code.codec, f"reg_{example.register}", example.values)),
+                fault="",
+            )
 
-    def _expected(self, of: StructCodec, key: str, values: Mapping[str, int | str | bool]) -> Iterator[Expected]:
+    def _expected_members(
+        self, codec: StructCodec, key: str, values: Mapping[str, int | str | bool]
+    ) -> Iterator[Expected]:
         """Yield the members. Fields without one are constant. They are checked by decoding and encoding the frame."""
-        members = set(_members(of))
+        members = set(_member_names(codec))
         for name, value in values.items():
             if name not in members:
                 continue
-            part = next((item for item in of.plan.parts if item.field.name == name), None)
-            yield self._member(key, name, value, part)
+            part = next((part for part in codec.plan.parts if part.field.name == name), None)
+            yield self._expected_member(key, name, value, part)
 
-    def _member(self, key: str, name: str, value: int | str | bool, part: Part | None) -> Expected:
+    def _expected_member(self, key: str, name: str, value: int | str | bool, part: Part | None) -> Expected:
         """Return the expected value of a field, or without ``part`` of a join or a run of digits."""
         match part.meaning if part is not None else Raw():
             case Characters():
                 return Expected(c_name(name), string(value), text=True)
             case Named(values) if isinstance(value, str):
-                found = next(item.value for item in values if item.name == value)
+                named = next(candidate.value for candidate in values if candidate.name == value)
                 choice = self.view.context.choices.get((key, name))
-                return Expected(c_name(name), choice.names.get(found, number(found)) if choice else number(found))
+                constants = choice.names if choice else {}
+                return Expected(c_name(name), constants.get(named, number(named)))
             case Active():
                 return Expected(c_name(name), "true" if value else "false")
             case TwosComplement() if int(value) < 0:
                 return Expected(c_name(name), signed_number(int(value)))
             case Raw() | TwosComplement() | ZeroMeans() | Named() | DigitRuns():
                 return Expected(c_name(name), number(int(value)))
-            case other:
-                assert_never(other)
+            case never:
+                assert_never(never)
 
-    def _crc(self, example: CrcExample) -> Iterator[Work]:
-        for item in self.view.crcs:
-            if item.crc.name == example.crc and item.is_called and item.in_bytes:
-                yield CrcCheck(item.name, _bytes(example.bytes), "", _hex(example.check))
+    def _crc_checks(self, example: CrcExample) -> Iterator[Work]:
+        for function in self.view.crcs:
+            if function.crc.name == example.crc and function.is_called and function.in_bytes:
+                yield CrcCheck(function.name, _bytes(example.bytes), "", _hex(example.check))
         data = int.from_bytes(example.bytes, "big")
-        for crc in (item.word_crc for item in self.view.interface.codecs):
+        for crc in (codec.word_crc for codec in self.view.interface.codecs):
             if crc is not None and crc.crc.name == example.crc:
-                yield from _whole_word(crc, data, example.check)
+                yield from _word_check(crc, data, example.check)
 
-    def _measure(self, example: MeasureExample) -> Iterator[Work]:
+    def _measure_checks(self, example: MeasureExample) -> Iterator[Work]:
         if isinstance(self.view.positions, LengthPositions):
             function, macro = f"{self.view.prefix}_micrometres", self._variant(example.order_code)
             yield MeasureCheck(function, macro, number(example.counts), number(example.micrometres))
 
 
-def _members(of: StructCodec) -> Iterator[str]:
+def _member_names(codec: StructCodec) -> Iterator[str]:
     """Yield the names of the members of a struct, as in the spec."""
-    yield from (whole.join.name for whole in of.plan.wholes)
-    for part in of.plan.parts:
+    yield from (whole.join.name for whole in codec.plan.wholes)
+    for part in codec.plan.parts:
         yield from (part.field.name, *(run.name for run in part.field.runs))
 
 
-def _whole_word(crc: WordCrc, data: int, check: int) -> Iterator[Work]:
+def _word_check(crc: WordCrc, data: int, check: int) -> Iterator[Work]:
     """Yield the check of a word that ends in its CRC, if a frame can be as long."""
     word = data << crc.crc.width | check
     if word.bit_length() <= crc.bits:
@@ -312,8 +333,13 @@ def selftest_files(
 ) -> dict[str, str]:
     """Return the files of the self-test other than those of the families, by their path in the C folder."""
     files = {}
-    names = [maker.name for maker in manufacturers(view.device for view in views)]
-    values: AllTests = {"makers": {name: [test for test in tests if test.view.maker.name == name] for name in names}}
+    makers = manufacturers(view.device for view in views)
+    names = [maker.name for maker in makers]
+    values: AllTests = {"makers": {name: _tests_of(name, tests) for name in names}}
     for name, template in (("selftest.h", "selftest.h.jinja"), ("selftest.c", "selftest_all.c.jinja")):
         files[f"selftest/{name}"] = render(template, values)
     return files | {f"selftest/{name}": text for name, text in runtime_tests().items()}
+
+
+def _tests_of(maker: str, tests: Sequence[SelfTest]) -> list[SelfTest]:
+    return [test for test in tests if test.view.maker.name == maker]

@@ -49,20 +49,33 @@ class Struct:
         #: The numbers of the scales of its fields.
         self.scales: tuple[Macro, ...] = tuple(scale_macros(layout, name))
         self.unused = Unused(self.reader)
+        self._check_supported()
+
+    def _check_supported(self) -> None:
+        """Raise an error if the C target does not support the layout."""
+        layout, name = self.layout, f"'{self.layout.name}'"
         if self.plan.by_word and layout.widest > 64:
-            wrong = f"'{layout.name}' has {layout.widest} bits and fields whose place depends on the order code"
-            raise TargetError(f"{wrong}; the C target supports such fields only within 64 bits", self.path)
-        if self.plan.alternatives and register is not None:
-            wrong = f"'{layout.name}' depends on a question that the manual leaves open"
-            raise TargetError(f"{wrong}; the C target supports this only in frames", self.path)
+            raise TargetError(
+                f"{name} has {layout.widest} bits and fields whose place depends on the order code; the C target "
+                "supports such fields only within 64 bits",
+                self.path,
+            )
+        if self.plan.alternatives and self.register is not None:
+            raise TargetError(
+                f"{name} depends on a question that the manual leaves open; the C target supports this only in frames",
+                self.path,
+            )
         if self.unused.width > 64:
-            wrong = f"'{layout.name}' has unused bits in {-(-self.unused.width // 8)} bytes"
-            raise TargetError(f"{wrong}; the C target supports at most 8", self.path)
-        for item in (part.field for part in self.plan.parts):
-            self.type_of(item)
-            if isinstance(meaning_of(item), Characters) and not characters(item):
-                wrong = f"the text '{item.name}' does not begin at a byte boundary, which the C target does not support"
-                raise TargetError(wrong, (*self.path, "fields", item.name))
+            bytes_ = -(-self.unused.width // 8)
+            raise TargetError(f"{name} has unused bits in {bytes_} bytes; the C target supports at most 8", self.path)
+        for part in self.plan.parts:
+            field = part.field
+            self.type_of(field)
+            if isinstance(meaning_of(field), Characters) and not characters(field):
+                raise TargetError(
+                    f"the text '{field.name}' does not begin at a byte boundary, which the C target does not support",
+                    (*self.path, "fields", field.name),
+                )
 
     @property
     def path(self) -> tuple[str, ...]:
@@ -102,8 +115,8 @@ class Struct:
                 return unsigned(widest_value(field))
             case Characters():
                 return "char"
-            case other:
-                assert_never(other)
+            case never:
+                assert_never(never)
 
     def member(self, field: Field) -> str:
         """Return the name of a member in its declaration, with the length of a string."""
@@ -112,23 +125,25 @@ class Struct:
 
     def member_type(self, name: str) -> str:
         """Return the type of the member of a field or join, by its name in the spec."""
-        whole = next((item for item in self.plan.wholes if item.join.name == name), None)
+        whole = next((candidate for candidate in self.plan.wholes if candidate.join.name == name), None)
         return unsigned(whole.widest) if whole is not None else self.type_of(self.layout.field(name))
 
-    def initial(self, parameters: Mapping[str, int], asked: Mapping[str, int] = MappingProxyType({})) -> str:
+    def initial(self, parameters: Mapping[str, int], values: Mapping[str, int] = MappingProxyType({})) -> str:
         """Return the initial value with the numbers asked for and the defaults of the spec, and 0 for other fields.
 
         ``parameters`` are those of an order code. The bits of a member ``unused`` that is 0 are as documented.
         """
-        numbers = {part.field.name: asked.get(part.field.name, _default(part.field)) for part in self.plan.parts}
+        numbers = {part.field.name: values.get(part.field.name, _default_value(part.field)) for part in self.plan.parts}
         for whole in self.plan.wholes:
-            if whole.join.name in asked:
-                numbers.update(whole.parts(asked[whole.join.name], parameters))
+            if whole.join.name in values:
+                numbers.update(whole.parts(values[whole.join.name], parameters))
         if not any(numbers.values()):
             return "0U"
-        given = [text for part in self.plan.parts for text in self._initial_of(part.field, numbers[part.field.name])]
-        given += [number(whole.joined(numbers, parameters), hexadecimal=True) for whole in self.plan.wholes]
-        return ", ".join(given + (["0U"] if self.unused else []))
+        initials = [text for part in self.plan.parts for text in self._initial_of(part.field, numbers[part.field.name])]
+        initials += [number(whole.joined(numbers, parameters), hexadecimal=True) for whole in self.plan.wholes]
+        if self.unused:
+            initials.append("0U")
+        return ", ".join(initials)
 
     @property
     def without_default(self) -> tuple[str, ...]:
@@ -152,8 +167,8 @@ class Struct:
                 yield from map(number, (default, *(default // run.divisor % run.modulus for run in runs)))
             case Characters():
                 yield '""'
-            case other:
-                assert_never(other)
+            case never:
+                assert_never(never)
 
     def is_none_of(self, field: Field, name: Expr, values: Sequence[int], is_raw: bool = False) -> Expr:
         """Return the condition that ``name`` has another value than these.
@@ -166,13 +181,13 @@ class Struct:
         def written(value: int) -> Expr:
             if choice is None or value not in choice.names:
                 return Number(value, hexadecimal=True)
-            entry = Name(choice.names[value])
-            return Cast(kind, entry) if kind else entry
+            constant = Name(choice.names[value])
+            return Cast(kind, constant) if kind else constant
 
         return joined("&&", tuple(Operation("!=", (name, written(value))) for value in values))
 
 
-def _default(field: Field) -> int:
+def _default_value(field: Field) -> int:
     """Return the default of a field, or a value that an encoder accepts."""
     if field.default is not None:
         return field.default
@@ -180,7 +195,7 @@ def _default(field: Field) -> int:
         return 1
     match meaning_of(field):
         case Named(values):
-            return min(item.value for item in values)
+            return min(value.value for value in values)
         case ZeroMeans(zero):
             return zero
         case _:

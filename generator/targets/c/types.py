@@ -9,9 +9,8 @@ _PLAIN = frozenset(letter for letter in map(chr, range(0x20, 0x7F)) if letter no
 
 def string(text: object) -> str:
     """Return ``text`` as a string literal."""
-    return (
-        '"' + "".join(chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}" for byte in str(text).encode("utf-8")) + '"'
-    )
+    characters = (chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}" for byte in str(text).encode("utf-8"))
+    return '"' + "".join(characters) + '"'
 
 
 def number(value: int, hexadecimal: bool = False, digits: int = 2) -> str:

@@ -14,7 +14,7 @@ from .bits import Reader
 from .expr import Cast, Expr, Name, Number, Operation, joined, left, masked, right
 from .types import size_of, unsigned
 
-_GIVEN = Name("in->unused")
+_MEMBER = Name("in->unused")
 
 
 class Unused:
@@ -44,35 +44,37 @@ class Unused:
     @property
     def gathered(self) -> Expr:
         """The member, from the word, or from bytes if the fields are extracted one by one."""
-        parts = (*map(self._taken, self.moved), *map(self._taken_alone, self.single))
-        return Cast(self.type, _turned(joined("|", parts), _documented(sum(item.value for item in self.moved))))
+        parts = (*map(self._moved_bits, self.moved), *map(self._single_bits, self.single))
+        documented = sum(bits.value for bits in self.moved)
+        return Cast(self.type, _with_inverted(joined("|", parts), _documented(documented)))
 
-    def at_place(self, item: Moved, byte: Expr) -> Expr:
+    def at_place(self, moved: Moved, byte: Expr) -> Expr:
         """Return a byte shifted to the place of its bits in the member."""
-        return left(Cast(self.work, byte), -item.shift) if item.shift else byte
+        return left(Cast(self.work, byte), -moved.shift) if moved.shift else byte
 
     def told(self, bits: Expr) -> Expr:
         """Return the member from bytes that are at their positions."""
-        mask, value = sum(item.mask for item in self.moved), sum(item.value for item in self.moved)
-        found = _turned(masked(bits, mask), _documented(value))
-        return found if self.type == self.work else Cast(self.type, found)
+        mask = sum(moved.mask for moved in self.moved)
+        value = sum(moved.value for moved in self.moved)
+        inverted = _with_inverted(masked(bits, mask), _documented(value))
+        return inverted if self.type == self.work else Cast(self.type, inverted)
 
     @property
     def work(self) -> str:
         """The type in which a decoder assembles bytes."""
         return unsigned(max(self.width, 32))
 
-    def _taken(self, item: Moved) -> Expr:
-        word = self.reader.lower(item.mask.bit_length() + item.shift)
-        if item.shift >= 0:
-            return masked(right(word, item.shift), item.mask)
-        return left(masked(word, item.mask >> -item.shift), -item.shift)
+    def _moved_bits(self, moved: Moved) -> Expr:
+        word = self.reader.lower(moved.mask.bit_length() + moved.shift)
+        if moved.shift >= 0:
+            return masked(right(word, moved.shift), moved.mask)
+        return left(masked(word, moved.mask >> -moved.shift), -moved.shift)
 
-    def _taken_alone(self, op: Reserved) -> Expr:
+    def _single_bits(self, op: Reserved) -> Expr:
         bits, documented = self.reader.value(op.bits)[1], self._documented(op)
         if not op.place:
-            return _turned(bits, documented)
-        turned = _turned(Cast(self.work, bits), documented)
+            return _with_inverted(bits, documented)
+        turned = _with_inverted(Cast(self.work, bits), documented)
         # The mask of a variable width has 64 bits.
         return left(turned if op.bits.width.is_constant else Cast(self.work, turned), op.place)
 
@@ -84,43 +86,43 @@ class Unused:
         varying = [op for op in self.single if not op.bits.width.is_constant]
         fixed = sum(op.mask for op in self.plan.reserved if op.bits.width.is_constant)
         if not varying:
-            others = fixed ^ ((1 << size_of(self.width)) - 1)
-            return Operation("!=", (masked(_GIVEN, others), Number(0))) if fixed and others else None
+            other_bits = fixed ^ ((1 << size_of(self.width)) - 1)
+            return Operation("!=", (masked(_MEMBER, other_bits), Number(0))) if fixed and other_bits else None
         masks = [left(self.reader.scope.mask(op.bits.width), op.place) for op in varying]
         masks += [Number(fixed, hexadecimal=True)] if fixed else []
-        return Operation("!=", (Operation("&", (_GIVEN, joined("|", tuple(masks)))), _GIVEN))
+        return Operation("!=", (Operation("&", (_MEMBER, joined("|", tuple(masks)))), _MEMBER))
 
     @property
     def in_word(self) -> Iterator[Expr]:
         """The terms of a word that come from it."""
         is_all = len(self.moved) + len(self.single) == 1
-        for item in self.moved:
-            bits = _turned(_GIVEN if is_all else masked(_GIVEN, item.mask), _documented(item.value))
-            yield _shifted(Cast("uint64_t", bits), -item.shift)
+        for moved in self.moved:
+            bits = _with_inverted(_MEMBER if is_all else masked(_MEMBER, moved.mask), _documented(moved.value))
+            yield _shifted(Cast("uint64_t", bits), -moved.shift)
         for op in self.single:
-            bits = _turned(_GIVEN, self._documented(op)) if is_all else self._given(op)
+            bits = _with_inverted(_MEMBER, self._documented(op)) if is_all else self._given(op)
             low = op.bits.low
             yield left(Cast("uint64_t", bits), low.constant if low.is_constant else self.reader.scope.of(low))
 
     @property
     def in_bytes(self) -> Iterator[tuple[int, Expr]]:
         """The terms of bytes that come from it."""
-        for item in self.moved:
-            assert item.byte is not None
-            mask, value = item.mask >> -item.shift, item.value >> -item.shift
-            bits = _in_byte(right(_GIVEN, -item.shift), mask)
-            is_wider = bits is _GIVEN and self.width > 8
-            yield item.byte, _turned(Cast("uint8_t", bits) if is_wider else bits, _documented(value))
+        for moved in self.moved:
+            assert moved.byte is not None
+            mask, value = moved.mask >> -moved.shift, moved.value >> -moved.shift
+            bits = _masked_byte(right(_MEMBER, -moved.shift), mask)
+            is_wider = bits is _MEMBER and self.width > 8
+            yield moved.byte, _with_inverted(Cast("uint8_t", bits) if is_wider else bits, _documented(value))
         for op in self.single:
             for piece in op.bits.pieces:
-                yield piece.byte, _shifted(_in_byte(right(self._given(op), piece.left), piece.mask), -piece.right)
+                yield piece.byte, _shifted(_masked_byte(right(self._given(op), piece.left), piece.mask), -piece.right)
 
     def given(self, field: Field) -> Expr:
         """Return the bits of one field."""
         return next(self._given(op) for op in self.plan.reserved if op.field is field)
 
     def _given(self, op: Reserved) -> Expr:
-        return _turned(right(masked(_GIVEN, op.mask), op.place), self._documented(op))
+        return _with_inverted(right(masked(_MEMBER, op.mask), op.place), self._documented(op))
 
     # -- both
 
@@ -132,7 +134,7 @@ class Unused:
         return Operation("&", (value, self.reader.scope.mask(op.bits.width)))
 
 
-def _in_byte(bits: Expr, mask: int) -> Expr:
+def _masked_byte(bits: Expr, mask: int) -> Expr:
     """Return these bits of a number. A later cast to one byte drops the higher bits."""
     return bits if mask == 0xFF else masked(bits, mask)
 
@@ -142,11 +144,11 @@ def _documented(value: int) -> Expr | None:
     return Number(value, hexadecimal=True) if value else None
 
 
-def _turned(bits: Expr, by: Expr | None) -> Expr:
+def _with_inverted(bits: Expr, by: Expr | None) -> Expr:
     """Return the bits, with the ones in ``by`` inverted."""
     return Operation("^", (bits, by)) if by is not None else bits
 
 
-def _shifted(of: Expr, by: int) -> Expr:
-    """Return ``of`` shifted to the right, or to the left if ``by`` is negative."""
-    return left(of, -by) if by < 0 else right(of, by)
+def _shifted(bits: Expr, by: int) -> Expr:
+    """Return ``bits`` shifted to the right, or to the left if ``by`` is negative."""
+    return left(bits, -by) if by < 0 else right(bits, by)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 
 from ...model import Parameter, Variant
 from ...model.record import dataclass
@@ -32,15 +32,15 @@ class VariantCode:
         self.context, self.device = context, context.device
         self.parameters = self.device.set_parameters
         #: Without those that the functions of positions return.
-        self._named = [item for item in self._in_order_of_use() if item.name not in also_measured(self.device)]
-        self.derived: Sequence[Function] = [self._derived(item) for item in self._named]
-        self.rows = [self._row(item) for item in self.device.variants]
-        known = set(unknown_parts(self.device))
-        left_open = [part for part in self.device.order_code.parts if part.open and part.name not in known]
-        self.unlisted = [
-            Macro(self._unlisted(part.name), number(1 << index, hexadecimal=True), part.name)
-            for index, part in enumerate(left_open)
-        ]
+        measured = also_measured(self.device)
+        self._named = [parameter for parameter in self._in_order_of_use() if parameter.name not in measured]
+        self.derived: Sequence[Function] = [self._derived(parameter) for parameter in self._named]
+        self.rows = [self._row(variant) for variant in self.device.variants]
+        unknown = set(unknown_parts(self.device))
+        left_open = [part for part in self.device.order_code.parts if part.open and part.name not in unknown]
+        masks = [number(1 << index, hexadecimal=True) for index, _ in enumerate(left_open)]
+        names = [part.name for part in left_open]
+        self.unlisted = [Macro(self._unlisted(name), mask, name) for name, mask in zip(names, masks, strict=True)]
         self.patterns = open_codes(self.device)
         self.about = about_order_codes(self.device)
 
@@ -48,55 +48,60 @@ class VariantCode:
         yield self.context.prefix, ()
         for name in ("order_code", "order_codes", "find_order_code"):
             yield f"{self.context.prefix}_{name}", ()
-        for item in self._named:
-            yield f"{self.context.prefix}_{item.name}", ("parameters", item.name)
+        for parameter in self._named:
+            yield f"{self.context.prefix}_{parameter.name}", ("parameters", parameter.name)
         yield from ((row.macro, ("order_code",)) for row in self.rows)
-        yield from ((item.name, ("order_code", "parts")) for item in self.unlisted)
+        yield from ((macro.name, ("order_code", "parts")) for macro in self.unlisted)
 
-    def about_parameter(self, item: Parameter) -> str:
-        return about_parameter(self.device, self.context.prefix, item)
+    def about_parameter(self, parameter: Parameter) -> str:
+        return about_parameter(self.device, self.context.prefix, parameter)
 
     @property
     def refuses(self) -> bool:
         """True if a pattern matches labels that are not an order code."""
-        return any(item.code is None for item in self.patterns)
+        return any(pattern.code is None for pattern in self.patterns)
 
-    def bits(self, item: OpenCode) -> str:
+    def bits(self, pattern: OpenCode) -> str:
         """Return the parts that a pattern leaves open."""
-        return " | ".join(map(self._unlisted, item.unlisted)) or "0U"
+        return " | ".join(map(self._unlisted, pattern.unlisted)) or "0U"
 
     def _unlisted(self, part: str) -> str:
         return f"{self.context.PREFIX}_UNLISTED_{part.upper()}"
 
     def _in_order_of_use(self) -> list[Parameter]:
         """Return the derived parameters, each after those that it needs."""
-        left = {item.name: item for item in self.device.parameters if item.equals is not None}
+        waiting = {parameter.name: parameter for parameter in self.device.parameters if parameter.equals is not None}
         ordered: list[Parameter] = []
-        while left:
-            ready = (
-                item
-                for item in left.values()
-                if item.equals is not None and left.keys().isdisjoint(item.equals.parameters)
-            )
-            item = next(ready)
-            ordered.append(left.pop(item.name))
+        while waiting:
+            ready = (parameter for parameter in waiting.values() if _needs_none_of(parameter, waiting.keys()))
+            ordered.append(waiting.pop(next(ready).name))
         return ordered
 
-    def _derived(self, item: Parameter) -> Function:
-        assert item.equals is not None
-        name = f"{self.context.prefix}_{item.name}"
-        return number_of(self.context.scope, name, item.equals, item.largest, self.about_parameter(item))
+    def _derived(self, parameter: Parameter) -> Function:
+        assert parameter.equals is not None
+        name = f"{self.context.prefix}_{parameter.name}"
+        return number_of(self.context.scope, name, parameter.equals, parameter.largest, self.about_parameter(parameter))
 
     def _row(self, variant: Variant) -> CodeRow:
         family, stem = self.device.name.upper(), variant.code.upper()
-        if all(item.code.upper().startswith(family) for item in self.device.variants):
+        if all(variant.code.upper().startswith(family) for variant in self.device.variants):
             stem = stem.removeprefix(family) or stem
         code = re.sub("[^A-Z0-9]+", "_", stem).strip("_")
         return CodeRow(
-            variant, code, f"{self.context.PREFIX}_{code}", tuple(_value(item, variant) for item in self.parameters)
+            variant=variant,
+            code=code,
+            macro=f"{self.context.PREFIX}_{code}",
+            values=tuple(_value(parameter, variant) for parameter in self.parameters),
         )
 
 
-def _value(item: Parameter, variant: Variant) -> str:
+def _needs_none_of(parameter: Parameter, names: Set[str]) -> bool:
+    """Return True if the expression of a derived parameter uses none of these."""
+    return parameter.equals is not None and names.isdisjoint(parameter.equals.parameters)
+
+
+def _value(parameter: Parameter, variant: Variant) -> str:
     """Return a parameter of an order code. A code (no unit, above one byte) is in hexadecimal, as in the manuals."""
-    return number(variant.parameters.get(item.name, 0), hexadecimal=not item.unit and item.largest > 0xFF, digits=4)
+    return number(
+        variant.parameters.get(parameter.name, 0), hexadecimal=not parameter.unit and parameter.largest > 0xFF, digits=4
+    )

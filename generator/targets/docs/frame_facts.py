@@ -14,7 +14,7 @@ from ...model import (
     Variant,
     Verdict,
 )
-from ...order_codes.run_time import decided
+from ...order_codes.run_time import with_answers
 from ...plan.reports import reportings
 from ...plan.values import Active, TwosComplement, meaning_of
 from ...plan.verdicts import Judgement, Match, Only, Speaks
@@ -73,7 +73,7 @@ def frame_facts(family: Device, layout: Layout, variant: Variant) -> Iterator[tu
         yield "Position", line
         for asked in family.verdict_alternatives(layout):
             for answer in asked.answers[1:]:
-                chosen = decided(family, variant, {asked.name: answer.name})
+                chosen = with_answers(family, variant, {asked.name: answer.name})
                 other_line = verdict_line(judgement, chosen, checked is not None)
                 if other_line != line:
                     choice = link("your choice", f"#alternative-{asked.name}")

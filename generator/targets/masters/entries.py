@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import Any
 
@@ -74,14 +74,16 @@ class Channel:
     @property
     def registers(self) -> list[tuple[str, list[Entry]]]:
         """The entries of each register, in the order of their first bits."""
-        ordered = sorted(self.entries, key=lambda item: (item.register, item.place.low_bit or 0))
-        return [(name, list(found)) for name, found in groupby(ordered, key=lambda item: item.register)]
+        ordered = sorted(self.entries, key=lambda entry: (entry.register, entry.place.low_bit or 0))
+        groups = groupby(ordered, key=lambda entry: entry.register)
+        return [(name, list(register_entries)) for name, register_entries in groups]
 
     @property
     def structures(self) -> list[tuple[str, list[Entry]]]:
         """The entries of each structure."""
-        ordered = sorted(self.entries, key=lambda item: item.symbol[0])
-        return [(name, list(found)) for name, found in groupby(ordered, key=lambda item: item.symbol[0])]
+        ordered = sorted(self.entries, key=lambda entry: entry.symbol[0])
+        groups = groupby(ordered, key=lambda entry: entry.symbol[0])
+        return [(name, list(structure_entries)) for name, structure_entries in groups]
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,64 +103,66 @@ class Content:
 def content(sheet: Sheet, rule: Raw, device: str) -> Content:
     """Return the content of a file in this format for a device."""
     format_ = FILE_FORMATS[rule["format"]]
-    found: list[Entry] = []
+    entries: list[Entry] = []
     left_out: list[str] = []
     for setting, writes in _in_order(sheet):
-        reason = _reason(setting, sheet, format_)
+        reason = _reason_to_leave_out(setting, sheet, format_)
         if reason:
             left_out.append(f"{setting.name}: {reason}.")
             continue
-        items: tuple[Setting | Write, ...] = (*writes[0], setting, *writes[1])
-        for item in items:
-            _add(item, rule, format_, device, found, left_out)
-    return Content(_channels(sheet, device, found), tuple(left_out), tuple(map(condition, sheet.writing)))
+        written_values: tuple[Setting | Write, ...] = (*writes[0], setting, *writes[1])
+        for written in written_values:
+            _add_entries(written, rule, format_, device, entries, left_out)
+    return Content(_channels(sheet, device, entries), tuple(left_out), tuple(map(condition, sheet.writing)))
 
 
 def _in_order(sheet: Sheet) -> Iterator[tuple[Setting, tuple[tuple[Write, ...], tuple[Write, ...]]]]:
     """Yield the settings in the order of writing, each with the values to write before and after it."""
     settings = list(sheet.settings)
-    order = write_order([item.name for item in settings], sheet.writing)
-    settings.sort(key=lambda item: order.index(item.name))
-    names = [item.name for item in settings]
+    order = write_order([setting.name for setting in settings], sheet.writing)
+    settings.sort(key=lambda setting: order.index(setting.name))
+    names = [setting.name for setting in settings]
     for number, setting in enumerate(settings):
         before: list[Write] = []
         after: list[Write] = []
-        for item in sheet.writing:
-            concerned = [index for index, name in enumerate(names) if name in (item.of or names)]
-            before += item.needs if concerned[0] == number else ()
-            after += item.then if concerned[-1] == number else ()
+        for rule in sheet.writing:
+            concerned = [index for index, name in enumerate(names) if name in (rule.of or names)]
+            before += rule.needs if concerned[0] == number else ()
+            after += rule.then if concerned[-1] == number else ()
         yield setting, (tuple(before), tuple(after))
 
 
-def _reason(setting: Setting, sheet: Sheet, format_: FileFormat) -> str:
+def _reason_to_leave_out(setting: Setting, sheet: Sheet, format_: FileFormat) -> str:
     """Return the reason that no file contains a setting, or an empty string."""
     if setting.value is None:
         return setting.text
     if setting.bound == "below":
         return f"it must be below {setting.text}, and you choose the value"
     is_optional = format_.needs != "name"  # a tool with names of its own needs all of them
-    if is_optional and setting.is_default and any(item.needs for item in sheet.writing_of(setting)):
+    if is_optional and setting.is_default and any(writing_rule.needs for writing_rule in sheet.writing_of(setting)):
         return f"{setting.text} is the factory default. Write it only if the setting was changed"
     return ""
 
 
-def _add(
-    item: Setting | Write, rule: Raw, format_: FileFormat, device: str, found: list[Entry], left_out: list[str]
+def _add_entries(
+    written: Setting | Write, rule: Raw, format_: FileFormat, device: str, entries: list[Entry], left_out: list[str]
 ) -> None:
-    name = item.name if isinstance(item, Setting) else item.title
-    places = [place for place in item.places if place.device == device]
-    value = item.value
+    name = written.name if isinstance(written, Setting) else written.title
+    places = [place for place in written.places if place.device == device]
+    value = written.value
     assert value is not None
     key = rule.get("names", {}).get(name, "")
-    reasons = {wrong for place in places if (wrong := _misfit(place, value, key, format_))}
+    misfits = (_misfit(place, value, key, format_) for place in places)
+    reasons = {misfit for misfit in misfits if misfit}
     if reasons:
-        left_out.append(f"{name} = {item.text}: {reasons.pop()}.")
+        left_out.append(f"{name} = {written.text}: {reasons.pop()}.")
         return
-    word = str(rule.get("words", {}).get(name, {}).get(str(value), int(value) if isinstance(value, bool) else value))
-    marks = ["derived"] if isinstance(item, Setting) and item.standing == "inferred" else []
-    if isinstance(item, Setting) and item.bound:
-        marks.append(item.bound.replace("_", " "))
-    found += [Entry(name, key, value, word, ", ".join(marks), place) for place in places]
+    file_number = int(value) if isinstance(value, bool) else value
+    word = str(rule.get("words", {}).get(name, {}).get(str(value), file_number))
+    marks = ["derived"] if isinstance(written, Setting) and written.standing == "inferred" else []
+    if isinstance(written, Setting) and written.bound:
+        marks.append(written.bound.replace("_", " "))
+    entries += [Entry(name, key, value, word, ", ".join(marks), place) for place in places]
 
 
 def _misfit(place: Place, value: Value, key: str, format_: FileFormat) -> str:
@@ -167,8 +171,8 @@ def _misfit(place: Place, value: Value, key: str, format_: FileFormat) -> str:
         return "" if key else "the file has no name for it"
     has_bits = place.high_bit is not None and bool(place.register or place.address is not None)
     is_whole = place.kind in ("boolean", "unsigned", "signed") and place.bits is not None
-    given = {"object": place.index is not None and is_whole, "symbol": bool(place.symbol), "bits": has_bits}
-    if not given[format_.needs]:
+    available = {"object": place.index is not None and is_whole, "symbol": bool(place.symbol), "bits": has_bits}
+    if not available[format_.needs]:
         return f"not given: {PLACE_KINDS[format_.needs]}"
     if not isinstance(value, int) and place.kind not in ("text", "float"):
         return "no document gives its number"
@@ -178,13 +182,16 @@ def _misfit(place: Place, value: Value, key: str, format_: FileFormat) -> str:
 
 
 def _channels(sheet: Sheet, device: str, entries: Sequence[Entry]) -> tuple[Channel, ...]:
-    names = next(item.channels for item in sheet.master.devices if item.name == device)
-    shared = [item for item in entries if not item.place.channel]
+    names = next(master_device.channels for master_device in sheet.master.devices if master_device.name == device)
+    shared = tuple(entry for entry in entries if not entry.place.channel)
+    if not entries:
+        return ()
     if len(shared) == len(entries):
-        return (Channel(names[0] if len(names) == 1 else "", tuple(shared)),) if shared else ()
-    return tuple(
-        Channel(
-            name, tuple(item for item in entries if item.place.channel == name or (not item.place.channel and first))
-        )
-        for name, first in zip(names, (True, *[False] * (len(names) - 1)), strict=True)
-    )
+        return (Channel(names[0] if len(names) == 1 else "", shared),)
+    # The first channel also has the shared values.
+    channel_marks = {name: (name,) for name in names} | {names[0]: (names[0], "")}
+    return tuple(Channel(name, _on_channel(entries, marks)) for name, marks in channel_marks.items())
+
+
+def _on_channel(entries: Sequence[Entry], marks: Collection[str]) -> tuple[Entry, ...]:
+    return tuple(entry for entry in entries if entry.place.channel in marks)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import chain
 from typing import Annotated, TypedDict
 
 from ...language.master_items import FILE_FORMATS
@@ -15,7 +14,7 @@ from ...language.problems import listed
 from ...masters.groups import sheets_of
 from ...masters.places import Place
 from ...masters.record import Record
-from ...masters.sheet import Sheet, shipped_masters
+from ...masters.sheet import Master, Sheet, shipped_masters
 from ...masters.text import cited, condition
 from ...model import Device
 from ...render import Templates, our_templates
@@ -49,81 +48,87 @@ class Index(TypedDict):
 def file_text(
     device: Device,
     codes: Sequence[str],
-    found: Sheet,
+    sheet: Sheet,
     rule: Raw,
-    on: str,
+    master_device: str,
     library: Library | None = None,
     is_short: bool = False,
-    made: Content | None = None,
+    file_content: Content | None = None,
 ) -> str:
     """Return the file for a master and for order codes that have the same settings.
 
     Args:
         device: The family.
         codes: The order codes. Names in the file are based on the first one.
-        found: The settings.
+        sheet: The settings.
         rule: Entry of ``files`` in the description of the master.
-        on: Device of the master.
+        master_device: Device of the master.
         library: The library, for the user's templates.
         is_short: True to leave out the text that all order codes of a family share.
-        made: The content of the file, if it is known already.
+        file_content: The content of the file, if it is known already.
     """
     name = rule["format"]
-    made = content(found, rule, on) if made is None else made
-    written = {item.key for item in made.entries}
+    file_content = content(sheet, rule, master_device) if file_content is None else file_content
+    written_keys = {entry.key for entry in file_content.entries}
     values: MasterFile = {
-        "head": [*([] if is_short else _head(device, codes, found, rule, on)), *_about(made, is_short)],
-        "content": made,
-        "channels": made.channels[:1] if is_short else made.channels,
+        "head": [
+            *([] if is_short else _heading(device, codes, sheet, rule, master_device)),
+            *_content_comments(file_content, is_short),
+        ],
+        "content": file_content,
+        "channels": file_content.channels[:1] if is_short else file_content.channels,
         "name": re.sub(r"\W|^(?=\d)", "_", codes[0], flags=re.ASCII),
-        "device": on,
-        "also": {key: value for key, value in rule.get("also", {}).items() if key not in written},
+        "device": master_device,
+        "also": {key: value for key, value in rule.get("also", {}).items() if key not in written_keys},
         "line": rule.get("line", ""),
     }
     return TEMPLATES.render(f"{name}.jinja", values, library.own_templates if library is not None else None)
 
 
-def _head(device: Device, codes: Sequence[str], found: Sheet, rule: Raw, on: str) -> Iterator[str]:
+def _heading(device: Device, codes: Sequence[str], sheet: Sheet, rule: Raw, master_device: str) -> Iterator[str]:
     format_ = FILE_FORMATS[rule["format"]]
-    yield f"{on} with {', '.join(codes)}. For {format_.title}."
-    yield from _origin(device, found, rule, on)
+    yield f"{master_device} with {', '.join(codes)}. For {format_.title}."
+    yield from _origin(device, sheet, rule, master_device)
 
 
-def _origin(device: Device, found: Sheet, rule: Raw, on: str) -> Iterator[str]:
+def _origin(device: Device, sheet: Sheet, rule: Raw, master_device: str) -> Iterator[str]:
     format_, manual = FILE_FORMATS[rule["format"]], device.manual
     yield f"From the spec of {device.title}, manual {manual.title}, revision {manual.revision}."
-    used = {word for place in _places(found, on) for word in re.split(r"[;:]\s*", place.source)}
-    documents = "; ".join(f"{item.key}: {item.title}" for item in found.master.documents if item.key in used)
-    yield f"From the documents of the master: {documents}."
+    used = {word for place in _places(sheet, master_device) for word in re.split(r"[;:]\s*", place.source)}
+    documents = (document for document in sheet.master.documents if document.key in used)
+    cited_documents = "; ".join(f"{document.key}: {document.title}" for document in documents)
+    yield f"From the documents of the master: {cited_documents}."
     read = f"Read by {format_.reader}, see docs/master-files.md." if format_.reader else "Not yet read by its tool."
     yield f"Not yet tested on hardware. {read} Form of the file: {cited(rule['source'])}."
 
 
-def _places(found: Sheet, on: str) -> Iterator[Place]:
+def _places(sheet: Sheet, master_device: str) -> Iterator[Place]:
     """Yield the locations of all settings on a device."""
-    yield from (place for item in found.settings for place in item.places if place.device == on)
+    yield from (place for setting in sheet.settings for place in setting.places if place.device == master_device)
 
 
-def _about(made: Content, is_short: bool) -> Iterator[str]:
-    derived = list(dict.fromkeys(item.name for item in made.entries if "derived" in item.mark))
+def _content_comments(file_content: Content, is_short: bool) -> Iterator[str]:
+    derived = list(dict.fromkeys(entry.name for entry in file_content.entries if "derived" in entry.mark))
     if derived:
         yield f"Derived, not stated in a document: {listed(derived)}."
-    starts = list(dict.fromkeys(item.name for item in made.entries if "start with" in item.mark))
+    starts = list(dict.fromkeys(entry.name for entry in file_content.entries if "start with" in entry.mark))
     if starts:
         yield f"Only a value to start with, because the highest clock of the encoder is not known: {listed(starts)}."
-    for item in made.left_out:
-        yield f"Not in this file: {item}"
+    for sentence in file_content.left_out:
+        yield f"Not in this file: {sentence}"
     if not is_short:
-        yield from made.conditions
+        yield from file_content.conditions
 
 
 def comment(paragraphs: Sequence[str], prefix: str) -> str:
     """Return paragraphs as a comment whose lines begin with ``prefix``, which is ``<!--`` in XML."""
     if prefix == "<!--":
-        return "\n".join(["<!--", *(wrapped(note(item), _WIDTH, "       ", "     ") for item in paragraphs), "-->"])
+        lines = (wrapped(note(paragraph), _WIDTH, "       ", "     ") for paragraph in paragraphs)
+        return "\n".join(["<!--", *lines, "-->"])
     if prefix == "//":
-        paragraphs = [item.replace("\\", "/") for item in paragraphs]  # at the end of a line it would continue it
-    return "\n".join(wrapped(item, _WIDTH, f"{prefix}   ", f"{prefix} ") for item in paragraphs)
+        # A backslash at the end of a line would continue it.
+        paragraphs = [paragraph.replace("\\", "/") for paragraph in paragraphs]
+    return "\n".join(wrapped(paragraph, _WIDTH, f"{prefix}   ", f"{prefix} ") for paragraph in paragraphs)
 
 
 def note(text: object) -> str:
@@ -131,10 +136,10 @@ def note(text: object) -> str:
     return plain(text).replace("--", "- -").replace("*/", "* /")
 
 
-def filled(pattern: str, made: Content) -> str:
+def filled(pattern: str, file_content: Content) -> str:
     """Return the pattern with each name in braces replaced by the value of that name."""
-    for item in made.entries:
-        pattern = pattern.replace(f"{{{item.key}}}", item.word)
+    for entry in file_content.entries:
+        pattern = pattern.replace(f"{{{entry.key}}}", entry.word)
     return pattern
 
 
@@ -152,42 +157,56 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
 def _family(device: Device, library: Library, options: Options) -> dict[str, str]:
     """Return the files of a family by path."""
-    write = _each if options.get(_BY_CODE.name, _BY_CODE.default) == _EACH else _bulk
+    write = _files_by_code if options.get(_BY_CODE.name, _BY_CODE.default) == _EACH else _bulk_file
     files: dict[str, str] = {}
     masters = shipped_masters()
-    found = sheets_of(device, masters)
+    interface_sheets = sheets_of(device, masters)
     for number, master in enumerate(masters):
-        sheets = (zip(item.sheets[number][1], item.groups, strict=True) for item in found)
-        taken = [(of, group.record, group.codes) for of, group in chain(*sheets) if not of.refusals]
-        for rule in master.files if taken else ():
-            for on in dict.fromkeys(name for item in taken for name in item[0].devices_with(rule)):
+        usable: list[SheetOfCodes] = []
+        for group_sheets in interface_sheets:
+            pairs = zip(group_sheets.sheets[number][1], group_sheets.groups, strict=True)
+            usable += ((sheet, group.record, group.codes) for sheet, group in pairs if not sheet.refusals)
+        for rule in master.files:
+            for master_device in dict.fromkeys(name for sheet, _, _ in usable for name in sheet.devices_with(rule)):
                 folder = f"masters/{master.name}/{rule['format']}"
-                stem = "" if len(master.devices) == 1 else f"{names_of_codes([on])[0]}-"
-                able = [item for item in taken if on not in item[0].barred]
-                files |= write(f"{folder}/{stem}", device, able, rule, on, library)
+                stem = "" if len(master.devices) == 1 else f"{names_of_codes([master_device])[0]}-"
+                sheets = [sheet_of_codes for sheet_of_codes in usable if master_device not in sheet_of_codes[0].barred]
+                files |= write(f"{folder}/{stem}", device, sheets, rule, master_device, library)
     return files
 
 
 def _index(library: Library, files: Iterable[str]) -> str:
     folders = {path.rpartition("/")[0].removeprefix("masters/") for path in files}
-    rows = [
-        {"master": master.title, "format": rule["format"], "folder": folder, "title": kind.title, "reader": kind.reader}
-        for master in shipped_masters()
-        for rule in master.files
-        for folder, kind in [(f"{master.name}/{rule['format']}", FILE_FORMATS[rule["format"]])]
-        if folder in folders
-    ]
-    values: Index = {"families": [markdown(item.title) for item in library.devices], "rows": rows}
+    rows = [_index_row(master, rule["format"]) for master in shipped_masters() for rule in master.files]
+    rows = [row for row in rows if row["folder"] in folders]
+    values: Index = {"families": [markdown(device.title) for device in library.devices], "rows": rows}
     return TEMPLATES.render("README.md.jinja", values, library.own_templates)
 
 
-Taken = Sequence[tuple[Sheet, Record, Sequence[str]]]
+def _index_row(master: Master, format_name: str) -> dict[str, str]:
+    format_ = FILE_FORMATS[format_name]
+    return {
+        "master": master.title,
+        "format": format_name,
+        "folder": f"{master.name}/{format_name}",
+        "title": format_.title,
+        "reader": format_.reader,
+    }
 
 
-def _each(start: str, device: Device, taken: Taken, rule: Raw, on: str, library: Library) -> dict[str, str]:
+#: The settings of order codes, with the record and the codes that share them.
+SheetOfCodes = tuple[Sheet, Record, Sequence[str]]
+
+
+def _files_by_code(
+    start: str, device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library
+) -> dict[str, str]:
     suffix = FILE_FORMATS[rule["format"]].suffix
-    labels = [_label(code, record) for _, record, codes in taken for code in codes]
-    texts = [file_text(device, [code], found, rule, on, library) for found, _, codes in taken for code in codes]
+    labels: list[str] = []
+    texts: list[str] = []
+    for sheet, record, codes in sheets:
+        labels += (_label(code, record) for code in codes)
+        texts += (file_text(device, [code], sheet, rule, master_device, library) for code in codes)
     return {f"{start}{name}{suffix}": text for name, text in zip(names_of_codes(labels), texts, strict=True)}
 
 
@@ -195,27 +214,37 @@ def _label(code: str, record: Record) -> str:
     return "-".join((code, *record.answers.values()))
 
 
-def _bulk(start: str, device: Device, taken: Taken, rule: Raw, on: str, library: Library) -> dict[str, str]:
+def _bulk_file(
+    start: str, device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library
+) -> dict[str, str]:
     """Return one file in which order codes with the same content share a block."""
     format_ = FILE_FORMATS[rule["format"]]
-    alike: dict[tuple[Content, Sequence[tuple[str, str]]], list[tuple[Sheet, Record, Sequence[str]]]] = {}
-    for item in taken:
-        made = content(item[0], rule, on)
-        alike.setdefault((made, tuple(item[1].answers.items())), []).append(item)
+    alike: dict[tuple[Content, Sequence[tuple[str, str]]], list[SheetOfCodes]] = {}
+    for sheet_of_codes in sheets:
+        sheet, record, _ = sheet_of_codes
+        file_content = content(sheet, rule, master_device)
+        alike.setdefault((file_content, tuple(record.answers.items())), []).append(sheet_of_codes)
     blocks = []
-    for (made, _), same in alike.items():
-        codes = [code for _, _, found in same for code in found]
-        answers = [f"{name}={answer}" for name, answer in same[0][1].answers.items()]
-        title = f"{', '.join(codes)}{' with ' if answers else ''}{' and '.join(answers)}"
-        blocks.append((title, file_text(device, codes, same[0][0], rule, on, library, is_short=True, made=made)))
-    return {f"{start}{device.name}{format_.suffix}": _joined(device, blocks, same[0][0], rule, on)}
+    for (file_content, answers), sheets_alike in alike.items():
+        codes = [code for _, _, codes_of_sheet in sheets_alike for code in codes_of_sheet]
+        choices = " and ".join(f"{name}={answer}" for name, answer in answers)
+        title = f"{', '.join(codes)} with {choices}" if choices else ", ".join(codes)
+        sheet = sheets_alike[0][0]
+        text = file_text(device, codes, sheet, rule, master_device, library, is_short=True, file_content=file_content)
+        blocks.append((title, text))
+    return {f"{start}{device.name}{format_.suffix}": _joined_blocks(device, blocks, sheet, rule, master_device)}
 
 
-def _joined(device: Device, blocks: Sequence[tuple[str, str]], found: Sheet, rule: Raw, on: str) -> str:
+def _joined_blocks(
+    device: Device, blocks: Sequence[tuple[str, str]], sheet: Sheet, rule: Raw, master_device: str
+) -> str:
     """Return the files as comments, or as children of one element in XML."""
     format_ = FILE_FORMATS[rule["format"]]
-    head = [f"{on} with the order codes of {device.title}. For {format_.title}.", *_origin(device, found, rule, on)]
-    head += dict.fromkeys(condition(item) for item in found.writing)
+    head = [
+        f"{master_device} with the order codes of {device.title}. For {format_.title}.",
+        *_origin(device, sheet, rule, master_device),
+    ]
+    head += dict.fromkeys(condition(writing_rule) for writing_rule in sheet.writing)
     head.append(
         "Each block is for the first channel. A file that codewheel prints for one order code has all channels."
     )

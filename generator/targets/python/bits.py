@@ -28,8 +28,8 @@ class Reader:
 
     def exclusive_or(self, parts: Sequence[Bits], counted: int) -> Expr:
         """Return the XOR of these fields. Its parity is that of all their bits, or of those in the mask ``counted``."""
-        found = joined("^", [self.bits(bits) for bits in parts])
-        return Operation(found, "&", mask(counted)) if counted else found
+        difference = joined("^", [self.bits(bits) for bits in parts])
+        return Operation(difference, "&", mask(counted)) if counted else difference
 
     def of_bytes(self, pieces: Sequence[Piece]) -> Expr:
         return from_pieces(pieces, self.codec.length, self._byte)
@@ -50,33 +50,32 @@ class Reader:
 
     def unused(self) -> Expr:
         """Return the unused bits that differ from the manual, each at its position in one number."""
-        fixed = sorted(moved_bits(self.codec), key=lambda item: (item.byte or 0, item.shift))
-        moving = (item for item in self.codec.reserved if not item.bits.are_fixed)
-        return joined("|", [*map(self._taken, fixed), *map(self._reserved, moving)])
+        fixed = sorted(moved_bits(self.codec), key=lambda bits: (bits.byte or 0, bits.shift))
+        moving = (reserved for reserved in self.codec.reserved if not reserved.bits.are_fixed)
+        return joined("|", [*map(self._unused_at_fixed_place, fixed), *map(self._unused_at_moving_place, moving)])
 
     def others(self) -> Expr:
         """Return the bits without a field, at their positions in the number that the bytes form."""
         codec, order = self.codec, "little" if self.codec.layout.byte_order == "low_byte_first" else "big"
-        whole = self.source if codec.by_word else f'int.from_bytes(data, "{order}")'
-        return Operation(
-            Atom(whole if codec.by_word or codec.length > 1 else "data[0]"), "&", others(self.scope, codec)
-        )
+        number_of_bytes = self.source if codec.by_word else f'int.from_bytes(data, "{order}")'
+        number_of_data = number_of_bytes if codec.by_word or codec.length > 1 else "data[0]"
+        return Operation(Atom(number_of_data), "&", others(self.scope, codec))
 
-    def _taken(self, item: Moved) -> Expr:
-        source = Atom(self.source) if item.byte is None else self._atom(item.byte)
-        down, up = max(item.shift, 0), max(-item.shift, 0)
-        found = moved(source, ">>", number(down))
-        if item.byte is None or item.mask >> up != 0xFF:
-            found = Operation(found, "&", mask(item.mask >> up))
-        if item.value:
-            found = Operation(found, "^", mask(item.value >> up))
-        return moved(found, "<<", number(up))
+    def _unused_at_fixed_place(self, bits: Moved) -> Expr:
+        source = Atom(self.source) if bits.byte is None else self._atom(bits.byte)
+        down, up = max(bits.shift, 0), max(-bits.shift, 0)
+        expression = moved(source, ">>", number(down))
+        if bits.byte is None or bits.mask >> up != 0xFF:
+            expression = Operation(expression, "&", mask(bits.mask >> up))
+        if bits.value:
+            expression = Operation(expression, "^", mask(bits.value >> up))
+        return moved(expression, "<<", number(up))
 
-    def _reserved(self, item: Reserved) -> Expr:
+    def _unused_at_moving_place(self, reserved: Reserved) -> Expr:
         """Return the differing bits among those whose position depends on the order code."""
-        found = moved(Atom(self.source), ">>", self.scope.of(item.bits.low))
-        found = Operation(found, "^", mask(item.value)) if item.value else found
-        return moved(Operation(found, "&", self.scope.ones(item.bits.width)), "<<", number(item.place))
+        expression = moved(Atom(self.source), ">>", self.scope.of(reserved.bits.low))
+        expression = Operation(expression, "^", mask(reserved.value)) if reserved.value else expression
+        return moved(Operation(expression, "&", self.scope.ones(reserved.bits.width)), "<<", number(reserved.place))
 
     def characters(self, bits: Bits) -> str:
         """Return the slice of ``data`` that contains the bytes of a string. Empty if they are not adjacent."""
@@ -88,10 +87,10 @@ class Reader:
 
 def others(scope: Scope, codec: Codec) -> Expr:
     """Return a mask of the bits without a field."""
-    fixed = sum(item.mask_in_place for item in codec.layout.fields if item.is_fixed)
-    moving = [
-        moved(scope.ones(item.width), "<<", scope.of(item.low)) for item in codec.layout.fields if not item.is_fixed
-    ]
+    fields = codec.layout.fields
+    fixed = sum(field.mask_in_place for field in fields if field.is_fixed)
+    moving_fields = (field for field in fields if not field.is_fixed)
+    moving = [moved(scope.ones(field.width), "<<", scope.of(field.low)) for field in moving_fields]
     ones = (1 << codec.layout.bits.constant) - 1 & ~fixed
     if not moving:
         return mask(ones)
@@ -117,11 +116,12 @@ def from_pieces(pieces: Sequence[Piece], length: int = 0, byte: str = "data[{}]"
         first, end = ascending[0], ascending[-1] + 1
         part = "data" if (first, end) == (0, length) else f"data[{first}:{end}]"
         return call("int.from_bytes", part, '"little"' if low_first else '"big"')
-    return joined("|", (_from_piece(piece, byte) for piece in (pieces if low_first else reversed(pieces))))
+    from_low = pieces if low_first else reversed(pieces)
+    return joined("|", (_from_piece(piece, byte) for piece in from_low))
 
 
 def _from_piece(piece: Piece, byte: str) -> Expr:
-    found = moved(Atom(byte.format(piece.byte)), ">>", number(piece.right))
+    expression = moved(Atom(byte.format(piece.byte)), ">>", number(piece.right))
     if piece.mask << piece.right & 0xFF != 0xFF >> piece.right << piece.right:
-        found = Operation(found, "&", mask(piece.mask))
-    return moved(found, "<<", number(piece.left))
+        expression = Operation(expression, "&", mask(piece.mask))
+    return moved(expression, "<<", number(piece.left))

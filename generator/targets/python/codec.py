@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -69,7 +69,7 @@ class Coder:
         self.interface, self.encoder = interface_name(interface), encoder_name(interface)
         self.names = ClassNames(layout, register, context.crcs.values())
         self.make = Maker(context.scope, self.plan, self.names)
-        answered = frozenset(name for item in self.asked for name, _ in item.members)
+        answered = frozenset(parameter for question in self.asked for parameter, _ in question.members)
         scope = Once(context.scope.names, answered) if register is None else context.scope
         self.decoding = Decoder(scope, self.plan, self.names, self.enum)
         #: Questions whose answers the decoder accepts: those of all frames among which it is chosen.
@@ -83,10 +83,15 @@ class Coder:
     @cached_property
     def takes_variant(self) -> bool:
         """True if anything depends on the order code."""
-        stated = [item.equals for item in self.expected if isinstance(item.equals, Expression)]
-        limited = self.limits is not None and differ(self.limits)
+        stated_expressions = [field.equals for field in self.expected if isinstance(field.equals, Expression)]
+        limited = self.limits is not None and limits_depend(self.limits)
         reported = self.reports is not None and self.reports.depends
-        return self.plan.depends or limited or reported or not all(item.is_constant for item in stated)
+        return (
+            self.plan.depends
+            or limited
+            or reported
+            or not all(expression.is_constant for expression in stated_expressions)
+        )
 
     @cached_property
     def asked(self) -> list[Asked]:
@@ -98,14 +103,14 @@ class Coder:
         """Attributes other than fields: the encoder and answers, with their types."""
         return [
             *([("variant", self.encoder)] if self.takes_variant else []),
-            *((item.name, item.kind) for item in self.asked),
+            *((question.name, question.kind) for question in self.asked),
         ]
 
     @property
     def given_about(self) -> list[tuple[str, str]]:
         """The arguments in ``given``, each with its description."""
         answer = "Answer to a question that the manual leaves open, as a member of ``%s``."
-        about = {item.name: answer % item.kind for item in self.asked}
+        about = {question.name: answer % question.kind for question in self.asked}
         return [(name, about.get(name, "The encoder.")) for name, _ in self.given]
 
     @property
@@ -123,22 +128,24 @@ class Coder:
     def chosen(self) -> list[Part]:
         """Named values, which ``decode`` looks up after all checks."""
         parts = self.plan.parts
-        return [item for item in parts if is_named(item.meaning) and not self.selects(item.field)]
+        return [part for part in parts if is_named(part.meaning) and not self.selects(part.field)]
 
     @property
     def bases(self) -> str:
         """Bases of the class, except the NamedTuple of its fields."""
-        kind = "Register" if self.register is not None else "Bytes" if self.plan.in_bytes else "Bits"
-        sent = "Sent, " if self.reports is not None else ""
+        mixin = "Sent, " if self.reports is not None else ""
         if self.asked:
-            return f"{sent}{'InBytes' if self.plan.in_bytes else 'InBits'}"
-        return f'{sent}{kind}Of["{self.encoder}"]' if self.takes_variant else f"{sent}Fixed{kind}"
+            return f"{mixin}{'InBytes' if self.plan.in_bytes else 'InBits'}"
+        kind = "Bytes" if self.plan.in_bytes else "Bits"
+        if self.register is not None:
+            kind = "Register"
+        return f'{mixin}{kind}Of["{self.encoder}"]' if self.takes_variant else f"{mixin}Fixed{kind}"
 
     # -- attributes
 
     @cached_property
     def attributes(self) -> list[Attribute]:
-        return _with_defaults([item for part in self.plan.parts for item in self._of_part(part.field)] + self._unused)
+        return self._attributes_of(part.field for part in self.plan.parts)
 
     @property
     def _unused(self) -> list[Attribute]:
@@ -148,10 +155,14 @@ class Coder:
 
     def others(self, whole: Whole) -> list[Attribute]:
         """Return the attributes that are not part of a joined number."""
-        parts = (part.field for part in self.plan.parts if part.field not in whole.fields)
-        return _with_defaults([item for field in parts for item in self._of_part(field)] + self._unused)
+        return self._attributes_of(part.field for part in self.plan.parts if part.field not in whole.fields)
 
-    def _of_part(self, field: Field) -> Iterator[Attribute]:
+    def _attributes_of(self, fields: Iterable[Field]) -> list[Attribute]:
+        """Return the attributes of these fields and of the unused bits."""
+        attributes = [attribute for field in fields for attribute in self._field_attributes(field)]
+        return _with_defaults(attributes + self._unused)
+
+    def _field_attributes(self, field: Field) -> Iterator[Attribute]:
         match meaning_of(field):
             case Raw():
                 # The value that the manual gives for a number in a frame.
@@ -181,7 +192,7 @@ class Coder:
 
     def _attribute(self, field: Field, type_: str, default: str = "") -> Attribute:
         variants = () if field.width.is_constant else self.context.device.variants
-        missing = any(field.width.value(item.parameters) == 0 for item in variants)
+        missing = any(field.width.value(variant.parameters) == 0 for variant in variants)
         return Attribute(self.names.attribute(field.name), type_, self.about(field, missing), default)
 
     def _of_run(self, field: Field, run: Digits) -> str:
@@ -223,13 +234,13 @@ class Coder:
     @property
     def expected(self) -> list[Field]:
         """Fields for which the manual gives a value."""
-        return [item for item in self.layout.fields if item.equals is not None]
+        return [field for field in self.layout.fields if field.equals is not None]
 
     @property
     def decimals(self) -> list[Field]:
         """Fields of decimal digits whose name is not that of a run of digits."""
         decimals = (part.field for part in self.plan.parts if part.field.runs)
-        return [item for item in decimals if item.name not in {run.name for run in item.runs}]
+        return [field for field in decimals if not _has_run_of_its_name(field)]
 
     @property
     def is_strict(self) -> bool:
@@ -238,7 +249,7 @@ class Coder:
 
     @property
     def expected_in_words(self) -> str:
-        stated = [f"{item.name} = {_in_words(item.equals)}" for item in self.expected]
+        stated = [f"{field.name} = {_in_words(field.equals)}" for field in self.expected]
         return ", ".join([*stated, *(["no unused bit differs"] if self.is_strict else [])])
 
     def stated(self, field: Field) -> Expr:
@@ -256,16 +267,19 @@ class Coder:
         measurement = self.context.device.measurement_of(self.layout_interface)
         name = measurement.of if measurement is not None else "position"
         numbers = {part.field.name for part in self.plan.parts if is_number(part.meaning)}
-        return self.names.attribute(name) if name in numbers.union(item.name for item in self.layout.joins) else ""
+        numbers.update(join.name for join in self.layout.joins)
+        return self.names.attribute(name) if name in numbers else ""
 
     @property
     def usable(self) -> str:
         """Expression for the position of a frame, without the checks of its property if they are not needed."""
-        whole = next((item for item in self.plan.wholes if self.names.attribute(item.join.name) == self.measured), None)
-        plain = whole is not None and all(isinstance(meaning_of(field), Raw) for field in whole.fields)
-        if whole is None or not plain:
+        position = next(
+            (whole for whole in self.plan.wholes if self.names.attribute(whole.join.name) == self.measured), None
+        )
+        plain = position is not None and all(isinstance(meaning_of(field), Raw) for field in position.fields)
+        if position is None or not plain:
             return self.by_index(self.measured)
-        return str(self.make.whole_of_numbers(whole, self.context.scope_of(self.by_index("variant")), self.by_index))
+        return str(self.make.whole_of_numbers(position, self.context.scope_of(self.by_index("variant")), self.by_index))
 
     @property
     def not_usable(self) -> list[str]:
@@ -278,7 +292,8 @@ class Coder:
 
     def by_index(self, name: str) -> str:
         """Return an expression that reads an attribute by its index, or by its name if it has none."""
-        names = [*(item for item, _ in self.given), *(item.name for item in self.attributes)]
+        other_names = (attribute_name for attribute_name, _ in self.given)
+        names = [*other_names, *(attribute.name for attribute in self.attributes)]
         return f"self[{names.index(name)}]" if name in names else f"self.{name}"
 
     @cached_property
@@ -307,13 +322,13 @@ class Coder:
     @property
     def limits_functions(self) -> Iterator[LimitsFunction]:
         if self.limits is not None:
-            yield LimitsFunction("limits", "", *between(self.context.scope, self.limits), self.takes_variant)
+            yield LimitsFunction("limits", "", *limit_expressions(self.context.scope, self.limits), self.takes_variant)
         for meaning in self.register.meanings if self.register is not None else ():
             if self.register is not None and (meaning.min is not None or meaning.max is not None):
                 limits = limits_of(self.context.device, self.register, meaning)
                 when = words(meaning.name)
-                low, high = between(self.context.scope, limits)
-                yield LimitsFunction(meaning_limits(meaning), when, low, high, differ(limits))
+                low, high = limit_expressions(self.context.scope, limits)
+                yield LimitsFunction(meaning_limits(meaning), when, low, high, limits_depend(limits))
 
     # -- docstrings
 
@@ -321,18 +336,31 @@ class Coder:
     def doc(self) -> str:
         device = self.context.device
         if self.register is not None:
-            about, of = text.of_register(device, self.register), "register"
+            description, kind = text.of_register(device, self.register), "register"
         else:
-            interface = next(item for item, layout in device.layouts() if layout is self.layout)
-            about, of = text.of_layout(device, interface, self.layout), "frame"
-        attributes = [(item.name, sentence(item.alternative.meaning)) for item in self.asked]
-        attributes += [(item.name, item.meaning) for item in self.attributes]
-        reserved = {item.field.name for item in self.plan.reserved}
-        checked = [item for item in self.layout.fields if not item.carries_data and not item.padding_of]
-        checked = [item for item in checked if item.name not in reserved]
-        bits = [(text.of_unused(item.field, item.place), self.about(item.field)) for item in self.plan.reserved]
-        other = ("Checked by decode()", [(item.name, self.about(item)) for item in checked])
-        return text.of_class(about, of if self.takes_variant else "", attributes, ("Bits of unused", bits), other)
+            interface = next(interface for interface, layout in device.layouts() if layout is self.layout)
+            description, kind = text.of_layout(device, interface, self.layout), "frame"
+        attributes = [(question.name, sentence(question.alternative.meaning)) for question in self.asked]
+        attributes += [(attribute.name, attribute.meaning) for attribute in self.attributes]
+        reserved = self.plan.reserved
+        unused_bits = [(text.of_unused(bits.field, bits.place), self.about(bits.field)) for bits in reserved]
+        return text.of_class(
+            description,
+            kind if self.takes_variant else "",
+            attributes,
+            ("Bits of unused", unused_bits),
+            ("Checked by decode()", [(field.name, self.about(field)) for field in self._checked_fields()]),
+        )
+
+    def _checked_fields(self) -> list[Field]:
+        """Return the fields that ``decode`` checks and that are neither attributes nor unused."""
+        reserved = {bits.field.name for bits in self.plan.reserved}
+        without_data = [field for field in self.layout.fields if not field.carries_data and not field.padding_of]
+        return [field for field in without_data if field.name not in reserved]
+
+
+def _has_run_of_its_name(field: Field) -> bool:
+    return any(run.name == field.name for run in field.runs)
 
 
 def _in_words(value: Expression | int | str | None) -> str:
@@ -341,7 +369,7 @@ def _in_words(value: Expression | int | str | None) -> str:
     return repr(value) if isinstance(value, str) else coded(value or 0)
 
 
-def between(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
+def limit_expressions(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
     """Return the lowest and the highest value. A missing limit follows from the width."""
     low: Expr = number(0)
     high: Expr = Operation(scope.power(limits.width), "-", number(1))
@@ -356,15 +384,16 @@ def between(scope: Scope, limits: Limits) -> tuple[Expr, Expr]:
     )
 
 
-def differ(limits: Limits) -> bool:
+def limits_depend(limits: Limits) -> bool:
     """Return whether limits depend on the order code."""
-    given = [item for item in (limits.low, limits.high) if item is not None]
-    return not all(item.is_constant for item in (*given, *([limits.width] if len(given) < 2 else [])))
+    bounds = [bound for bound in (limits.low, limits.high) if bound is not None]
+    if len(bounds) < 2:
+        bounds.append(limits.width)
+    return not all(bound.is_constant for bound in bounds)
 
 
 def _with_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:
     """Return the attributes. An attribute keeps its default only if all attributes after it also have one."""
-    made: list[Attribute] = []
-    for item in reversed(attributes):
-        made.insert(0, item if all(other.default for other in made) else replace(item, default=""))
-    return made
+    last_without = max((index for index, attribute in enumerate(attributes) if not attribute.default), default=0)
+    required = [replace(attribute, default="") for attribute in attributes[:last_without]]
+    return [*required, *attributes[last_without:]]

@@ -50,12 +50,12 @@ class Once(Scope):
     def ones(self, width: Expression) -> Expr:
         return self._name("ones", width, Scope(self.names).ones(width))
 
-    def _name(self, kind: str, value: Expression, found: Expr) -> Expr:
+    def _name(self, kind: str, value: Expression, expression: Expr) -> Expr:
         if value.is_constant or not self.answered.isdisjoint(value.parameters):
-            return found
-        known = {text: name for name, text in self.named.items()}
-        name = known.get(str(found), f"{kind}_{len(self.named)}")
-        self.named[name] = str(found)
+            return expression
+        names_by_text = {text: name for name, text in self.named.items()}
+        name = names_by_text.get(str(expression), f"{kind}_{len(self.named)}")
+        self.named[name] = str(expression)
         return Atom(name)
 
 
@@ -120,37 +120,39 @@ class Decoder:
     def lookups(self) -> str:
         """XOR of the tables. The word is halved first, because operations on short numbers are faster."""
         shifts = [TABLE_BITS * place for place in range(self.tables - 1)]
-        found = [f"high >> {shift}" if shift else "high" for shift in shifts]
+        shifted_high = ["high", *(f"high >> {shift}" for shift in shifts[1:])]
         ones = mask((1 << TABLE_BITS) - 1)
-        indices = ["low", *(f"{item} & {ones}" for item in found[:-1]), *found[-1:]][: self.tables]
-        return " ^ ".join(f"table_{place}[{item}]" for place, item in enumerate(indices))
+        masked_high = [f"{shifted} & {ones}" for shifted in shifted_high[:-1]]
+        indices = ["low", *masked_high, *shifted_high[-1:]][: self.tables]
+        return " ^ ".join(f"table_{place}[{index}]" for place, index in enumerate(indices))
 
     @staticmethod
     def listed(name: str, count: int) -> str:
         """Return ``count`` numbered names for a tuple assignment."""
-        return ", ".join(f"{name}{place}" for place in range(count)) + ("," if count == 1 else "")
+        names = ", ".join(f"{name}{place}" for place in range(count))
+        return names + ("," if count == 1 else "")
 
     # -- first byte of a frame of bytes
 
     @cached_property
     def heads(self) -> list[tuple[int, int]]:
         """Valid first bytes of a frame whose selector is in the first byte, each with its selector."""
-        checks = [item for item in self.codec.checks if self._in_head(item)]
-        selector = next((item for item in checks if isinstance(item, IsOneOf) and self.selects(item.field)), None)
+        checks = [check for check in self.codec.checks if self._is_in_first_byte(check)]
+        selector = next((check for check in checks if isinstance(check, IsOneOf) and self.selects(check.field)), None)
         if selector is None:
             return []
-        sound = (byte for byte in range(256) if all(self._holds(item, byte) for item in checks))
-        return [(byte, _of(selector.bits.pieces, byte)) for byte in sound]
+        valid_bytes = (byte for byte in range(256) if self._passes(checks, byte))
+        return [(byte, _bits_in_byte(selector.bits.pieces, byte)) for byte in valid_bytes]
 
     @property
     def members(self) -> list[tuple[int, str]]:
         """Value of the selector for each valid first byte. Empty if the selector is not an attribute of the frame."""
-        shown = next((item for item in self.codec.parts if self.selects(item.field)), None)
-        if shown is None:
+        selector_part = next((part for part in self.codec.parts if self.selects(part.field)), None)
+        if selector_part is None:
             return []
-        match meaning_of(shown.field):
+        match meaning_of(selector_part.field):
             case Named(values):
-                names = {item.value: f"{self.enum(shown.field)}.{item.name.upper()}" for item in values}
+                names = {choice.value: f"{self.enum(selector_part.field)}.{choice.name.upper()}" for choice in values}
                 return [(byte, names.get(value, coded(value))) for byte, value in self.heads]
             case Raw() | TwosComplement() | ZeroMeans() | Active() | DigitRuns() | Characters():
                 return [(byte, coded(value)) for byte, value in self.heads]
@@ -162,42 +164,46 @@ class Decoder:
         """Conditions under which a check fails, if the first byte decides most of them. Empty if it does not."""
         if not self.heads:
             return []
-        others = [item for item in self.codec.checks if not self._in_head(item)]
-        if not all(isinstance(item, (AlwaysIs, ZerosAbove)) for item in others):
+        other_checks = [check for check in self.codec.checks if not self._is_in_first_byte(check)]
+        if not all(isinstance(check, (AlwaysIs, ZerosAbove)) for check in other_checks):
             return []
         heads = [f"0x{byte:02X}" for byte, _ in self.heads]
         among = "heads" if self.members else f"({', '.join(heads)})"
         head = f"b0 != {heads[0]}" if len(heads) == 1 and not self.members else f"b0 not in {among}"
         # Bits that get a name come first, so that each has one if no condition holds.
-        others.sort(key=lambda item: not isinstance(item, ZerosAbove))
-        return [*map(self._fails, others), head]
+        other_checks.sort(key=lambda check: not isinstance(check, ZerosAbove))
+        return [*map(self._failing_condition, other_checks), head]
 
-    def _fails(self, item: Check) -> str:
-        if isinstance(item, ZerosAbove):
-            bits = self.read.of_bytes(item.field.pieces)
-            return f"({self.local(item.field)} := {bits}) >> {self.number(item.bits.width).operand}"
-        bits = self.read.bits(item.bits)
-        return f"{bits.operand} != {mask(item.value)}" if isinstance(item, AlwaysIs) and item.value else str(bits)
+    def _failing_condition(self, check: Check) -> str:
+        if isinstance(check, ZerosAbove):
+            bits = self.read.of_bytes(check.field.pieces)
+            return f"({self.local(check.field)} := {bits}) >> {self.number(check.bits.width).operand}"
+        bits = self.read.bits(check.bits)
+        return f"{bits.operand} != {mask(check.value)}" if isinstance(check, AlwaysIs) and check.value else str(bits)
 
-    def _in_head(self, item: Check) -> bool:
+    def _is_in_first_byte(self, check: Check) -> bool:
         """Return whether a check depends only on the first byte."""
-        if not self.is_unpacked or not isinstance(item, (AlwaysIs, ParityIs, IsOneOf)):
+        if not self.is_unpacked or not isinstance(check, (AlwaysIs, ParityIs, IsOneOf)):
             return False
-        of = item.of_bits if isinstance(item, ParityIs) else ()
-        pieces = [*item.bits.pieces, *(piece for bits in of for piece in bits.pieces)]
+        covered_bits = check.of_bits if isinstance(check, ParityIs) else ()
+        pieces = [*check.bits.pieces, *(piece for bits in covered_bits for piece in bits.pieces)]
         return bool(pieces) and all(piece.byte == 0 for piece in pieces)
 
+    def _passes(self, checks: Sequence[Check], byte: int) -> bool:
+        """Return whether a first byte passes all these checks."""
+        return all(self._passes_check(check, byte) for check in checks)
+
     @staticmethod
-    def _holds(item: Check, byte: int) -> bool:
-        found = _of(item.bits.pieces, byte)
-        match item:
+    def _passes_check(check: Check, byte: int) -> bool:
+        bits_in_byte = _bits_in_byte(check.bits.pieces, byte)
+        match check:
             case AlwaysIs(value=value):
-                return found == value
-            case ParityIs(of_bits=of, odd=odd, mask=counted):
-                parts = (_of(bits.pieces, byte) & (counted or -1) for bits in of)
-                return found == sum(parity(part, False) for part in parts) & 1 ^ odd
+                return bits_in_byte == value
+            case ParityIs(of_bits=covered, odd=odd, mask=counted):
+                parts = (_bits_in_byte(bits.pieces, byte) & (counted or -1) for bits in covered)
+                return bits_in_byte == sum(parity(part, False) for part in parts) & 1 ^ odd
             case IsOneOf(values=values):
-                return found in values
+                return bits_in_byte in values
             case _:
                 return True
 
@@ -208,14 +214,14 @@ class Decoder:
 
     def is_padded(self, field: Field) -> bool:
         """Return whether the bits above the field have already been checked."""
-        return any(isinstance(item, ZerosAbove) and item.field is field for item in self.codec.checks)
+        return any(isinstance(check, ZerosAbove) and check.field is field for check in self.codec.checks)
 
     def has_name(self, field: Field) -> bool:
         """Return whether the bits of a field have a local name after the checks."""
-        checks = [item for item in self.codec.checks if item.field.name == field.name]
-        listed = [item for item in checks if isinstance(item, IsOneOf) and len(item.values) > 1]
-        chosen = bool(listed) and self.selects(field) and not self.disagreement
-        return chosen or any(isinstance(item, (ZerosAbove, AtMost, NotAbove, IsBetween)) for item in checks)
+        checks = [check for check in self.codec.checks if check.field.name == field.name]
+        choice_checks = [check for check in checks if isinstance(check, IsOneOf) and len(check.values) > 1]
+        is_looked_up = bool(choice_checks) and self.selects(field) and not self.disagreement
+        return is_looked_up or any(isinstance(check, (ZerosAbove, AtMost, NotAbove, IsBetween)) for check in checks)
 
     def bits(self, part: Part) -> Expr:
         """Return the bits of a field after all checks."""
@@ -223,63 +229,66 @@ class Decoder:
 
     def values(self, part: Part) -> list[Expr]:
         """Return the values of a field: one, or one per run of digits."""
-        item, bits = part.field, self.bits(part)
-        if self.disagreement and self.selects(item):
+        field, bits = part.field, self.bits(part)
+        if self.disagreement and self.selects(field):
             return [Atom("heads[b0]")]
-        match meaning_of(item):
+        match meaning_of(field):
             case Raw():
                 return [bits]
             case TwosComplement():
-                return [call("signed", bits, self.number(item.width))]
+                return [call("signed", bits, self.number(field.width))]
             case ZeroMeans(stands_for):
-                return [_or(bits, stands_for)]
+                return [_or_if_zero(bits, stands_for)]
             case Active(low):
                 # A shorter number also contains the lowest bits.
                 at = part.bits.low
                 is_low = self.tables and not self.codec.gray and at.is_constant and at.constant < TABLE_BITS
                 return [_truth(self.read.bit(part.bits, "low" if is_low else ""), low)]
-            case Named() if self.selects(item):
-                return [call(self.enum(item), bits)]
+            case Named() if self.selects(field):
+                return [call(self.enum(field), bits)]
             case Named():
-                return [Atom(self.local(item))]
+                return [Atom(self.local(field))]
             case DigitRuns(runs):
                 return [value for _, value in digits(bits, runs)]
             case Characters():
                 adjacent = self.read.characters(part.bits)
-                return [Atom(f'{adjacent}.decode("latin-1")') if adjacent else _text(item, bits)]
+                return [Atom(f'{adjacent}.decode("latin-1")') if adjacent else _text(field, bits)]
             case meaning:
                 assert_never(meaning)
 
-    def all_values(self, given: Sequence[tuple[str, str]]) -> list[str]:
+    def all_values(self, encoder_and_answers: Sequence[tuple[str, str]]) -> list[str]:
         """Return the values of all attributes, in order, after the encoder and the answers."""
         values = [str(value) for part in self.codec.parts for value in self.values(part)]
-        kept = [self.read.unused()] if self.codec.reserved else [self.read.others()] if self.codec.keeps_others else []
-        return [*(name for name, _ in given), *values, *map(str, kept)]
+        if self.codec.reserved:
+            values.append(str(self.read.unused()))
+        elif self.codec.keeps_others:
+            values.append(str(self.read.others()))
+        return [*(name for name, _ in encoder_and_answers), *values]
 
 
-def assigned(scope: Scope, names: ClassNames, enum: str, item: Field, bits: Expr) -> Iterator[tuple[str, Expr]]:
+def assigned(scope: Scope, names: ClassNames, enum: str, field: Field, bits: Expr) -> Iterator[tuple[str, Expr]]:
     """Yield the attributes of a field of a joined number, with their values. ``enum`` is the name of its IntEnum."""
     name = names.attribute
-    match meaning_of(item):
+    match meaning_of(field):
         case Raw():
-            yield name(item.name), bits
+            yield name(field.name), bits
         case TwosComplement():
-            yield name(item.name), call("signed", bits, scope.of(item.width))
+            yield name(field.name), call("signed", bits, scope.of(field.width))
         case ZeroMeans(stands_for):
-            yield name(item.name), _or(bits, stands_for)
+            yield name(field.name), _or_if_zero(bits, stands_for)
         case Active(low):
-            yield name(item.name), _truth(bits, low)
+            yield name(field.name), _truth(bits, low)
         case Named():
-            yield name(item.name), call("choice", enum, f'"{item.name}"', bits)
+            yield name(field.name), call("choice", enum, f'"{field.name}"', bits)
         case DigitRuns(runs):
             yield from ((name(run.name), value) for run, value in digits(bits, runs))
         case Characters():
-            yield name(item.name), _text(item, bits)
+            yield name(field.name), _text(field, bits)
         case meaning:
             assert_never(meaning)
 
 
-def _of(pieces: Iterable[Piece], byte: int) -> int:
+def _bits_in_byte(pieces: Iterable[Piece], byte: int) -> int:
     """Return the number that the pieces of one byte form."""
     return sum((byte >> piece.right & piece.mask) << piece.left for piece in pieces)
 
@@ -287,11 +296,11 @@ def _of(pieces: Iterable[Piece], byte: int) -> int:
 def digits(value: Expr, runs: Sequence[Digits]) -> Iterator[tuple[Digits, Expr]]:
     """Yield the runs of decimal digits in a number, each with its value."""
     for run in runs:
-        found = value if run.divisor == 1 else Operation(value, "//", number(run.divisor))
-        yield run, found if run is runs[0] else Operation(found, "%", number(run.modulus))
+        quotient = value if run.divisor == 1 else Operation(value, "//", number(run.divisor))
+        yield run, quotient if run is runs[0] else Operation(quotient, "%", number(run.modulus))
 
 
-def _or(bits: Expr, stands_for: int) -> Expr:
+def _or_if_zero(bits: Expr, stands_for: int) -> Expr:
     return Atom(f"{bits.operand} or {grouped(stands_for)}")
 
 

@@ -29,20 +29,30 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
     An entry without a name, such as that of ``Returns``, is plain text.
     """
     pad = " " * indent
-    lines = [wrapped(_in_docstring(summary), WIDTH - (3 if not any(blocks) else 0), pad, f'{pad}"""')]
+    pad = " " * indent
+    summary_width = WIDTH if any(blocks) else WIDTH - len('"""')
+    lines = [wrapped(_in_docstring(summary), summary_width, pad, f'{pad}"""')]
     for block in blocks:
-        if isinstance(block, str):
-            lines += ["", wrapped(_in_docstring(block), WIDTH, pad)] if block else []
-        elif isinstance(block, Lines):
-            lines += ["", *(f"{pad}    {_in_docstring_line(line)}" for line in block.lines)] if block.lines else []
-        elif block[1]:
-            entries = (_entry(name, text, pad) for name, text in block[1])
-            lines += ["", wrapped(_in_docstring(f"{block[0]}:"), WIDTH, pad), *entries]
+        block_lines = _block_lines(block, pad)
+        if block_lines:
+            lines += ["", *block_lines]
     text = "\n".join(lines)
     if "\n" in text:
         return f'{text}\n{pad}"""'
     open_quote = _OPEN_QUOTE.search(text)
     return (f'{text[:-1]}\\"' if open_quote else text) + '"""'
+
+
+def _block_lines(block: Block, pad: str) -> list[str]:
+    """Return the lines of a block, none if it is empty."""
+    if isinstance(block, str):
+        return [wrapped(_in_docstring(block), WIDTH, pad)] if block else []
+    if isinstance(block, Lines):
+        return [f"{pad}    {_in_docstring_line(line)}" for line in block.lines]
+    title, entries = block
+    if not entries:
+        return []
+    return [wrapped(_in_docstring(f"{title}:"), WIDTH, pad), *(_entry(name, text, pad) for name, text in entries)]
 
 
 def _entry(name: str, text: str, pad: str) -> str:

@@ -28,7 +28,7 @@ class Expr:
         """Text next to any operator."""
         return str(self) if self.level == _ATOM else f"({self})"
 
-    def beside(self, operator: str, after: bool = False) -> str:
+    def as_operand_of(self, operator: str, after: bool = False) -> str:
         """Return the text as an operand of ``operator``."""
         outer = _LEVELS[operator]
         looser = self.level <= outer if after else self.level < outer
@@ -47,26 +47,26 @@ class Atom(Expr):
 
 @dataclass(frozen=True, slots=True)
 class Negative(Expr):
-    of: Expr
+    value: Expr
 
     @property
     def level(self) -> int:
         return _LEVELS["*"]
 
     def __str__(self) -> str:
-        return f"-{self.of.beside('*')}"
+        return f"-{self.value.as_operand_of('*')}"
 
 
 @dataclass(frozen=True, slots=True)
 class Not(Expr):
-    of: Expr
+    value: Expr
 
     @property
     def level(self) -> int:
         return _LEVELS["not"]
 
     def __str__(self) -> str:
-        return f"not {self.of.beside('not')}"
+        return f"not {self.value.as_operand_of('not')}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,9 @@ class Operation(Expr):
         return _LEVELS[self.operator]
 
     def __str__(self) -> str:
-        return f"{self.left.beside(self.operator)} {self.operator} {self.right.beside(self.operator, after=True)}"
+        left = self.left.as_operand_of(self.operator)
+        right = self.right.as_operand_of(self.operator, after=True)
+        return f"{left} {self.operator} {right}"
 
 
 def call(function: str, *arguments: Expr | str) -> Expr:
@@ -131,17 +133,18 @@ class Scope:
     def of(self, value: Expression) -> Expr:
         if value.is_constant:
             return number(value.constant)
-        terms = [(1 if term.multiple > 0 else -1, self._product(term)) for term in value.terms]
+        signs = [1 if term.multiple > 0 else -1 for term in value.terms]
+        terms = list(zip(signs, map(self._product, value.terms), strict=True))
         if value.constant:
             constant = Atom(str(abs(value.constant)))
             sign = 1 if value.constant > 0 else -1
             # A sum should not start with a sign.
             terms.insert(0 if sign > terms[0][0] else len(terms), (sign, constant))
-        (sign, first), *others = terms
-        found: Expr = first if sign > 0 else Negative(first)
-        for sign, item in others:
-            found = Operation(found, "+" if sign > 0 else "-", item)
-        return found
+        (sign, first), *following = terms
+        total: Expr = first if sign > 0 else Negative(first)
+        for sign, product in following:
+            total = Operation(total, "+" if sign > 0 else "-", product)
+        return total
 
     def ones(self, width: Expression) -> Expr:
         """Return a mask of ``width`` ones."""
@@ -156,6 +159,6 @@ class Scope:
         multiple = [number(abs(term.multiple))] if abs(term.multiple) != 1 else []
         return joined("*", [*multiple, *map(self._factor, term.factors)])
 
-    def _factor(self, item: Factor) -> Expr:
-        found = Atom(self.names[item.parameter])
-        return Operation(number(1), "<<", found) if item.power else found
+    def _factor(self, factor: Factor) -> Expr:
+        parameter = Atom(self.names[factor.parameter])
+        return Operation(number(1), "<<", parameter) if factor.power else parameter

@@ -76,92 +76,98 @@ def family(device: Device) -> Call:
 
 
 def order_code(code: OrderCode) -> Call:
-    parts = tuple(row("Part", part, open_only_with=_only(part.open_only_with)) for part in code.parts)
+    parts = tuple(row("Part", part, open_only_with=_allowed_combinations(part.open_only_with)) for part in code.parts)
     return row("OrderCode", code, parts=parts)
 
 
-def _only(allowed: Mapping[str, tuple[str, ...]]) -> Call | None:
+def _allowed_combinations(allowed: Mapping[str, tuple[str, ...]]) -> Call | None:
     """Return the values of other parts with which a part can be combined."""
-    items = ", ".join(f"{quoted(name)}: ({', '.join(map(quoted, texts))},)" for name, texts in allowed.items())
-    return Call("ReadOnly", (("", Code(f"{{{items}}}")),)) if allowed else None
+    if not allowed:
+        return None
+    values_by_part = ", ".join(f"{quoted(name)}: ({', '.join(map(quoted, texts))},)" for name, texts in allowed.items())
+    return Call("ReadOnly", (("", Code(f"{{{values_by_part}}}")),))
 
 
 def tables(device: Device) -> list[Table]:
     """Return the tables at the end of a module."""
-    made = (Table(comment, name, kind, rows(kind, getattr(device, name.lower()))) for comment, name, kind in _TABLES)
-    return [item for item in made if item.rows or item.name in _ALWAYS]
+    tables_of_device = [_table(device, *table) for table in _TABLES]
+    return [table for table in tables_of_device if table.rows or table.name in _ALWAYS]
+
+
+def _table(device: Device, comment: str, name: str, kind: str) -> Table:
+    return Table(comment, name, kind, rows(kind, getattr(device, name.lower())))
 
 
 def reports(device: Device) -> list[Call]:
     """Return the reports of the encoder in frames of the family."""
-    return [_report(item.name, item.field, alarm_of(device, item.field)) for item in reports_of(device)]
+    return [_report(report.name, report.field, alarm_of(device, report.field)) for report in reports_of(device)]
 
 
-def _report(name: str, item: Field, alarm: Alarm | None) -> Call:
-    worth = verdict_of(item)
+def _report(name: str, field: Field, alarm: Alarm | None) -> Call:
+    verdict = verdict_of(field)
     return record(
         "Report",
-        {"name": name, "printed_name": item.printed_name, "meaning": meaning(item, alarm)},
-        remedy=remedy(item, alarm),
-        makes_position=Member("Verdict", worth.name) if worth is not None else None,
-        source=cite(source(item, alarm)),
+        {"name": name, "printed_name": field.printed_name, "meaning": meaning(field, alarm)},
+        remedy=remedy(field, alarm),
+        makes_position=Member("Verdict", verdict.name) if verdict is not None else None,
+        source=cite(source(field, alarm)),
     )
 
 
 # -- interfaces
 
 
-def interface(item: Interface) -> Call:
-    match item:
+def interface(interface: Interface) -> Call:
+    match interface:
         case Ssi():
-            code = item.output_code
+            code = interface.output_code
             return row(
                 "SsiFacts",
-                item,
-                alignment=Member("Alignment", item.alignment.end),
+                interface,
+                alignment=Member("Alignment", interface.alignment.end),
                 output_code=code.code if code is not None else "",
-                alignment_source=cite(item.alignment.source),
+                alignment_source=cite(interface.alignment.source),
                 output_code_source=cite(code.source) if code is not None else "",
             )
         case Biss():
-            return row("BissFacts", item)
+            return row("BissFacts", interface)
         case Rs485():
-            memory = tuple(row("MemoryAccess", each, busy=bool(each.busy)) for each in item.memory_access)
-            return row("Rs485Facts", item, memory_access=memory)
+            memory = tuple(row("MemoryAccess", access, busy=bool(access.busy)) for access in interface.memory_access)
+            return row("Rs485Facts", interface, memory_access=memory)
         case Spi():
-            return row("SpiFacts", item)
+            return row("SpiFacts", interface)
         case _:
-            assert_never(item)
+            assert_never(interface)
 
 
 # -- fields and registers
 
 
-def _field(codec: Codec, item: Field) -> Call:
-    when_active, when_inactive = states(item)
+def _field(codec: Codec, field: Field) -> Call:
+    when_active, when_inactive = states(field)
     reserved = {reserved.field.name: reserved.value for reserved in codec.reserved}
     return row(
         "FieldFacts",
-        item,
-        **of_facts(meaning_of(item)),
+        field,
+        **of_facts(meaning_of(field)),
         when_active=when_active,
         when_inactive=when_inactive,
-        constant=codec.constants.get(item.name),
-        unused=reserved.get(item.name),
-        power_of_two=item.name in powers_of_two(codec),
+        constant=codec.constants.get(field.name),
+        unused=reserved.get(field.name),
+        power_of_two=field.name in powers_of_two(codec),
     )
 
 
 def _fields(codec: Codec) -> tuple[Call, ...]:
     """Return the facts of each field."""
-    return tuple(_field(codec, item) for item in codec.layout.fields)
+    return tuple(_field(codec, field) for field in codec.layout.fields)
 
 
 def _is_one_number(layout: Layout) -> bool:
     """Return whether a register is a single number of the same name."""
     first = layout.fields[0]
-    own = len(layout.fields) == 1 and first.name == layout.name and first.carries_data
-    return own and is_number(meaning_of(first))
+    is_single_field = len(layout.fields) == 1 and first.name == layout.name and first.carries_data
+    return is_single_field and is_number(meaning_of(first))
 
 
 def frame_rows(device: Device) -> dict[str, tuple[Call, ...]]:
@@ -170,14 +176,14 @@ def frame_rows(device: Device) -> dict[str, tuple[Call, ...]]:
 
 
 def register_rows(device: Device) -> dict[str, Call]:
-    return {item.name: _register(device, item) for item in device.registers}
+    return {register.name: _register(device, register) for register in device.registers}
 
 
-def _register(device: Device, item: Register) -> Call:
+def _register(device: Device, register: Register) -> Call:
     return row(
         "Register",
-        item,
-        default=item.default_bytes(),
-        wait_ms=item.wait_at_least_ms,
-        fields=() if _is_one_number(item.layout) else _fields(codec_of(device, item.layout)),
+        register,
+        default=register.default_bytes(),
+        wait_ms=register.wait_at_least_ms,
+        fields=() if _is_one_number(register.layout) else _fields(codec_of(device, register.layout)),
     )

@@ -26,11 +26,13 @@ from .names import BISS, FACTS, PACKAGE, SHAPES, STANDARD
 from .readme import Shown, start
 
 #: Files that each package has once, next to its folder and in it.
-_BESIDE = ("README.md", "pyproject.toml")
-_INSIDE = ("__init__", "_codes")
+_PROJECT_FILES = ("README.md", "pyproject.toml")
+_PACKAGE_FILES = ("__init__", "_codes")
 #: Source files that are copied: the runtime with its package, and files that every manufacturer's package needs.
 RUNTIME = our_runtime("python")
 _PROJECT = RUNTIME / "project"
+#: Characters that Markdown interprets.
+_MARKUP = "\\`*_{}[]<>#|!&"
 #: The folder of the runtime in the output.
 _RUNTIME = "python/runtime"
 
@@ -72,7 +74,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     files = _runtime_files(_RUNTIME)
     makers = library.by_manufacturer()
     main = main_manufacturer([maker for maker, _ in makers])
-    folders = {maker.name: "python" if maker is main else f"python/{maker.python_package}" for maker, _ in makers}
+    folders = {maker.name: _folder_of(maker, is_main=maker is main) for maker, _ in makers}
     for maker, devices in makers:
         folder = folders[maker.name]
         files |= licence_in(folder)
@@ -81,8 +83,12 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     return files
 
 
+def _folder_of(maker: Manufacturer, is_main: bool) -> str:
+    return "python" if is_main else f"python/{maker.python_package}"
+
+
 def _runtime_files(folder: str) -> dict[str, str]:
-    files = {f"{folder}/{name}": (RUNTIME / name).read_text(encoding="utf-8") for name in _BESIDE}
+    files = {f"{folder}/{name}": (RUNTIME / name).read_text(encoding="utf-8") for name in _PROJECT_FILES}
     return files | licence_in(folder) | copied(RUNTIME / "codewheel_runtime", f"{folder}/codewheel_runtime")
 
 
@@ -95,35 +101,13 @@ def runtime_version() -> str:
 def _package(
     maker: Manufacturer, devices: tuple[Device, ...], library: Library, folders: Mapping[str, str]
 ) -> dict[str, str]:
-    package, folder = maker.python_package, folders[maker.name]
-    # pip would take a path without a dot for the name of a package.
-    here = "./" if folder == "python" else ""
-    modules = [Module(device) for device in devices]
+    package = maker.python_package
     biss = (BISS,) if has_biss(devices) else ()
-    values: Package = {
-        "package": package,
-        "distribution": maker.distribution,
-        "title": plain(maker.title),
-        "maker": maker,
-        "notices": [plain(item) for item in maker.trademarks],
-        "header": _header(f"the specifications of {plain(maker.title)}'s encoders"),
-        "modules": modules,
-        "start": start([module.readme for module in modules]),
-        "families": [module.name for module in modules],
-        "specials": [
-            (module.name, item.special) for module in modules for item in module.device.overlays if item.special
-        ],
-        "biss": biss,
-        "rs485": any(device.over(Rs485) for device in devices),
-        "runtime": runtime_version(),
-        "shared": relpath(_RUNTIME, folder),
-        "neighbours": [f"{here}{relpath(other, folder)}" for name, other in folders.items() if name != maker.name],
-        "public": sorted([*(module.name for module in modules), *biss]),
-        "identified": [module.name for module in modules if module.identities and not module.device.base],
-    }
-    own = library.own_templates
-    files = {name: TEMPLATES.render(f"{name}.jinja", values, own) for name in _BESIDE}
-    files |= {f"{package}/{name}.py": TEMPLATES.render(f"{name}.py.jinja", values, own) for name in _INSIDE}
+    values = _package_values(maker, devices, folders, biss)
+    user_templates = library.own_templates
+    files = {name: TEMPLATES.render(f"{name}.jinja", values, user_templates) for name in _PROJECT_FILES}
+    for name in _PACKAGE_FILES:
+        files[f"{package}/{name}.py"] = TEMPLATES.render(f"{name}.py.jinja", values, user_templates)
     files["setup.py"] = (_PROJECT / "setup.py").read_text(encoding="utf-8")
     files |= copied(_PROJECT / "package", package)
     if not biss:
@@ -133,14 +117,44 @@ def _package(
     return files
 
 
+def _package_values(
+    maker: Manufacturer, devices: tuple[Device, ...], folders: Mapping[str, str], biss: tuple[str, ...]
+) -> Package:
+    folder = folders[maker.name]
+    # pip would take a path without a dot for the name of a package.
+    prefix = "./" if folder == "python" else ""
+    other_folders = (other_folder for name, other_folder in folders.items() if name != maker.name)
+    modules = [Module(device) for device in devices]
+    module_overlays = [(module, overlay) for module in modules for overlay in module.device.overlays]
+    return {
+        "package": maker.python_package,
+        "distribution": maker.distribution,
+        "title": plain(maker.title),
+        "maker": maker,
+        "notices": [plain(trademark) for trademark in maker.trademarks],
+        "header": _header(f"the specifications of {plain(maker.title)}'s encoders"),
+        "modules": modules,
+        "start": start([module.readme for module in modules]),
+        "families": [module.name for module in modules],
+        "specials": [(module.name, overlay.special) for module, overlay in module_overlays if overlay.special],
+        "biss": biss,
+        "rs485": any(device.over(Rs485) for device in devices),
+        "runtime": runtime_version(),
+        "shared": relpath(_RUNTIME, folder),
+        "neighbours": [f"{prefix}{relpath(other_folder, folder)}" for other_folder in other_folders],
+        "public": sorted([*(module.name for module in modules), *biss]),
+        "identified": [module.name for module in modules if module.identities and not module.device.base],
+    }
+
+
 def _family(device: Device, library: Library, options: Options) -> dict[str, str]:
     """Return the modules of a family by path: its frames, its facts, and its shapes."""
     package = device.manufacturer.python_package
-    made = _modules(Module(device), package, library.own_templates)
-    return {f"{package}/{name}": text for name, text in made}
+    modules = _modules(Module(device), package, library.own_templates)
+    return {f"{package}/{name}": text for name, text in modules}
 
 
-def _modules(module: Module, package: str, own: Path | None) -> Iterator[tuple[str, str]]:
+def _modules(module: Module, package: str, user_templates: Path | None) -> Iterator[tuple[str, str]]:
     family: Family = {
         "header": _header(f"the specification of {plain(module.device.title)}"),
         "package": package,
@@ -149,17 +163,17 @@ def _modules(module: Module, package: str, own: Path | None) -> Iterator[tuple[s
         "facts": module.fact_names,
         "offers": sorted({name for _, names in module.contents for name in names}),
     }
-    here = {f"..{module.name}": [name for name in family["offers"] if name not in module.fact_names]}
+    device_names = {f"..{module.name}": [name for name in family["offers"] if name not in module.fact_names]}
     files = (
         (f"{module.name}.py", "device", PACKAGE),
         (f"facts/{module.name}.py", "facts", FACTS),
-        (f"_shapes/{module.name}.py", "shapes", {**SHAPES, **here}),
+        (f"_shapes/{module.name}.py", "shapes", {**SHAPES, **device_names}),
     )
     for path, template, sources in files:
         # The first rendering shows which names the module uses, the second one imports them.
-        without = TEMPLATES.render(f"{template}.py.jinja", {**family, "imports": []}, own)
-        found: Family = {**family, "imports": imports_of(without, STANDARD, sources)}
-        yield path, TEMPLATES.render(f"{template}.py.jinja", found, own)
+        text_without_imports = TEMPLATES.render(f"{template}.py.jinja", {**family, "imports": []}, user_templates)
+        values: Family = {**family, "imports": imports_of(text_without_imports, STANDARD, sources)}
+        yield path, TEMPLATES.render(f"{template}.py.jinja", values, user_templates)
 
 
 def _header(source: str) -> str:
@@ -174,16 +188,18 @@ def _toml(text: str) -> str:
 
 def _markdown(text: str) -> str:
     """Return text of a spec, escaped for Markdown."""
-    return "".join(f"\\{character}" if character in "\\`*_{}[]<>#|!&" else character for character in plain(text))
+    escaped = (f"\\{character}" if character in _MARKUP else character for character in plain(text))
+    return "".join(escaped)
 
 
+_PACKAGE_TEMPLATES = (*_PROJECT_FILES, *(f"{name}.py" for name in _PACKAGE_FILES))
 TEMPLATES = Templates(
     our_templates("python"),
     values={
         "device.py.jinja": Family,
         "facts.py.jinja": Family,
         "shapes.py.jinja": Family,
-        **{f"{name}.jinja": Package for name in (*_BESIDE, *(f"{name}.py" for name in _INSIDE))},
+        **{f"{name}.jinja": Package for name in _PACKAGE_TEMPLATES},
     },
     filters=FILTERS,
     tests=TESTS,

@@ -30,20 +30,20 @@ class Maker:
 
     def _bits(self, field: Field) -> Expr:
         """Return the bits of a field, without a check of its value."""
-        own, number = Atom(f"self.{self.names.attribute(field.name)}"), self._index(field.name)
+        attribute, number = Atom(f"self.{self.names.attribute(field.name)}"), self._index(field.name)
         match meaning_of(field):
             case Raw() | Named():
                 return number
             case ZeroMeans(stands_for):
-                return Atom(f"(0 if {own} == {stands_for} else {number})")
+                return Atom(f"(0 if {attribute} == {stands_for} else {number})")
             case TwosComplement():
                 return Operation(number, "&", self.scope.ones(field.width))
             case Active(low):
-                return Not(own) if low else call("bool", own)
+                return Not(attribute) if low else call("bool", attribute)
             case DigitRuns():
                 return self.digits(field)
             case Characters():
-                return call("text_number", f'"{field.name}"', own, str(field.width.constant // 8))
+                return call("text_number", f'"{field.name}"', attribute, str(field.width.constant // 8))
             case meaning:
                 assert_never(meaning)
 
@@ -55,33 +55,34 @@ class Maker:
         parts = [moved(self._bits(field), "<<", self.scope.of(low)) for field, low in whole.from_low]
         return joined("|", reversed(parts))
 
-    def whole_of_numbers(self, whole: Whole, scope: Scope, own: Callable[[str], str]) -> Expr:
+    def whole_of_numbers(self, whole: Whole, scope: Scope, expression_of: Callable[[str], str]) -> Expr:
         """Return the same expression of unsigned numbers, without a check of their types."""
-        values = [
-            moved(Atom(own(self.names.attribute(field.name))), "<<", scope.of(low)) for field, low in whole.from_low
-        ]
-        return joined("|", reversed(values))
+        terms = []
+        for field, low in whole.from_low:
+            attribute = Atom(expression_of(self.names.attribute(field.name)))
+            terms.append(moved(attribute, "<<", scope.of(low)))
+        return joined("|", reversed(terms))
 
     def parts(self, whole: Whole) -> list[tuple[Field, Expr]]:
         """Return the fields of a joined number, most significant first, with expressions for their bits."""
-        name, found = Atom(self.names.attribute(whole.join.name)), []
+        name, field_bits = Atom(self.names.attribute(whole.join.name)), []
         for field, low in whole.from_low:
             shifted = moved(name, ">>", self.scope.of(low))
             top = field is whole.fields[0]
-            found.append((field, shifted if top else Operation(shifted, "&", self.scope.ones(field.width))))
-        return found[::-1]
+            field_bits.append((field, shifted if top else Operation(shifted, "&", self.scope.ones(field.width))))
+        return field_bits[::-1]
 
     @staticmethod
     def whole_depends(whole: Whole) -> bool:
         """Return whether the expression of a joined number depends on the order code."""
-        cut = (item for item in whole.fields if _is_cut(meaning_of(item)))
-        return whole.depends or not all(item.width.is_constant for item in cut)
+        truncated_fields = (field for field in whole.fields if _is_truncated(meaning_of(field)))
+        return whole.depends or not all(field.width.is_constant for field in truncated_fields)
 
     def _index(self, name: str) -> Expr:
         return call("index", f"self.{self.names.attribute(name)}")
 
 
-def _is_cut(meaning: Meaning) -> bool:
+def _is_truncated(meaning: Meaning) -> bool:
     """Return whether ``_bits`` truncates a number to the width of the field."""
     match meaning:
         case TwosComplement():

@@ -13,14 +13,14 @@ _TEXT = re.compile(r'(\s*)(\w+=|"(?:\\.|[^"\\])*": )?("(?:\\.|[^"\\])*"),')
 
 def broken(text: str) -> str:
     """Return the code with long lines broken into one line for each item in the first brackets."""
-    return "\n".join(piece for line in text.split("\n") for piece in _broken(line))
+    return "\n".join(piece for line in text.split("\n") for piece in _broken_lines(line))
 
 
-def _broken(line: str) -> Iterator[str]:
+def _broken_lines(line: str) -> Iterator[str]:
     text = _TEXT.fullmatch(line) if len(line) > WIDTH else None
     start, items, end = _items(line) if len(line) > WIDTH and text is None else (line, [], "")
     if text is not None:
-        yield f"{text[1]}{text[2] or ''}{_in_pieces(text[3], len(text[1]))},"
+        yield f"{text[1]}{text[2] or ''}{_split_literal(text[3], len(text[1]))},"
     elif not items:
         yield line
     else:
@@ -28,8 +28,8 @@ def _broken(line: str) -> Iterator[str]:
         yield start
         # A comma would make a tuple of one unpacked value in parentheses.
         comma = "" if start.endswith("*(") and len(items) == 1 else ","
-        for item in items:
-            yield from _broken(f"{indent}    {item}{comma}")
+        for element in items:
+            yield from _broken_lines(f"{indent}    {element}{comma}")
         yield indent + end
 
 
@@ -48,10 +48,10 @@ def _items(line: str) -> tuple[str, list[str], str]:
             items.append("")
         else:
             items[-1] += token
-    return start, [item.strip() for item in items if item.strip()], line[place:]
+    return start, [element.strip() for element in items if element.strip()], line[place:]
 
 
-def _in_pieces(text: str, indent: int) -> str:
+def _split_literal(text: str, indent: int) -> str:
     """Return a long quoted text as several literals in parentheses, split after spaces."""
     pieces = [""]
     for word in text[1:-1].split(" "):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
+from ...model.never import assert_never
 from ...model.record import dataclass
 from .expr import grouped
 from .lines import broken
@@ -16,8 +17,8 @@ def quoted(text: str | bytes) -> str:
         return 'b"' + "".join(f"\\x{byte:02x}" for byte in text) + '"'
     if text.isprintable() and '"' not in text and "\\" not in text:
         return f'"{text}"'
-    shown = repr(text)
-    return shown if shown[0] == '"' else '"' + shown[1:-1].replace("\\'", "'").replace('"', '\\"') + '"'
+    escaped = repr(text)
+    return escaped if escaped[0] == '"' else '"' + escaped[1:-1].replace("\\'", "'").replace('"', '\\"') + '"'
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,8 @@ class Call:
     @cached_property
     def flat(self) -> str:
         """Call on one line."""
-        arguments = [f"{name}={literal(item)}" if name else literal(item) for name, item in self.arguments]
+        named = ((f"{name}=" if name else "", value) for name, value in self.arguments)
+        arguments = [f"{prefix}{literal(value)}" for prefix, value in named]
         return f"{self.function}({', '.join(arguments)})"
 
 
@@ -60,7 +62,7 @@ class Call:
 class Sometimes:
     """Item of a tuple that is present if the expression ``condition`` is true."""
 
-    item: Call
+    call: Call
     condition: str
 
 
@@ -83,15 +85,15 @@ Literal = (
 
 def call(function: str, *positional: Literal, **optional: Literal) -> Call:
     """Return a call with positional arguments, and with the optional ones that are not empty."""
-    return Call(function, (*(("", value) for value in positional), *_given(optional)))
+    return Call(function, (*(("", value) for value in positional), *_named_arguments(optional)))
 
 
 def record(function: str, needed: Mapping[str, Literal], **optional: Literal) -> Call:
     """Return a call with only named arguments."""
-    return Call(function, (*needed.items(), *_given(optional)))
+    return Call(function, (*needed.items(), *_named_arguments(optional)))
 
 
-def _given(optional: Mapping[str, Literal]) -> tuple[tuple[str, Literal], ...]:
+def _named_arguments(optional: Mapping[str, Literal]) -> tuple[tuple[str, Literal], ...]:
     return tuple((name, value) for name, value in optional.items() if not is_empty(value))
 
 
@@ -113,24 +115,33 @@ def table(name: str, kind: str, rows: Sequence[Call]) -> str:
 
 def literal(value: Literal) -> str:
     """Return ``value`` as source code on one line."""
-    if isinstance(value, (str, bytes)):
-        return quoted(value)
-    if isinstance(value, Code):
-        return value.text
-    if isinstance(value, Hex):
-        return f"0x{value.number:02X}"
-    if isinstance(value, Member):
-        return f"{value.kind}.{value.value.upper()}"
-    if isinstance(value, Call):
-        return value.flat
-    if isinstance(value, Sometimes):
-        return f"*([{value.item.flat}] if {value.condition} else [])"
-    if value is None or isinstance(value, bool):
-        return str(value)
-    if isinstance(value, int):
-        return grouped(value)
-    if isinstance(value, float):
-        return f"{value:g}"
-    if isinstance(value, Mapping):
-        return "ReadOnly({" + ", ".join(f"{quoted(key)}: {quoted(item)}" for key, item in value.items()) + "})"
+    match value:
+        case str() | bytes():
+            return quoted(value)
+        case None | bool():
+            return str(value)
+        case int():
+            return grouped(value)
+        case float():
+            return f"{value:g}"
+        case Mapping():
+            return "ReadOnly({" + ", ".join(f"{quoted(key)}: {quoted(text)}" for key, text in value.items()) + "})"
+        case Code() | Hex() | Member() | Call() | Sometimes():
+            return _code(value)
     return f"({', '.join(map(literal, value))}{',' if len(value) == 1 else ''})"
+
+
+def _code(value: Code | Hex | Member | Call | Sometimes) -> str:
+    match value:
+        case Code():
+            return value.text
+        case Hex():
+            return f"0x{value.number:02X}"
+        case Member():
+            return f"{value.kind}.{value.value.upper()}"
+        case Call():
+            return value.flat
+        case Sometimes():
+            return f"*([{value.call.flat}] if {value.condition} else [])"
+        case _:
+            assert_never(value)

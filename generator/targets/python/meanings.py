@@ -20,13 +20,13 @@ def of_number(meaning: Meaning) -> dict[str, Literal]:
 
 def of_facts(meaning: Meaning) -> dict[str, Literal]:
     """Return the members of ``FieldFacts``, with None for those that do not apply to the field."""
-    none: dict[str, Literal] = {"active": None, "signed": None, "zero_means": None}
+    without_members: dict[str, Literal] = {"active": None, "signed": None, "zero_means": None}
     match meaning:
         case Raw() | ZeroMeans() | Named() | DigitRuns() | Characters():
-            return none | of_number(meaning)
+            return without_members | of_number(meaning)
         case TwosComplement():
-            return none | {"signed": True}
+            return without_members | {"signed": True}
         case Active(low):
-            return none | {"active": "low" if low else "high"}
+            return without_members | {"active": "low" if low else "high"}
         case _:
             assert_never(meaning)

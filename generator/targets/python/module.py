@@ -68,12 +68,13 @@ class Dispatcher:
     @property
     def asked(self) -> list[Asked]:
         """Questions that the manual leaves open about any of the frames."""
-        return list({item.name: item for coder in self.members for item in coder.asked}.values())
+        questions = (question for coder in self.members for question in coder.asked)
+        return list({question.name: question for question in questions}.values())
 
     @property
     def listed(self) -> list[tuple[str, str]]:
         """Arguments for the answers, with their descriptions."""
-        return [(item.name, item.about) for item in self.asked]
+        return [(question.name, question.about) for question in self.asked]
 
     @property
     def told_by(self) -> str:
@@ -98,20 +99,22 @@ class Module:
     def __init__(self, device: Device) -> None:
         self.device, self.context = device, Context(device)
         self.name = self.context.module
-        self.sections = [self._section(item) for item in device.interfaces]
-        self.registers = [self._register(item) for item in device.registers]
-        coders = {item.register.name: item for item in self.registers if isinstance(item, Coder) and item.register}
+        self.sections = [self._section(interface) for interface in device.interfaces]
+        self.registers = [self._register(register) for register in device.registers]
+        coders = {coder.register.name: coder for coder in self.registers if isinstance(coder, Coder) and coder.register}
         self.by_register = coders
-        self.procedures = [Steps(self.context, coders, item) for item in device.procedures]
-        frames = tuple(item for section in self.sections for item in section.coders)
+        self.procedures = [Steps(self.context, coders, procedure) for procedure in device.procedures]
+        frames = tuple(coder for section in self.sections for coder in section.coders)
         self.coders = (*frames, *coders.values())
         kinds = tuple(self._frame_kinds())
         self.codes = Variants(self.context, kinds, frames)
-        over = dict.fromkeys(item.interface for item in self.procedures)
-        self.procedures_by_interface = {
-            kind: tuple(item.name for item in self.procedures if item.interface == kind) for kind in over
-        }
-        self.readme = Readme(self.context, kinds, coders, {item.procedure.name: item for item in self.procedures})
+        procedures_by_interface: dict[str, tuple[str, ...]] = {}
+        for steps in self.procedures:
+            names = procedures_by_interface.get(steps.interface, ())
+            procedures_by_interface[steps.interface] = (*names, steps.name)
+        self.procedures_by_interface = procedures_by_interface
+        steps_by_name = {steps.procedure.name: steps for steps in self.procedures}
+        self.readme = Readme(self.context, kinds, coders, steps_by_name)
         self.identities = list(identities(device))
         self.family, self.manual = facts.family(device), row("Manual", device.manual)
         self.order_code = facts.order_code(device.order_code)
@@ -147,15 +150,19 @@ class Module:
         return [(name, names) for name, names in self._contents() if names]
 
     def _contents(self) -> Iterator[tuple[str, list[str]]]:
-        known = ["identify"] if self.identities else []
-        yield "Encoders", ["lookup", *known, "Variant", *self._encoders(), "VARIANTS", "FAMILY"]
+        identification = ["identify"] if self.identities else []
+        yield "Encoders", ["lookup", *identification, "Variant", *self._encoders(), "VARIANTS", "FAMILY"]
         for section in self.sections:
-            told = [name for item in section.dispatchers for name in (item.union, item.name)]
-            yield section.interface.title, [*(item.name for item in section.coders), *told]
+            frames = [coder.name for coder in section.coders]
+            for dispatcher in section.dispatchers:
+                frames += (dispatcher.union, dispatcher.name)
+            yield section.interface.title, frames
         yield "All interfaces", ["Frame"] if self.codes.sent else []
-        yield "Values of fields", [*(item.name for item in self.enums), *(item.kind for item, _ in self.alternatives)]
-        yield "Registers", [*(item.name for item in self.registers), *(["Address"] if self.registers else [])]
-        yield "Procedures", [item.name for item in self.procedures]
+        enumerations = [enumeration.name for enumeration in self.enums]
+        yield "Values of fields", [*enumerations, *(question.kind for question, _ in self.alternatives)]
+        addresses = ["Address"] if self.registers else []
+        yield "Registers", [*(register.name for register in self.registers), *addresses]
+        yield "Procedures", [steps.name for steps in self.procedures]
         yield "CRCs", [*self.context.crc_functions]
         yield "Facts", self.fact_names
 
@@ -165,10 +172,15 @@ class Module:
     @property
     def fact_names(self) -> list[str]:
         """Names of the tables of facts, in order."""
-        names = ["MANUAL", "ORDER_CODE", *(item.name for item in self.tables)]
+        names = ["MANUAL", "ORDER_CODE", *(table.name for table in self.tables)]
         names += [section.interface.name.upper() for section in self.sections]
-        told = {"CRCS": self.crcs, "FRAMES": self.frame_rows, "REGISTERS": self.registers, "REPORTS": self.reports}
-        return sorted([*names, *(name for name, rows in told.items() if rows)])
+        fact_tables = {
+            "CRCS": self.crcs,
+            "FRAMES": self.frame_rows,
+            "REGISTERS": self.registers,
+            "REPORTS": self.reports,
+        }
+        return sorted([*names, *(name for name, facts_of_kind in fact_tables.items() if facts_of_kind)])
 
     def _example(self) -> Iterable[Block]:
         """Yield the lines of an example that decodes a frame and checks its verdict."""
@@ -187,68 +199,67 @@ class Module:
     @property
     def alternatives(self) -> list[tuple[Asked, str]]:
         """Questions that the manual leaves open, with their docstrings."""
-        asked = self.context.asked.values()
-        return [(item, text.of_alternative(self.device, item.alternative)) for item in asked]
+        questions = self.context.asked.values()
+        return [(question, text.of_alternative(self.device, question.alternative)) for question in questions]
 
     @property
     def known_by(self) -> list[str]:
         """Classes of the encoders whose registers identify the encoder."""
-        return [encoder_name(item.interface) for item in self.identities]
+        return [encoder_name(identity.interface) for identity in self.identities]
 
     @cached_property
     def shapes(self) -> list[Shape]:
         """Descriptions of all frames for ``decode_many``."""
-        frames = (item for section in self.sections for item in section.coders)
-        told = self.context.reportings
-        return [Shape(item, told.get(item.layout.name)) for item in frames]
+        frames = (coder for section in self.sections for coder in section.coders)
+        reportings = self.context.reportings
+        return [Shape(coder, reportings.get(coder.layout.name)) for coder in frames]
 
     @property
     def register_shapes(self) -> list[Shape]:
         """Descriptions of the registers that have a class."""
-        return [Shape(item, None) for item in self.by_register.values()]
+        return [Shape(coder, None) for coder in self.by_register.values()]
 
     @property
     def shapes_by_sender(self) -> dict[tuple[str, str], list[Shape]]:
         """The same descriptions by interface and sender."""
-        of = {id(item): section.interface.name for section in self.sections for item in section.coders}
-        found: dict[tuple[str, str], list[Shape]] = {}
+        shapes_by_sender: dict[tuple[str, str], list[Shape]] = {}
         for shape in self.shapes:
-            found.setdefault((of[id(shape.coder)], shape.coder.layout.sender), []).append(shape)
-        return found
+            key = (shape.coder.layout_interface, shape.coder.layout.sender)
+            shapes_by_sender.setdefault(key, []).append(shape)
+        return shapes_by_sender
 
     # -- parts
 
     @cached_property
     def enums(self) -> list[Enumeration]:
-        return [
-            Enumeration(self.context.enum(item), docstring(_about(item), indent=4), item.values)
-            for item in self.context.choices.values()
-        ]
+        fields = self.context.choices.values()
+        return [Enumeration(self.context.enum(field), _enumeration_doc(field), field.values) for field in fields]
 
     def _section(self, interface: Interface) -> Section:
-        coders = tuple(Coder(self.context, interface.name, item) for item in interface.layouts)
-        dispatchers = [self._dispatcher(interface, item, coders) for item in dispatches(interface.layouts)]
+        coders = tuple(Coder(self.context, interface.name, layout) for layout in interface.layouts)
+        dispatchers = [self._dispatcher(interface, dispatch, coders) for dispatch in dispatches(interface.layouts)]
         # Frames sent by the master come first.
-        dispatchers.sort(key=lambda item: item.plan.sender == "encoder")
+        dispatchers.sort(key=lambda dispatcher: dispatcher.plan.sender == "encoder")
         notes = text.notes(self.device, interface)
         return Section(interface, facts.interface(interface), notes, coders, tuple(dispatchers))
 
     def _dispatcher(self, interface: Interface, plan: Dispatch, coders: Sequence[Coder]) -> Dispatcher:
-        several = sum(any(item.selector for item in other.layouts) for other in self.device.interfaces) > 1
-        word = ("" if not several else f"{interface.name}_") + ("reply" if plan.sender == "encoder" else "request")
-        of = {item.layout.name: item for item in coders}
-        made = Dispatcher(
-            plan,
-            f"decode_{word}",
-            camel(word),
-            interface_name(interface.name),
-            encoder_name(interface.name),
-            tuple(of[branch.layout.name] for branch in plan.branches),
-            of[plan.fallback.name] if plan.fallback is not None else None,
+        with_selector = {owner.name for owner, layout in self.device.layouts() if layout.selector}
+        prefix = f"{interface.name}_" if len(with_selector) > 1 else ""
+        word = prefix + ("reply" if plan.sender == "encoder" else "request")
+        coder_of = {coder.layout.name: coder for coder in coders}
+        dispatcher = Dispatcher(
+            plan=plan,
+            name=f"decode_{word}",
+            union=camel(word),
+            interface=interface_name(interface.name),
+            encoder=encoder_name(interface.name),
+            coders=tuple(coder_of[branch.layout.name] for branch in plan.branches),
+            fallback=coder_of[plan.fallback.name] if plan.fallback is not None else None,
         )
-        for item in made.members:
-            item.passed = made.asked
-        return made
+        for coder in dispatcher.members:
+            coder.passed = dispatcher.asked
+        return dispatcher
 
     def _register(self, register: Register) -> Coder | Enumeration:
         if not is_one_choice(register):
@@ -259,17 +270,21 @@ class Module:
 
     def _frame_kinds(self) -> Iterator[FrameKind]:
         for section in self.sections:
-            sent = [item for item in section.coders if item.layout.sender == "encoder"]
+            replies = [coder for coder in section.coders if coder.layout.sender == "encoder"]
+            if not replies:
+                continue
             # A word does not show which frame it is. Without a request, it is taken as the position.
-            whole = (item for item in sent if self.device.tells_position(section.interface.name, item.layout))
-            first = next(whole, sent[0] if sent else None)
-            told = next((item for item in section.dispatchers if item.plan.sender == "encoder"), None)
-            if first is not None:
-                asked = told.asked if told is not None else first.asked
-                names = (told.name, told.union) if told is not None else ("", "")
-                members = told.members if told is not None else (first,)
-                yield FrameKind(section.interface.name, first, *names, asked, members)
+            interface = section.interface.name
+            positions = (coder for coder in replies if self.device.tells_position(interface, coder.layout))
+            first = next(positions, replies[0])
+            dispatchers = (dispatcher for dispatcher in section.dispatchers if dispatcher.plan.sender == "encoder")
+            dispatcher = next(dispatchers, None)
+            if dispatcher is None:
+                yield FrameKind(interface, first, "", "", first.asked, (first,))
+            else:
+                names = (dispatcher.name, dispatcher.union)
+                yield FrameKind(interface, first, *names, dispatcher.asked, dispatcher.members)
 
 
-def _about(choice: Field) -> str:
-    return text.of_value(choice) or f"Values of {choice.name}."
+def _enumeration_doc(field: Field) -> str:
+    return docstring(text.of_value(field) or f"Values of {field.name}.", indent=4)

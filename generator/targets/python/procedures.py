@@ -25,7 +25,7 @@ from ...plan.steps import (
 )
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from . import text
-from .codec import Coder, between, differ
+from .codec import Coder, limit_expressions, limits_depend
 from .context import Context
 from .decode import digits
 from .docstrings import Block
@@ -60,12 +60,13 @@ class Steps:
     @cached_property
     def takes_variant(self) -> bool:
         """True if the steps depend on the order code. Otherwise the encoder is only checked."""
-        classes = {item.argument.of for item in self.arguments} & self.coders.keys()
-        touched = (item.field for item in self.steps if isinstance(item, (Writes, Polls)) and item.field is not None)
-        refusals = (item for given in self.arguments for item in given.refusals)
+        object_classes = {parameter.argument.of for parameter in self.arguments} & self.coders.keys()
+        accesses = (step for step in self.steps if isinstance(step, (Writes, Polls)))
+        accessed_fields = (step.field for step in accesses if step.field is not None)
+        refusals = (refusal for parameter in self.arguments for refusal in parameter.refusals)
         return (
-            any(self.coders[name].takes_variant for name in classes)
-            or not all(field.is_fixed for field in touched)
+            any(self.coders[name].takes_variant for name in object_classes)
+            or not all(field.is_fixed for field in accessed_fields)
             or any(segment.taught for segment in self.segments)
             or any(map(self._differs, refusals))
         )
@@ -82,23 +83,30 @@ class Steps:
     @property
     def segments(self) -> Iterator[Segment]:
         """Steps, split after each step that changes limits."""
-        ends = [index + 1 for index, item in enumerate(self.steps) if isinstance(item, Writes) and item.teaches]
+        ends = [index + 1 for index, step in enumerate(self.steps) if isinstance(step, Writes) and step.teaches]
         for start, end in pairwise((0, *ends, len(self.steps))):
             last = self.steps[end - 1]
-            checked = [item for item in self.arguments if self.steps.index(item.written[0]) in range(start, end)]
-            yield Segment(checked, self.steps[start:end], last if isinstance(last, Writes) and last.teaches else None)
+            yield Segment(
+                arguments=[parameter for parameter in self.arguments if start <= self._first_write(parameter) < end],
+                steps=self.steps[start:end],
+                taught=last if isinstance(last, Writes) and last.teaches else None,
+            )
+
+    def _first_write(self, parameter: Given) -> int:
+        """Return the index of the first step that writes an argument."""
+        return self.steps.index(parameter.written[0])
 
     # -- names
 
     @property
     def can_be_odd(self) -> bool:
         """True if an argument can be a number that the decoder of its register rejects."""
-        return any(isinstance(item, Undecodable) for given in self.arguments for item in given.refusals)
+        return any(isinstance(refusal, Undecodable) for parameter in self.arguments for refusal in parameter.refusals)
 
     @property
     def listed(self) -> list[tuple[str, str]]:
-        arguments = (item.argument for item in self.arguments)
-        return [(self.argument(item), text.of_argument(self.context.device, item)) for item in arguments]
+        arguments = (parameter.argument for parameter in self.arguments)
+        return [(self.argument(argument), text.of_argument(self.context.device, argument)) for argument in arguments]
 
     @property
     def about(self) -> list[Block]:
@@ -108,14 +116,14 @@ class Steps:
     def argument(argument: Argument) -> str:
         return attribute(argument.name, PROCEDURE_NAMES)
 
-    def type(self, given: Given) -> str:
+    def type(self, parameter: Given) -> str:
         """Return the type of an argument. A register of several fields is passed as an object or as one number."""
-        return f"{self.context.registers[given.argument.of]} | int" if self.is_object(given) else "int"
+        return f"{self.context.registers[parameter.argument.of]} | int" if self.is_object(parameter) else "int"
 
-    def is_object(self, given: Given) -> bool:
+    def is_object(self, parameter: Given) -> bool:
         """Return whether an argument can be an object of the register's class as well as a number."""
-        taken = {item.register.name for item in given.written if isinstance(item.value, AsNumber)}
-        return given.argument.of in taken
+        object_registers = {write.register.name for write in parameter.written if isinstance(write.value, AsNumber)}
+        return parameter.argument.of in object_registers
 
     def register(self, register: Register) -> str:
         return self.context.registers[register.name]
@@ -132,7 +140,7 @@ class Steps:
         if op.field is not None:
             return self.mask(op.field)
         digits = 2 * op.register.length
-        return Atom(f"0x{sum(item.mask << item.left for item in op.pieces):0{digits}X}")
+        return Atom(f"0x{sum(piece.mask << piece.left for piece in op.pieces):0{digits}X}")
 
     def in_place(self, value: int | str, field: Field) -> Expr:
         """Return a number or an argument, shifted to the position of the field."""
@@ -143,7 +151,7 @@ class Steps:
     def members(self, value: AsMember, register: Register) -> list[tuple[str, Expr]]:
         """Return attributes and values of the register for an argument that sets one of them."""
         coder, name = self.coders[register.name], Atom(self.argument(value.argument))
-        field = next((item for item in register.layout.fields if item.name == value.member), None)
+        field = next((candidate for candidate in register.layout.fields if candidate.name == value.member), None)
         match meaning_of(field) if field is not None else Raw():
             case DigitRuns(runs):
                 return [(coder.names.attribute(run.name), part) for run, part in digits(name, runs)]
@@ -153,15 +161,15 @@ class Steps:
                 assert_never(meaning)
 
     def joins(self, value: AsMember, register: Register) -> bool:
-        return any(item.name == value.member for item in register.layout.joins)
+        return any(join.name == value.member for join in register.layout.joins)
 
     def limits(self, refusal: Beyond) -> str:
         """Return the limits of an argument: a call to the register's class if it has one, otherwise a tuple."""
         if refusal.register.name not in self.coders:
-            return "({}, {})".format(*between(self.scope, refusal.limits))
+            return "({}, {})".format(*limit_expressions(self.scope, refusal.limits))
         name = "limits" if refusal.meaning is None else meaning_limits(refusal.meaning)
         return f"{self.register(refusal.register)}.{name}({'variant' if self._limits_differ(refusal) else ''})"
 
     def _limits_differ(self, refusal: Beyond) -> bool:
         coder = self.coders.get(refusal.register.name)
-        return coder.takes_variant if coder is not None and refusal.meaning is None else differ(refusal.limits)
+        return coder.takes_variant if coder is not None and refusal.meaning is None else limits_depend(refusal.limits)

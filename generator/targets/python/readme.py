@@ -9,6 +9,7 @@ from math import prod
 
 from ...model import (
     CrcExample,
+    Field,
     ModifyStep,
     PlacedLayout,
     PollStep,
@@ -26,7 +27,7 @@ from ...plan.values import (
 )
 from ...say.report import alarm_of, meaning
 from .codec import Coder
-from .context import Context
+from .context import Asked, Context
 from .expr import grouped
 from .procedures import Steps
 from .variants import FrameKind
@@ -81,7 +82,9 @@ def start(readmes: Sequence[Readme]) -> Shown:
     """Return the first example, preferably one with a frame of bits that can report an error."""
     frames = [frame for readme in readmes for frame in readme.frames]
     no_frame = Shown(readmes[0].device.variants[0].code, "", "", "")
-    return max(frames, key=lambda item: (not item.answers, bool(item.spoilt), bool(item.bits)), default=no_frame)
+    return max(
+        frames, key=lambda example: (not example.answers, bool(example.spoilt), bool(example.bits)), default=no_frame
+    )
 
 
 class Readme:
@@ -100,83 +103,81 @@ class Readme:
     @cached_property
     def frames(self) -> list[Shown]:
         """One frame for each interface, with invented values and with bits computed by the model."""
-        made = ((kind, self._frame(kind.coder)) for kind in self._kinds)
-        found = [
-            replace(item, kind=kind.coder.name if kind.dispatch else "") if item is not None else None
-            for kind, item in made
-        ]
+        examples: list[Shown] = []
+        for kind in self._kinds:
+            example = self._frame(kind.coder)
+            if example is not None:
+                examples.append(replace(example, kind=kind.coder.name if kind.dispatch else ""))
         # Users copy the first example, so it shows a frame that can report an error, if there is one.
-        return sorted((item for item in found if item is not None), key=lambda item: not item.spoilt)
+        return sorted(examples, key=lambda example: not example.spoilt)
 
     def _frame(self, coder: Coder) -> Shown | None:
         layout = coder.layout
         sample = self.device.sample_of(layout)
-        variant = next((item for item in self.device.variants if sample and item.code == sample.order_code), None)
-        if sample is None or variant is None:
+        if sample is None:
+            return None
+        variants = (variant for variant in self.device.variants if variant.code == sample.order_code)
+        variant = next(variants, None)
+        if variant is None:
             return None
         placed, number = layout.place(variant.parameters), sample.frame
-        joins = {join.name for join in layout.joins}
-        shown = {
-            name: value
-            for name, value in sample.values.items()
-            if name in joins or (is_number(meaning_of(field := layout.field(name))) and not coder.selects(field))
-        }
-        made = Shown(
-            variant.code,
-            _text(placed, number),
-            ", ".join(f"frame.{coder.names.attribute(name)}" for name in shown),
-            " ".join(map(str, shown.values())),
+        numbers = {name: value for name, value in sample.values.items() if _is_number_of(coder, name)}
+        example = Shown(
+            code=variant.code,
+            text=_text(placed, number),
+            shown=", ".join(f"frame.{coder.names.attribute(name)}" for name in numbers),
+            result=" ".join(map(str, numbers.values())),
             judged=coder.reports is not None and bool(coder.reports.otherwise),
             bits=0 if layout.in_bytes else placed.bits,
             digits="" if layout.in_bytes else f"{number:0{placed.bits}b}",
-            answers="".join(
-                f", {item.name}={self.device.name}.{item.kind}.{item.alternative.answers[0].name.upper()}"
-                for item in coder.asked
-            ),
+            answers="".join(map(self._first_answer, coder.asked)),
             module=self.device.name if coder.asked else "",
         )
-        if not made.judged or coder.reports is None or sample.spoilt is None:
-            return made
+        if not example.judged or coder.reports is None or sample.spoilt is None:
+            return example
         flag = layout.spoiling_flags[0]
-        made = replace(made, spoilt=_text(placed, sample.spoilt), reported=coder.reports.name_of(flag))
-        end = layout.crc_field
-        if end is None or layout.in_bytes or coder.measured not in shown:
-            return made
-        received = (number ^ 1) & ((1 << end.widest) - 1)
-        damaged = f"expected CRC {received ^ 1:#04x}, got {received:#04x}"
-        told = meaning(flag, alarm_of(self.device, flag))
-        tried = (str(shown[coder.measured]), told, f"invalid frame of {variant.code}: {damaged}")
-        return replace(made, tried=tried)
+        reported = coder.reports.name_of(flag)
+        example = replace(example, spoilt=_text(placed, sample.spoilt), reported=reported)
+        crc_field = layout.crc_field
+        if crc_field is None or layout.in_bytes or coder.measured not in numbers:
+            return example
+        invalid = f"invalid frame of {variant.code}: {_damaged_crc(crc_field, number)}"
+        flag_meaning = meaning(flag, alarm_of(self.device, flag))
+        return replace(example, tried=(str(numbers[coder.measured]), flag_meaning, invalid))
+
+    def _first_answer(self, question: Asked) -> str:
+        """Return the argument that passes the first answer to a question."""
+        first = question.alternative.answers[0]
+        return f", {question.name}={self.device.name}.{question.kind}.{first.name.upper()}"
 
     def _example_variant(self, kind: str) -> Variant | None:
         """Return an order code with this interface: that of an example in the manual, or the one with the most bits."""
-        codes = [item.order_code for item in self.device.examples if not isinstance(item, CrcExample)]
-        names = [item.name for item in self.device.set_parameters]
-        candidates = self.device.variants_over(kind)
-        return max(
-            candidates,
-            key=lambda item: (item.code in codes, sum(item.parameters[name] for name in names)),
-            default=None,
-        )
+        codes = [example.order_code for example in self.device.examples if not isinstance(example, CrcExample)]
+        names = [parameter.name for parameter in self.device.set_parameters]
+
+        def preference(variant: Variant) -> tuple[bool, int]:
+            return variant.code in codes, sum(variant.parameters[name] for name in names)
+
+        return max(self.device.variants_over(kind), key=preference, default=None)
 
     @property
     def registers(self) -> list[Shown]:
         """Worked examples of the first registers that have one."""
-        found: dict[str, Shown] = {}
+        examples: dict[str, Shown] = {}
         for example in self.device.examples:
             if isinstance(example, RegisterExample) and example.values and example.register in self._coders:
                 coder = self._coders[example.register]
-                found.setdefault(coder.name, _register(example, coder))
-        return list(found.values())[:_REGISTERS]
+                examples.setdefault(coder.name, _register(example, coder))
+        return list(examples.values())[:_REGISTERS]
 
     @property
     def procedures(self) -> list[Shown]:
-        found: list[Shown] = []
+        examples: list[Shown] = []
         for example in self.device.examples:
-            if not isinstance(example, ProcedureExample) or len(found) == _PROCEDURES:
+            if not isinstance(example, ProcedureExample) or len(examples) == _PROCEDURES:
                 continue
             steps = self._procedures[example.procedure]
-            if any(isinstance(item, (ModifyStep, PollStep)) for item in steps.procedure.steps):
+            if any(isinstance(step, (ModifyStep, PollStep)) for step in steps.procedure.steps):
                 continue
             if any(self.device.register(name).is_accessed_whole for name in steps.procedure.registers):
                 continue
@@ -186,9 +187,9 @@ class Readme:
                 arguments.insert(0, encoder)
             else:
                 arguments.append(f"variant={encoder}")
-            result = repr(bytes(item.value for item in example.writes).hex(" "))
-            found.append(Shown(f"{steps.name}({', '.join(arguments)})", "", "", result))
-        return found
+            result = repr(bytes(write.value for write in example.writes).hex(" "))
+            examples.append(Shown(f"{steps.name}({', '.join(arguments)})", "", "", result))
+        return examples
 
     @property
     def live(self) -> Shown | None:
@@ -197,22 +198,23 @@ class Readme:
         if variant is None:
             return None
         cleared = [name for alarm in applying(self.device.alarms, variant.code) for name in alarm.cleared_by]
-        over = [item for item in self._procedures.values() if item.procedure.interface == variant.interface]
-        resets = [item for item in over if item.procedure.name in cleared and not item.arguments]
-        best = max(resets, key=lambda item: cleared.count(item.procedure.name), default=None)
-        return Shown(variant.code, "", best.name if best else "", "", module=self.context.module)
+        steps_over = (steps for steps in self._procedures.values() if steps.procedure.interface == variant.interface)
+        resets = [steps for steps in steps_over if steps.procedure.name in cleared and not steps.arguments]
+        best_reset = max(resets, key=lambda steps: cleared.count(steps.procedure.name), default=None)
+        reset_name = best_reset.name if best_reset else ""
+        return Shown(code=variant.code, text="", shown=reset_name, result="", module=self.context.module)
 
     @property
     def run_time(self) -> list[Shown]:
         """Example of a register that changes the form of frames."""
-        for item in self.device.run_time_parameters:
-            register = self.device.register(item.register)
-            field = register.layout.field(item.field)
+        for parameter in self.device.run_time_parameters:
+            register = self.device.register(parameter.register)
+            field = register.layout.field(parameter.field)
             variant = self._example_variant(register.interface)
-            if variant is None or item.by_code or register.length > 1 or field.low.constant or field.widest != 8:
+            if variant is None or parameter.by_code or register.length > 1 or field.low.constant or field.widest != 8:
                 continue
-            name = self.context.parameters[item.name]
-            value = max(variant.parameters[item.name] - 4, item.min or 0)
+            name = self.context.parameters[parameter.name]
+            value = max(variant.parameters[parameter.name] - 4, parameter.min or 0)
             return [Shown(variant.code, f"0x{register.address:02X}: 0x{value:02X}", f"encoder.{name}", str(value))]
         return []
 
@@ -221,31 +223,49 @@ class Readme:
         """Conversion of a position, and its count after a wrap-around."""
         variant = self.device.variants[0]
         measurement = self.device.measurement_of(variant.interface)
-        factors = [item.value(variant.parameters) for item in counts(measurement)] if measurement is not None else []
-        size = prod(factors) if factors else 0
-        if measurement is None or size < 8:
+        if measurement is None:
             return []
-        shown = [Shown(variant.code, f"encoder.unwrap({size - 2}, 3)", "", str(size + 3))]
+        factors = [factor.value(variant.parameters) for factor in counts(measurement)]
+        size = prod(factors) if factors else 0
+        if size < 8:
+            return []
+        examples = [Shown(variant.code, f"encoder.unwrap({size - 2}, 3)", "", str(size + 3))]
         if measurement.counts_per_turn is not None:
             quarter = measurement.counts_per_turn.value(variant.parameters) // 4
-            shown.insert(0, Shown(variant.code, f"encoder.degrees({quarter})", "", "90.0"))
+            examples.insert(0, Shown(variant.code, f"encoder.degrees({quarter})", "", "90.0"))
         elif (step := measurement.micrometres(variant.parameters)) is not None:
-            shown.insert(0, Shown(variant.code, "encoder.millimetres(1000)", "", repr(float(step))))
-        return shown
+            examples.insert(0, Shown(variant.code, "encoder.millimetres(1000)", "", repr(float(step))))
+        return examples
 
     @property
     def identified(self) -> list[Shown]:
         """Worked examples of registers that identify an encoder."""
-        known = {register.name for register, _ in self.device.identity}
-        read: dict[str, RegisterExample] = {}
+        identity_registers = {register.name for register, _ in self.device.identity}
+        register_examples: dict[str, RegisterExample] = {}
         for example in self.device.examples:
-            if isinstance(example, RegisterExample) and example.register in known:
-                read.setdefault(example.register, example)
-        code = next((item.order_code for item in read.values()), "")
-        if code not in {item.code for item in self.device.variants}:
+            if isinstance(example, RegisterExample) and example.register in identity_registers:
+                register_examples.setdefault(example.register, example)
+        code = next((example.order_code for example in register_examples.values()), "")
+        if code not in {variant.code for variant in self.device.variants}:
             return []
-        same = {name: item.bytes for name, item in read.items() if item.order_code == code}
-        return [Shown(code, ", ".join(f'"{name}": {_bytes(data)}' for name, data in same.items()), "", "True")]
+        same_encoder = (example for example in register_examples.values() if example.order_code == code)
+        contents = ", ".join(f'"{example.register}": {_bytes(example.bytes)}' for example in same_encoder)
+        return [Shown(code=code, text=contents, shown="", result="True")]
+
+
+def _is_number_of(coder: Coder, name: str) -> bool:
+    """Return whether a name is that of a number of the frame, other than the selector."""
+    layout = coder.layout
+    if any(join.name == name for join in layout.joins):
+        return True
+    field = layout.field(name)
+    return is_number(meaning_of(field)) and not coder.selects(field)
+
+
+def _damaged_crc(crc_field: Field, number: int) -> str:
+    """Return the message for a frame whose last bit is inverted."""
+    received = (number ^ 1) & ((1 << crc_field.widest) - 1)
+    return f"expected CRC {received ^ 1:#04x}, got {received:#04x}"
 
 
 def _text(placed: PlacedLayout, number: int) -> str:
@@ -261,15 +281,23 @@ def _bytes(data: bytes) -> str:
 
 def _register(example: RegisterExample, coder: Coder) -> Shown:
     variant = f', lookup("{example.order_code}")' if coder.takes_variant else ""
-    types = {item.name: item.type for item in coder.attributes}
-    shown, values = [], []
+    types = {attribute.name: attribute.type for attribute in coder.attributes}
+    expressions, values = [], []
     for name, value in example.values.items():
-        made = coder.names.attribute(name)
-        named = isinstance(value, str) and types.get(made) != "str"
-        shown.append(f"register.{made}" + (".name" if named else ""))
-        values.append(repr(value.upper() if named and isinstance(value, str) else value))
-    code = f"{coder.name}.decode({_bytes(example.bytes)}{variant})"
-    return Shown(code, "", _tuple(shown), _tuple(values), looked_up=coder.takes_variant)
+        attribute = coder.names.attribute(name)
+        if isinstance(value, str) and types.get(attribute) != "str":
+            expressions.append(f"register.{attribute}.name")
+            values.append(repr(value.upper()))
+        else:
+            expressions.append(f"register.{attribute}")
+            values.append(repr(value))
+    return Shown(
+        code=f"{coder.name}.decode({_bytes(example.bytes)}{variant})",
+        text="",
+        shown=_tuple(expressions),
+        result=_tuple(values),
+        looked_up=coder.takes_variant,
+    )
 
 
 def _tuple(items: Sequence[str]) -> str:

@@ -19,9 +19,8 @@ from ..runtime import our_runtime
 from .literals import Call, Hex, Literal, Member, is_empty
 
 #: Sources with classes of records and enumerations.
-_SOURCES = tuple(
-    our_runtime("python") / "codewheel_runtime" / f"{name}.py" for name in ("facts", "order_codes", "reports")
-)
+_RUNTIME = our_runtime("python") / "codewheel_runtime"
+_SOURCES = (_RUNTIME / "facts.py", _RUNTIME / "order_codes.py", _RUNTIME / "reports.py")
 #: Records whose required members are printed without their names.
 _POSITIONAL = frozenset(
     "Contact Document Edition Family LedState LostFigure NamedValue PrintedTimeout RegisterMeaning Revision"
@@ -54,39 +53,41 @@ class Records:
 @cache
 def records() -> Records:
     """Return all records and enumerations of the runtime."""
-    classes = [item for path in _SOURCES for item in _classes(path.read_text(encoding="utf-8"))]
-    bases = {item.name: {ast.unparse(base) for base in item.bases} for item in classes}
+    classes = [class_def for path in _SOURCES for class_def in _classes(path.read_text(encoding="utf-8"))]
+    bases = {class_def.name: set(map(ast.unparse, class_def.bases)) for class_def in classes}
+    record_classes = (class_def for class_def in classes if "NamedTuple" in bases[class_def.name])
+    enumerations = (name for name, base_names in bases.items() if "Enum" in base_names)
     return Records(
-        {item.name: tuple(_members(item)) for item in classes if "NamedTuple" in bases[item.name]},
-        frozenset(("Interface", *(name for name, found in bases.items() if "Enum" in found))),
+        members={class_def.name: tuple(_members(class_def)) for class_def in record_classes},
+        enumerations=frozenset(("Interface", *enumerations)),
     )
 
 
 def _classes(source: str) -> Iterator[ast.ClassDef]:
-    yield from (item for item in ast.parse(source).body if isinstance(item, ast.ClassDef))
+    yield from (node for node in ast.parse(source).body if isinstance(node, ast.ClassDef))
 
 
-def _members(item: ast.ClassDef) -> Iterator[RecordMember]:
-    for node in item.body:
+def _members(class_def: ast.ClassDef) -> Iterator[RecordMember]:
+    for node in class_def.body:
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            names = [each.id for each in ast.walk(node.annotation) if isinstance(each, ast.Name)]
+            names = [name_node.id for name_node in ast.walk(node.annotation) if isinstance(name_node, ast.Name)]
             is_literal = isinstance(node.value, (ast.Constant, ast.Tuple))
             default = ast.literal_eval(node.value) if node.value is not None and is_literal else None
             yield RecordMember(node.target.id, frozenset(names), default if node.value is not None else _NOTHING)
 
 
-def row(function: str, item: object, **made: Literal) -> Call:
-    """Return a record of an item of the model: all required members, and the others that differ from the default.
+def row(function: str, model_object: object, **overrides: Literal) -> Call:
+    """Return a record of a part of the model: all required members, and the others that differ from the default.
 
     Args:
         function: Name of the record.
-        item: The item, which has members of the same names.
-        made: Values that replace those of the item.
+        model_object: The part of the model, which has members of the same names.
+        overrides: Values that replace those of the part.
     """
     arguments: list[tuple[str, Literal]] = []
     last = _LAST.get(function, ())
-    for member in sorted(records().members[function], key=lambda each: each.name in last):
-        value = made[member.name] if member.name in made else _value(item, member)
+    for member in sorted(records().members[function], key=lambda record_member: record_member.name in last):
+        value = overrides[member.name] if member.name in overrides else _value(model_object, member)
         if member.default is _NOTHING:
             arguments.append(("" if function in _POSITIONAL else member.name, value))
         elif value != member.default and not is_empty(value):
@@ -94,28 +95,28 @@ def row(function: str, item: object, **made: Literal) -> Call:
     return Call(function, tuple(arguments))
 
 
-def rows(function: str, items: tuple[object, ...]) -> tuple[Call, ...]:
+def rows(function: str, model_objects: tuple[object, ...]) -> tuple[Call, ...]:
     """Return a record for each item."""
-    return tuple(row(function, item) for item in items)
+    return tuple(row(function, model_object) for model_object in model_objects)
 
 
-def _value(item: object, member: RecordMember) -> Literal:
-    found = getattr(item, member.name)
+def _value(model_object: object, member: RecordMember) -> Literal:
+    content = getattr(model_object, member.name)
     if member.name == "source":
-        return cite(found)
+        return cite(content)
     for record in member.types & records().members.keys():
-        if not isinstance(found, tuple):
-            return row(record, found) if found is not None else None
-        return rows(record, found)
+        if isinstance(content, tuple):
+            return rows(record, content)
+        return row(record, content) if content is not None else None
     for kind in member.types & records().enumerations:
-        if not isinstance(found, tuple):
-            return Member(kind, found) if found else None
-        return tuple(Member(kind, each) for each in found)
-    if isinstance(found, Expression):
-        return found.render()
-    part = PARTS_BY_CLASS.get(type(item).__name__)
+        if isinstance(content, tuple):
+            return tuple(Member(kind, name) for name in content)
+        return Member(kind, content) if content else None
+    if isinstance(content, Expression):
+        return content.render()
+    part = PARTS_BY_CLASS.get(type(model_object).__name__)
     described = part.by_attribute.get(member.name) if part is not None else None
-    if described is not None and described.shape == "hex" and isinstance(found, int):
-        return Hex(found)
-    value: Literal = found
+    if described is not None and described.shape == "hex" and isinstance(content, int):
+        return Hex(content)
+    value: Literal = content
     return value
