@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 import pytest
 from codewheel.model import Choice, Device, Flag, Layout, Number, Unused
-from codewheel.order_codes.run_time import decided
+from codewheel.order_codes.run_time import with_answers
 from codewheel.plan.reports import reports_of
 from codewheel.reference import codec
 from codewheel.reference.findings import Findings, findings
@@ -55,7 +55,7 @@ def said(device: Device, layout: Layout, active: str, when: str = "") -> Finding
     variant = next(item for item in device.variants if item.interface == interface.name and mark in item.code)
     answer = re.search(r"your choice is `(\w+)`", plain(when))
     for question in device.verdict_alternatives(layout) if answer is not None else ():
-        variant = decided(device, variant, {question.name: answer[1]})
+        variant = with_answers(device, variant, {question.name: answer[1]})
     placed = layout.place(variant.parameters)
     unused = {item.name: ((1 << item.widest) - 1) << place for item, place in layout.unused}
     values: dict[str, int | str | bool] = {"unused": unused.get(active, 0)} if layout.unused else {}

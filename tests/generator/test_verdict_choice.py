@@ -22,7 +22,7 @@ from browser_harness import Asker, program
 from codewheel.commands.cli import main
 from codewheel.model import Device
 from codewheel.order_codes.labels import find
-from codewheel.order_codes.run_time import decided
+from codewheel.order_codes.run_time import with_answers
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
 from codewheel.targets import Library
@@ -72,7 +72,7 @@ def test_the_frame_with_both_levels_at_1_is_the_one_in_the_readme() -> None:
 
 @pytest.mark.parametrize(("levels", "answer"), CASES)
 def test_the_reference(amm5: Device, levels: tuple[int, int], answer: str) -> None:
-    variant = decided(amm5, find(amm5, MULTITURN).variant, {"warning_cause": answer})
+    variant = with_answers(amm5, find(amm5, MULTITURN).variant, {"warning_cause": answer})
     placed = amm5.layout("single_cycle_data").place(variant.parameters)
     said = findings(amm5, variant, codec.decode(amm5, placed, frame(levels, 37)))
     assert said.verdict is not None
