@@ -105,12 +105,13 @@ def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 def _once(read: Callable[..., Any]) -> Callable[..., Any]:
     known: dict[Any, Any] = {}
 
-    def once(paths: Sequence[Path] = (), *more: Any, **others: Any) -> Any:
-        key = (tuple(paths), None if all(path.is_absolute() for path in paths) else Path.cwd())
-        if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths):
-            return read(paths, *more, **others)
+    def once(paths: Sequence[Path] | None = None, *more: Any, **others: Any) -> Any:
+        given = tuple(paths or ())
+        key = (paths is None, given, None if all(path.is_absolute() for path in given) else Path.cwd())
+        if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in given):
+            return read(given, *more, **others)
         if key not in known:
-            known[key] = read(paths)
+            known[key] = read() if paths is None else read(given)
         found, report = known[key]
         return found, deepcopy(report)
 

@@ -105,7 +105,7 @@ def included(device: Device) -> str:
 
 
 def devices_of(*paths: Path) -> tuple[Device, ...]:
-    devices, report = load_library(paths)
+    devices, report = load_library(paths or None)
     assert not len(report)
     return devices
 
