@@ -125,7 +125,7 @@ class Guard:
 
 
 def _has_name(path: str, names: Collection[str]) -> bool:
-    """Return True if a word in a path is one of the names, or begins with one, such as ``my_encoder_biss``."""
+    """Return True if a word in a path is one of the names, or begins with one, such as ``demo_biss``."""
     beginnings = tuple(f"{name}_" for name in names)
     return any(f"{word}_".startswith(beginnings) for word in _WORD.findall(path.lower()))
 

@@ -20,7 +20,6 @@ EXAMPLES = {
         "codewheel generate",
         "codewheel generate my_encoder.yaml -o out --target c",
         "codewheel generate --check",
-        "codewheel generate --packaged lika --target c -o out2",
     ),
     "check": ("codewheel check my_encoder.yaml", "codewheel check .", "codewheel check --json"),
     "list": ("codewheel list", "codewheel list my_encoder.yaml"),

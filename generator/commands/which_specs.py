@@ -103,8 +103,8 @@ def specs_to_judge(named: Sequence[Path], command: str, cache: Cache) -> Specs:
             2,
         )
     if not specs.paths:
-        packaged = "codewheel generate --packaged lika -o out"
-        others = f"; outputs for a packaged encoder: {packaged}" if command == "generate" else ""
+        packaged = f"; outputs for a packaged encoder: codewheel generate --packaged {_packaged_family()} -o out"
+        others = packaged if command == "generate" else ""
         raise Stop(
             f"there are no specs in {_place(folder)} or below it; name them: codewheel {command}{option} FOLDER, "
             f"or list them under [tool.codewheel] in pyproject.toml{others}",
@@ -112,6 +112,12 @@ def specs_to_judge(named: Sequence[Path], command: str, cache: Cache) -> Specs:
         )
     _report_not_entered(specs, folder)
     return replace(specs, packaged=())
+
+
+def _packaged_family() -> str:
+    """Return the name of a packaged family, for an example."""
+    files = (path for folder in packaged_families() for path in below(folder).specs)
+    return next(path.stem for path in files if describes_encoders(path))
 
 
 def _report_not_entered(specs: Specs, folder: Path) -> None:

@@ -82,7 +82,7 @@ def test_a_command_that_judges_never_uses_the_packaged_specs(
     assert err.startswith(
         f"codewheel: there are no specs in this folder or below it; name them: codewheel {remedy}, or"
     )
-    assert ("codewheel generate --packaged lika -o out" in err) == (command == "generate")
+    assert ("codewheel generate --packaged icmu -o out" in err) == (command == "generate")
     assert sorted(path.name for path in here.iterdir()) == ["a.txt", "b.txt"]
 
 
