@@ -255,7 +255,7 @@ class Variant(Rotary, Wrapping):
     def with_answers(self: _Same, *, warning_cause: WarningCause) -> _Same:
         """Return the encoder with your answers to questions that the manual leaves open.
 
-        They change only the verdict on a position. Without this call, their defaults apply.
+        The answers decide the verdict on a position. Their defaults apply until you call this method.
 
         Args:
             warning_cause: Answer, as a member of ``WarningCause``.
@@ -264,7 +264,7 @@ class Variant(Rotary, Wrapping):
             The encoder.
 
         Raises:
-            TypeError: An answer is not a member of its class.
+            TypeError: An answer belongs to another class.
         """
         decided(WarningCause, warning_cause)
         return self._replaced(
