@@ -65,9 +65,9 @@ def configuration_above(cache: Cache) -> Configuration | None:
         if len(files) > 1:
             raise Faulty(*files)
         if files:
-            found = _known(files[0], cache)
-            if found is not None:
-                return found
+            settings = _known(files[0], cache)
+            if settings is not None:
+                return settings
         if os.path.lexists(folder / REPOSITORY):
             return None
     return None
@@ -110,18 +110,18 @@ def _known(file: Path, cache: Cache) -> Configuration | None:
         content: list[bytes | str] = [file.name, file.read_bytes()]
     except OSError:
         raise Faulty(file) from None
-    known = cache.get(_KIND, content)
-    if fits(known, dict[str, list[str]]):
-        settings = settings_in(file, known)
+    cached = cache.get(_KIND, content)
+    if fits(cached, dict[str, list[str]]):
+        settings = settings_in(file, cached)
         if all(map(exists, settings.specs)):
             return settings
     from .configuration_file import read_configuration
 
-    found = read_configuration(file)
-    if found is None:
+    values = read_configuration(file)
+    if values is None:
         return None
-    cache.put(_KIND, content, found)
-    return settings_in(file, found)
+    cache.put(_KIND, content, values)
+    return settings_in(file, values)
 
 
 def exists(path: Path) -> bool:
