@@ -99,15 +99,15 @@ def without_words(value: Any) -> Any:
 def differing_items(old: Any, new: Any) -> tuple[Any, Any]:
     """Return two values, reduced to the items that differ if both are sequences of parts."""
     if isinstance(old, tuple) and isinstance(new, tuple) and any(map(is_dataclass, (*old, *new))):
-        left, right = _without(old, new), _without(new, old)
-        return (left, right) if left or right else (old, new)
+        old_only, new_only = _without(old, new), _without(new, old)
+        return (old_only, new_only) if old_only or new_only else (old, new)
     return old, new
 
 
 def _without(items: tuple[Any, ...], other_items: tuple[Any, ...]) -> tuple[Any, ...]:
     """Return the items that are not among others, apart from their texts."""
     known_items = [without_words(other_item) for other_item in other_items]
-    return tuple(item for item in items if without_words(item) not in known_items)
+    return tuple(part for part in items if without_words(part) not in known_items)
 
 
 def arrow(old: Any, new: Any, notation: str = "") -> str:
