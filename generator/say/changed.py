@@ -69,15 +69,15 @@ _MORE = re.compile(r" and ([0-9]+ more)$")
 
 def in_words(paths: str) -> str:
     """Return paths such as ``registers.bank.default, supply and 2 more`` in words."""
-    more = _MORE.search(paths)
-    found = [_of(path.split(".")) for path in _MORE.sub("", paths).split(", ")]
-    return "".join(map(str, listed([*found, *([more[1]] if more is not None else [])])))
+    count_text = _MORE.search(paths)
+    texts = [_of(path.split(".")) for path in _MORE.sub("", paths).split(", ")]
+    return "".join(map(str, listed([*texts, *([count_text[1]] if count_text is not None else [])])))
 
 
 def change_in_words(printed: str) -> str:
     """Return a part and its value, such as ``bank.default: 50``, in words. Text without a path is unchanged."""
     paths, colon, value = printed.partition(": ")
-    paths = _INDEX.sub(lambda found: f".{int(found[1]) + 1}", paths)
+    paths = _INDEX.sub(lambda index_match: f".{int(index_match[1]) + 1}", paths)
     if not all(map(_PATH.fullmatch, _MORE.sub("", paths).split(", "))):
         return printed
     return f"{in_words(paths)}{colon}{value}"

@@ -37,17 +37,17 @@ def code(value: object) -> str:
 
 
 @lru_cache(4096)
-def _span(made: str) -> str:
-    fence = "`" * (max((len(run) for run in re.findall("`+", made)), default=0) + 1)
-    pad = " " if made.startswith("`") or made.endswith("`") else ""
-    return f"{fence}{pad}{made}{pad}{fence}".replace("|", "\\|") if made else ""
+def _span(code_text: str) -> str:
+    fence = "`" * (max((len(run) for run in re.findall("`+", code_text)), default=0) + 1)
+    pad = " " if code_text.startswith("`") or code_text.endswith("`") else ""
+    return f"{fence}{pad}{code_text}{pad}{fence}".replace("|", "\\|") if code_text else ""
 
 
 def paragraph(value: str) -> str:
     """Wrap Markdown that has no code spans, so that no line starts a list, a heading or a rule."""
     lines = textwrap.wrap(value, _WIDTH, break_long_words=False, break_on_hyphens=False)
     return "\n".join(
-        _BLOCK_START.sub(lambda found: f"{found[1]}\\{found[2]}" if found[1] else f"\\{found[3]}", line)
+        _BLOCK_START.sub(lambda match: f"{match[1]}\\{match[2]}" if match[1] else f"\\{match[3]}", line)
         for line in lines
     )
 
@@ -63,7 +63,12 @@ def cited_html(sources: Sources) -> str:
 
 
 def _numbered(sources: Sources) -> str:
-    return cite(tuple(replace(it, section=f"§{it.section}") if _NUMBER.match(it.section) else it for it in sources))
+    return cite(
+        tuple(
+            replace(source, section=f"§{source.section}") if _NUMBER.match(source.section) else source
+            for source in sources
+        )
+    )
 
 
 #: The number of a section, in contrast to that of a register, such as 0x07.
@@ -87,11 +92,15 @@ def anchor(name: str) -> str:
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a table of Markdown cells without empty columns, or an empty string if all are empty."""
-    listed = [list(row) for row in rows]
-    kept = [index for index in range(len(head)) if any(row[index] for row in listed)]
-    if not kept:
+    row_lists = [list(row) for row in rows]
+    shown_columns = [index for index in range(len(head)) if any(row[index] for row in row_lists)]
+    if not shown_columns:
         return ""
-    lines = [[head[index] for index in kept], ["---"] * len(kept), *([row[index] for index in kept] for row in listed)]
+    lines = [
+        [head[index] for index in shown_columns],
+        ["---"] * len(shown_columns),
+        *([row[index] for index in shown_columns] for row in row_lists),
+    ]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 

@@ -63,7 +63,10 @@ def timeout_words(timeout: Timeout) -> str:
     ]
     if half is None:
         # Without a rule, only the values printed in the manual are known.
-        parts += [f"{nanoseconds(item.timeout_ns)} at {hertz(item.clock_hz)}" for item in timeout.printed]
+        parts += [
+            f"{nanoseconds(printed_timeout.timeout_ns)} at {hertz(printed_timeout.clock_hz)}"
+            for printed_timeout in timeout.printed
+        ]
     return ", ".join(parts)
 
 
