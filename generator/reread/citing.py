@@ -106,9 +106,10 @@ def _with_top_bit(poly: object) -> frozenset[str]:
     if not isinstance(poly, int):
         return frozenset()
     numbers = [poly | 1 << width for width in range(max(poly.bit_length(), 3), 33)]
-    return frozenset(
-        text for number in numbers for text in (f"{number:x}", f"{number:x}h", f"0x{number:x}", f"{number:b}")
-    )
+    texts: set[str] = set()
+    for number in numbers:
+        texts |= {f"{number:x}", f"{number:x}h", f"0x{number:x}", f"{number:b}"}
+    return frozenset(texts)
 
 
 def citing(document: Document) -> list[Citing]:

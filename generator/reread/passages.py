@@ -39,7 +39,7 @@ class Passage:
 
 def same_language(old: Manual, new: Manual) -> bool:
     """Return whether two texts have enough words in common to be compared word by word."""
-    first, second = (Counter(word for word in manual.words.elements() if word.isalpha()) for manual in (old, new))
+    first, second = (Counter(filter(str.isalpha, manual.words.elements())) for manual in (old, new))
     return (first & second).total() >= _SAME_LANGUAGE * min(first.total(), second.total())
 
 
@@ -81,15 +81,19 @@ def _in_section(section: Section, old: Sequence[str], new: Sequence[str], heads:
             continue  # the same letters, divided otherwise at the end of a line
         if (low == high or new_low == new_high) and letters((*old[low:high], *new[new_low:new_high])) in heads:
             continue
-        close, around = (
-            (
-                *old[max(low - words_before, 0) : high + words_after],
-                *new[max(new_low - words_before, 0) : new_high + words_after],
-            )
-            for words_before, words_after in ((_CLOSE, _CLOSE), (_BEFORE, _AFTER))
+        yield Passage(
+            section=section,
+            old=tuple(old[low:high]),
+            new=tuple(new[new_low:new_high]),
+            close=(*_near(old, low, high, _CLOSE, _CLOSE), *_near(new, new_low, new_high, _CLOSE, _CLOSE)),
+            around=(*_near(old, low, high, _BEFORE, _AFTER), *_near(new, new_low, new_high, _BEFORE, _AFTER)),
+            shown=(_text(old, low, high), _text(new, new_low, new_high)),
         )
-        shown = (_text(old, low, high), _text(new, new_low, new_high))
-        yield Passage(section, tuple(old[low:high]), tuple(new[new_low:new_high]), close, around, shown)
+
+
+def _near(words: Sequence[str], low: int, high: int, count_before: int, count_after: int) -> Sequence[str]:
+    """Return a range of words with some words before and after it."""
+    return words[max(low - count_before, 0) : high + count_after]
 
 
 def _groups(old: Sequence[str], new: Sequence[str]) -> Iterator[tuple[int, int, int, int]]:
@@ -118,19 +122,18 @@ def numbers_changed(old: Manual, new: Manual) -> Iterator[Passage]:
     for old_section, new_section in aligned(old, new):
         if old_section is None or new_section is None:
             continue
-        # The decimal sign depends on the language.
-        first, second = (
-            Counter(word.replace(",", ".") for word in section.words if _is_number(word))
-            for section in (old_section, new_section)
-        )
-        removed, added = (
-            tuple((counted - subtracted).elements()) for counted, subtracted in ((first, second), (second, first))
-        )
+        old_numbers, new_numbers = _numbers(old_section), _numbers(new_section)
+        removed, added = tuple((old_numbers - new_numbers).elements()), tuple((new_numbers - old_numbers).elements())
         if removed or added:
             changed_numbers = (*removed, *added)
             yield Passage(
                 old_section, removed, added, changed_numbers, changed_numbers, (", ".join(removed), ", ".join(added))
             )
+
+
+def _numbers(section: Section) -> Counter[str]:
+    """Return the numbers in a section, with a decimal point in every language."""
+    return Counter(word.replace(",", ".") for word in section.words if _is_number(word))
 
 
 def _is_number(word: str) -> bool:

@@ -132,7 +132,7 @@ def _of_pdf(path: Path) -> str:
 def divide(text: str) -> Manual:
     """Divide a text into its sections."""
     text = _LINK.sub(lambda match: match["shown"], text)
-    pages = [[line for line in map(plain, page.split("\n")) if line.strip()] for page in text.split("\f")]
+    pages = [_plain_lines(page) for page in text.split("\f")]
     has_pages = len(pages) >= _RUNNING
     edges = _heads_at_edges(pages) if has_pages else set()
     lines = _joined([line for page in (_without_edges(pages, edges) if has_pages else pages) for line in page])
@@ -155,13 +155,18 @@ def divide(text: str) -> Manual:
             title_rest = title_rest[len(words) :]  # The heading continues on this line.
         elif not (index < start and (index in listed or _IN_CONTENTS.search(line))) and index not in left_out:
             bodies[-1][2].append(line)
-    sections = (
-        Section(number, title, tuple(_words(body, titles)), page_of.get(number)) for number, title, body in bodies
-    )
+    sections: list[Section] = []
+    for number, title, body in bodies:
+        sections.append(Section(number, title, tuple(_words(body, titles)), page_of.get(number)))
     found_numbers = {number for number, _ in headings.values()}
     missing = {number: title for number, title in titles.items() if number[0] != "0" and number not in found_numbers}
-    heads = {letters([head]) for head in (*edges, *(lines[index] for index in running))}
+    head_lines = [*edges, *(lines[index] for index in running)]
+    heads = {letters([line]) for line in head_lines}
     return Manual(tuple(sections), missing, frozenset(heads - {""}))
+
+
+def _plain_lines(page: str) -> list[str]:
+    return [line for line in map(plain, page.split("\n")) if line.strip()]
 
 
 def plain(line: str) -> str:
@@ -241,18 +246,17 @@ def _running_heads(lines: Sequence[str], headings: set[int]) -> set[int]:
             places.setdefault(_head(line), []).append(index)
     frequent = {head: indexes for head, indexes in places.items() if len(indexes) >= _RUNNING}
     spread = {head: indexes for head, indexes in frequent.items() if indexes[-1] - indexes[0] >= _SPREAD * len(lines)}
-    counting = {
-        head
-        for head, indexes in spread.items()
-        if _counts_pages([[int(number) for number in re.findall(r"\d{1,4}", lines[at])] for at in indexes])
-    }
+    counting: set[str] = set()
+    for head, indexes in spread.items():
+        if _counts_pages([lines[index] for index in indexes]):
+            counting.add(head)
     edges: list[int] = []
     for index in sorted(index for head in counting for index in frequent[head]):
         if not edges or index - edges[-1] > _EDGE:  # One page has only one, or the lines near it would count twice.
             edges.append(index)
-    at_edges = Counter(
-        head for edge in edges for head in {_head(line) for line in lines[max(edge - _EDGE, 0) : edge + _EDGE + 1]}
-    )
+    at_edges: Counter[str] = Counter()
+    for edge in edges:
+        at_edges.update({_head(line) for line in lines[max(edge - _EDGE, 0) : edge + _EDGE + 1]})
     heads = {head for head, indexes in spread.items() if _is_regular(indexes)}
     heads |= counting | {head for head, indexes in frequent.items() if at_edges[head] >= _MOSTLY * len(indexes)}
     return {index for head in heads for index in frequent[head]}
@@ -276,16 +280,23 @@ def _without_edges(pages: Sequence[Sequence[str]], heads: Collection[str]) -> It
     """Yield the pages without page numbers and running heads."""
     for page in pages:
         last = len(page) - _PAGE_EDGE
-        yield [
-            line
-            for index, line in enumerate(page)
-            if _PAGE_EDGE <= index < last or (_head(line) not in heads and not _PAGE.fullmatch(line))
-        ]
+        lines: list[str] = []
+        for index, line in enumerate(page):
+            is_at_edge = not _PAGE_EDGE <= index < last
+            if not is_at_edge or (_head(line) not in heads and not _PAGE.fullmatch(line)):
+                lines.append(line)
+        yield lines
 
 
-def _counts_pages(numbers_of_lines: Sequence[Sequence[int]]) -> bool:
-    columns = [column for column in zip(*numbers_of_lines, strict=False) if len(set(column)) > 1]
-    return bool(columns) and all(all(a < b for a, b in pairwise(column)) for column in columns)
+def _counts_pages(lines: Sequence[str]) -> bool:
+    """Return whether the numbers in lines increase from line to line, except those that are always the same."""
+    numbers = [list(map(int, re.findall(r"\d{1,4}", line))) for line in lines]
+    columns = [column for column in zip(*numbers, strict=False) if len(set(column)) > 1]
+    return bool(columns) and all(map(_increases, columns))
+
+
+def _increases(numbers: Sequence[int]) -> bool:
+    return all(number < following for number, following in pairwise(numbers))
 
 
 def _headings(

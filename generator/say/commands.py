@@ -102,12 +102,9 @@ def commands_over(device: Device, interface: Interface) -> Commands:
     selects_bank = interface.bank_select if isinstance(interface, Biss) else ""
     registers = [register for register in writable if holds_commands(register) and register.name not in locks]
     excluded_names = {selects_bank, *(register.name for register in registers)}
+    procedures = (procedure for procedure in device.procedures if procedure.interface == interface.name)
     return Commands(
-        procedures=tuple(
-            procedure
-            for procedure in device.procedures
-            if procedure.interface == interface.name and _changes(procedure)
-        ),
+        procedures=tuple(filter(_changes, procedures)),
         registers=tuple(registers),
         settings=tuple(register for register in writable if register.name not in excluded_names),
         requests=tuple(request for request in _requests(interface) if request.purpose not in _READING),

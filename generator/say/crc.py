@@ -33,9 +33,8 @@ def parameters(device: Device, checksum: Crc) -> str:
 
 def reflected(device: Device, checksum: Crc) -> str:
     """Return whether the input and the output are reflected, or an empty string if neither is."""
-    reflected_words = [
-        words for words, value in (("input", device.reflects_input(checksum)), ("output", checksum.refout)) if value
-    ]
+    sides = {"input": device.reflects_input(checksum), "output": checksum.refout}
+    reflected_words = [side for side, is_reflected in sides.items() if is_reflected]
     return f"{' and '.join(reflected_words)} reflected" if reflected_words else ""
 
 

@@ -22,21 +22,16 @@ def errata(
     request, for pages that show the text of a manual.
     """
 
-    below, below_without = (tuple(f"{path}." for path in places) for places in (paths, without))
-    return tuple(
-        correction
-        for correction in device.errata
-        if (wording or correction.severity != "wording")
-        and any(
-            affected in exactly
-            or (
-                (affected in paths or affected.startswith(below))
-                and affected not in without
-                and not affected.startswith(below_without)
-            )
-            for affected in correction.affects
-        )
-    )
+    def is_about(affected: str) -> bool:
+        return affected in exactly or (_is_within(affected, paths) and not _is_within(affected, without))
+
+    candidates = [correction for correction in device.errata if wording or correction.severity != "wording"]
+    return tuple(correction for correction in candidates if any(map(is_about, correction.affects)))
+
+
+def _is_within(path: str, parts: Collection[str]) -> bool:
+    """Return whether a path is that of one of the parts, or of something inside it."""
+    return path in parts or path.startswith(tuple(f"{part}." for part in parts))
 
 
 def erratum(correction: Erratum, *, whole: bool = False) -> Said:

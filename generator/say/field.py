@@ -74,17 +74,12 @@ def _kind(device: Device, frame_field: Field) -> Iterator[Said]:
         case Choice():
             pass  # Each value has its own statement.
         case Constant(value):
-            if "always" not in frame_field.meaning.lower():
-                yield said(f"Always {short(value)}")
-        case Unused(value, verdict):
-            yield said(f"Unused, documented as {short(value)}")
-            if _comes_with_position(device, frame_field):
-                yield said("Frames with other values are still decoded, with the verdict ", Code(verdict.value))
-            else:
-                yield said("Other values are still decoded")
+            yield from told("" if "always" in frame_field.meaning.lower() else f"Always {short(value)}")
+        case Unused() as unused:
+            yield from _unused(device, frame_field, unused)
         case CrcValue(crc, covered_names):
-            over = parted((Code(name),) for name in covered_names) if covered_names else ("everything before it",)
-            yield said("CRC ", Ref("crc", crc, crc), " over ", *over)
+            names = parted((Code(name),) for name in covered_names) if covered_names else ("everything before it",)
+            yield said("CRC ", Ref("crc", crc, crc), " over ", *names)
         case Parity() as parity:
             covered = parted((Code(name),) for name in parity.covers)
             bits = f"{parity.over.replace('_', ' ')} of " if parity.over else ""
@@ -97,11 +92,18 @@ def _kind(device: Device, frame_field: Field) -> Iterator[Said]:
             assert_never(kind)
 
 
+def _unused(device: Device, frame_field: Field, unused: Unused) -> Iterator[Said]:
+    yield said(f"Unused, documented as {short(unused.value)}")
+    if _comes_with_position(device, frame_field):
+        yield said("Frames with other values are still decoded, with the verdict ", Code(unused.makes_position.value))
+    else:
+        yield said("Other values are still decoded")
+
+
 def _comes_with_position(device: Device, frame_field: Field) -> bool:
     """Return whether any frame contains both the field and the position."""
-    return any(
-        frame_field in layout.fields and device.tells_position(kind.name, layout) for kind, layout in device.layouts()
-    )
+    frames = [(kind, layout) for kind, layout in device.layouts() if frame_field in layout.fields]
+    return any(device.tells_position(kind.name, layout) for kind, layout in frames)
 
 
 def _number(kind: Number) -> Iterator[Said]:

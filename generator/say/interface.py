@@ -36,7 +36,7 @@ from .name import printed, words
 from .name import register as named
 from .text import Code, Part, Said, listed, parted, said, told
 from .timing import timing
-from .words import counted, hertz, nanoseconds, number, sentence, timeout_words
+from .words import counted, hertz, number, printed_timeout_words, sentence, timeout_words
 
 _ALIGNMENT = {
     "msb_left": "left: the most significant bit comes with the first clock, and zeros follow the word",
@@ -96,16 +96,6 @@ def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
             return "Clock", clock_words(fact)
         case CableLength(metres, clock):
             return "Clock", f"below {hertz(clock)} with a cable shorter than {metres} m"
-        case Signals(text):
-            return "Signals", text
-        case Alignment(end):
-            return "Alignment", _ALIGNMENT[end]
-        case OutputCode(code):
-            return "Code", _CODE[code]
-        case Profile(text):
-            return "Profile", text
-        case DescriptionFile(text):
-            return "Description file", f"{text}, which the manufacturer supplies"
         case BankSelect(register):
             return "Bank select", named(device, register)
         case Network():
@@ -116,8 +106,24 @@ def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
             return "Baud rate", _port(fact)
         case WordFormat():
             return "Words", _words(fact)
+        case Signals() | Alignment() | OutputCode() | Profile() | DescriptionFile():
+            return _labelled_text(fact)
         case _:
             return assert_never(fact)
+
+
+def _labelled_text(fact: Signals | Alignment | OutputCode | Profile | DescriptionFile) -> tuple[str, str]:
+    match fact:
+        case Signals(text):
+            return "Signals", text
+        case Alignment(end):
+            return "Alignment", _ALIGNMENT[end]
+        case OutputCode(code):
+            return "Code", _CODE[code]
+        case Profile(text):
+            return "Profile", text
+        case DescriptionFile(text):
+            return "Description file", f"{text}, which the manufacturer supplies"
 
 
 def clock_words(clock: Clock) -> str:
@@ -159,10 +165,7 @@ def word_lengths(lengths: Iterable[Expression]) -> str:
 def _timeout(timeout: Timeout) -> str:
     """Return the rule with its limits, followed by the values that the manual calculates from it."""
     printed_timeouts = timeout.printed if timeout.half_clock_periods is not None else ()
-    values = ", ".join(
-        f"{nanoseconds(printed_timeout.timeout_ns)} at {hertz(printed_timeout.clock_hz)}"
-        for printed_timeout in printed_timeouts
-    )
+    values = ", ".join(map(printed_timeout_words, printed_timeouts))
     return timeout_words(timeout) + (f" ({values})" if values else "")
 
 

@@ -67,11 +67,9 @@ def facts(interface: Interface, layout: Layout) -> Iterator[Said]:
         yield said(f"Bits without a field are {layout.gaps}")
     yield from joins(layout)
     combinations = {value_combination.name: value_combination for value_combination in layout.combinations}
-    yield from (
-        combination(layout, sign, combinations[sign.flag.name])
-        for sign in layout.signs
-        if sign.flag.name in combinations
-    )
+    for sign in layout.signs:
+        if sign.flag.name in combinations:
+            yield combination(layout, sign, combinations[sign.flag.name])
 
 
 def combination(layout: Layout, sign: Sign, value_combination: Combination) -> Said:

@@ -38,8 +38,8 @@ def pairs(rows: Iterable[tuple[str, str]], indent: int) -> list[str]:
     """Return the rows as lines with two columns. The second column is wrapped."""
     row_list = list(rows)
     width = min(max((len(name) for name, _ in row_list), default=0), 40)
-    start = " " * (indent + width + 2)
-    return [
-        wrapped(text, WIDTH, start, f"{' ' * indent}{name.ljust(width)}  ") if text else f"{' ' * indent}{name}"
-        for name, text in row_list
-    ]
+    margin, start = " " * indent, " " * (indent + width + 2)
+    lines: list[str] = []
+    for name, text in row_list:
+        lines.append(wrapped(text, WIDTH, start, f"{margin}{name.ljust(width)}  ") if text else f"{margin}{name}")
+    return lines

@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import lru_cache
 from html import escape
 
-from ..model import Sources, cite
+from ..model import Source, Sources, cite
 from .lines import one_line, plain
 from .text import Ref, Style
 
@@ -46,10 +46,12 @@ def _span(code_text: str) -> str:
 def paragraph(value: str) -> str:
     """Wrap Markdown that has no code spans, so that no line starts a list, a heading or a rule."""
     lines = textwrap.wrap(value, _WIDTH, break_long_words=False, break_on_hyphens=False)
-    return "\n".join(
-        _BLOCK_START.sub(lambda match: f"{match[1]}\\{match[2]}" if match[1] else f"\\{match[3]}", line)
-        for line in lines
-    )
+    return "\n".join(_BLOCK_START.sub(_escaped_start, line) for line in lines)
+
+
+def _escaped_start(match: re.Match[str]) -> str:
+    """Return the start of a list item, heading or rule with its sign escaped."""
+    return f"{match[1]}\\{match[2]}" if match[1] else f"\\{match[3]}"
 
 
 def cited(sources: Sources) -> str:
@@ -63,12 +65,11 @@ def cited_html(sources: Sources) -> str:
 
 
 def _numbered(sources: Sources) -> str:
-    return cite(
-        tuple(
-            replace(source, section=f"§{source.section}") if _NUMBER.match(source.section) else source
-            for source in sources
-        )
-    )
+    return cite(tuple(map(_with_section_sign, sources)))
+
+
+def _with_section_sign(source: Source) -> Source:
+    return replace(source, section=f"§{source.section}") if _NUMBER.match(source.section) else source
 
 
 #: The number of a section, in contrast to that of a register, such as 0x07.
@@ -93,15 +94,19 @@ def anchor(name: str) -> str:
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a table of Markdown cells without empty columns, or an empty string if all are empty."""
     row_lists = [list(row) for row in rows]
-    shown_columns = [index for index in range(len(head)) if any(row[index] for row in row_lists)]
+    shown_columns = [index for index in range(len(head)) if _has_text(row_lists, index)]
     if not shown_columns:
         return ""
-    lines = [
-        [head[index] for index in shown_columns],
-        ["---"] * len(shown_columns),
-        *([row[index] for index in shown_columns] for row in row_lists),
-    ]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    shown_rows = [_selected(row, shown_columns) for row in (head, ["---"] * len(head), *row_lists)]
+    return "\n".join("| " + " | ".join(row) + " |" for row in shown_rows)
+
+
+def _selected(row: Sequence[str], columns: Sequence[int]) -> list[str]:
+    return [row[index] for index in columns]
+
+
+def _has_text(rows: Sequence[Sequence[str]], column: int) -> bool:
+    return any(row[column] for row in rows)
 
 
 def joined(parts: Iterable[str], between: str = "<br>") -> str:

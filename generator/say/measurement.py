@@ -17,11 +17,10 @@ def measurement(unit_and_range: Measurement) -> Said:
         (unit_and_range.step_nm, "nm", " per count" if unit_and_range.per_counts is None else " per "),
         (unit_and_range.modulus, "counts", " in total"),
     )
-    amounts: list[tuple[Part, ...]] = [
-        (Amount(value, unit), words, *_counts(unit_and_range, unit))
-        for value, unit, words in members
-        if value is not None
-    ]
+    amounts: list[tuple[Part, ...]] = []
+    for value, unit, words in members:
+        if value is not None:
+            amounts.append((Amount(value, unit), words, *_counts(unit_and_range, unit)))
     highest = [("maximum ", unit_and_range.highest)] if unit_and_range.highest is not None else []
     return said(*parted([*amounts, *highest]), source=unit_and_range.source)
 
@@ -38,9 +37,10 @@ def position_range(layout_range: LayoutRange) -> Said:
     if not layout_range.wraps:
         return said("never wraps around", source=layout_range.source)
     members = ((layout_range.turns, "revolutions", ""), (layout_range.modulus, "counts", " in total"))
-    amounts: list[tuple[Part, ...]] = [
-        (Amount(value, unit), words) for value, unit, words in members if value is not None
-    ]
+    amounts: list[tuple[Part, ...]] = []
+    for value, unit, words in members:
+        if value is not None:
+            amounts.append((Amount(value, unit), words))
     highest = [("maximum ", layout_range.highest)] if layout_range.highest is not None else []
     return said(*parted([*amounts, *highest]), source=layout_range.source)
 

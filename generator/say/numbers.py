@@ -51,7 +51,9 @@ def formula(scale: Scale) -> str:
 
 
 def _plus(text: str, number: int) -> str:
-    return f"{text} {'-' if number < 0 else '+'} {abs(number)}" if number else text
+    if number == 0:
+        return text
+    return f"{text} {'-' if number < 0 else '+'} {abs(number)}"
 
 
 def _times(numerator: int, denominator: int) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..model import CodePart, Device, Spelling
+from ..model import CodePart, CodeValue, Device, Spelling
 from .erratum import errata, erratum
 from .text import Code, Part, Said, parted, said, told
 
@@ -24,11 +24,11 @@ def order_code(device: Device) -> Iterator[Said]:
 
 def part(code_part: CodePart) -> Said:
     """Return the meaning and the values of a part."""
-    values: list[tuple[Part, ...]] = [
-        (Code(value.text), f" = {value.meaning}") if value.meaning else (Code(value.text),)
-        for value in code_part.values
-    ]
-    return said(f"{code_part.meaning}: ", *parted(values, "; "), label=code_part.name)
+    return said(f"{code_part.meaning}: ", *parted(map(_part_value, code_part.values), "; "), label=code_part.name)
+
+
+def _part_value(value: CodeValue) -> tuple[Part, ...]:
+    return (Code(value.text), f" = {value.meaning}") if value.meaning else (Code(value.text),)
 
 
 def open_values(code_part: CodePart) -> Iterator[Said]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import ChainMap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice, product
 
@@ -13,7 +13,7 @@ from ..order_codes.parameters import run_time_widths
 from ..order_codes.run_time import possible_states, with_changed
 from ..reference.codec import binary_to_gray, gray_to_binary
 from ..reference.crc import reflect
-from ..say.words import counted
+from ..say.numbers import counted, first_of
 from .bit_text import BitText
 from .tries import NOT_INVERTED, Try, fixed_bits, usual
 
@@ -110,9 +110,8 @@ def tries(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text
     if placed.covers_part:
         return
     for length in sorted(lengths, reverse=True):
-        yield from (
-            _slipped(placed, crc, slip, text.number, length) for slip in SLIPS if slip.longer == length - expected
-        )
+        slips = [slip for slip in SLIPS if slip.longer == length - expected]
+        yield from (_slipped(placed, crc, slip, text.number, length) for slip in slips)
     yield from _without_status(placed, crc, text)
     yield from other_answers(device, variant, placed, crc, text)
     yield from _other_polynomials(placed, crc, text)
@@ -175,10 +174,8 @@ def _slipped(placed: PlacedLayout, crc: Crc, slip: Slip, number: int, length: in
 def _computed_otherwise(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
     """Yield tries of the frame as sent with another CRC."""
     try_as_sent = as_sent(placed, crc, number)
-    yield from (
-        replace(try_as_sent, kind=kind, text=description, crc=other_crc)
-        for kind, description, other_crc in other_crcs(crc)
-    )
+    for kind, description, other_crc in other_crcs(crc):
+        yield replace(try_as_sent, kind=kind, text=description, crc=other_crc)
     if placed.covers_part:
         return
     yield from _status_otherwise(try_as_sent, placed, number)
@@ -272,11 +269,9 @@ def _without_status(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[T
     ):
         return
     data, received = text.number >> crc.width, text.number & crc.mask
-    idle = sum(
-        placed_field.mask << placed_field.low
-        for placed_field in placed.fields
-        if status >> placed_field.low & 1 and _is_set_when_idle(placed_field.field.kind)
-    )
+    status_fields = [placed_field for placed_field in placed.fields if status >> placed_field.low & 1]
+    idle_fields = [placed_field for placed_field in status_fields if _is_set_when_idle(placed_field.field.kind)]
+    idle = sum(placed_field.mask << placed_field.low for placed_field in idle_fields)
     frame = data << (crc.width + status.bit_count()) | idle | received
     bits = short - crc.width
     description = "error and warning were removed from the frame"
@@ -359,7 +354,9 @@ def _of_length(placed: PlacedLayout, crc: Crc, other_crc: Crc, number: int, leng
     zeros = max(length - data_bits - width, 0)
     fixed, are_right = fixed_bits(placed, data << crc.width)
     has_own_length = length == placed.bits
-    cut = f", of which only {known_bits} bits arrived" if known_bits < width else ", followed by zeros" if zeros else ""
+    cut = ", followed by zeros" if zeros else ""
+    if known_bits < width:
+        cut = f", of which only {known_bits} bits arrived"
     return Try(
         "other_polynomial",
         f"the polynomial is {other_crc.poly_with_top_bit:#x}, a {width}-bit CRC{cut}",
@@ -381,11 +378,33 @@ def _other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Cr
     The frame is complete, read too long, or truncated.
     """
     shapes = _shapes(device, variant, placed)
-    whole = [
-        shapes_of_length
-        for bits, shapes_of_length in shapes.items()
-        if (bits == text.bits if text.exact else placed.bits < text.bits <= bits)
-    ]
+    yield from _complete(variant, placed, crc, text, shapes)
+    for bits, shapes_of_length in shapes.items():
+        extra_bits = placed.bits - bits
+        if extra_bits > 0 and (text.bits == placed.bits if text.exact else text.bits <= placed.bits):
+            # The first extra bit is the stop bit or whatever came instead. The others are 0: the master holds SLI at 0.
+            zeros = extra_bits if extra_bits > 1 else 0
+            last_bits = text.number & ((1 << zeros) - 1)
+            number = text.number >> extra_bits
+            other_placed, codes = _possible(shapes_of_length, number)
+            words = f"{bits} bits, {_sender(variant, codes)}, read {counted(extra_bits, 'bit')} too long"
+            holds = not last_bits
+            yield read_as(_kind(codes), words, other_placed, crc, number, demanded=zeros, holds=holds, codes=codes)
+        elif -_CUT <= extra_bits < 0 and text.bits == placed.bits:
+            number = text.number << -extra_bits
+            other_placed, codes = _possible(shapes_of_length, number)
+            words = f"{bits} bits, {_sender(variant, codes)}, read {counted(-extra_bits, 'bit')} too short"
+            yield read_as(_kind(codes), words, other_placed, crc, number, -extra_bits, codes=codes)
+
+
+def _complete(
+    variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText, shapes: Mapping[int, Sequence[Shape]]
+) -> Iterator[Try]:
+    """Yield a try with the complete frame of another order code or other register values."""
+    whole: list[Sequence[Shape]] = []
+    for bits, shapes_of_length in shapes.items():
+        if bits == text.bits if text.exact else placed.bits < text.bits <= bits:
+            whole.append(shapes_of_length)
     if whole:
         # If the text may have any number of leading zeros, the CRC cannot distinguish these lengths.
         likely_placed = _possible(whole[0], text.number)[0]
@@ -399,30 +418,6 @@ def _other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Cr
             text.number,
             codes=codes,
         )
-    for bits, shapes_of_length in shapes.items():
-        extra_bits = placed.bits - bits
-        if extra_bits > 0 and (text.bits == placed.bits if text.exact else text.bits <= placed.bits):
-            # The first extra bit is the stop bit or whatever came instead. The others are 0: the master holds SLI at 0.
-            zeros = extra_bits if extra_bits > 1 else 0
-            last_bits = text.number & ((1 << zeros) - 1)
-            likely_placed, codes = _possible(shapes_of_length, text.number >> extra_bits)
-            description = f"{bits} bits, {_sender(variant, codes)}, read {counted(extra_bits, 'bit')} too long"
-            yield read_as(
-                _kind(codes),
-                description,
-                likely_placed,
-                crc,
-                text.number >> extra_bits,
-                demanded=zeros,
-                holds=not last_bits,
-                codes=codes,
-            )
-        elif -_CUT <= extra_bits < 0 and text.bits == placed.bits:
-            likely_placed, codes = _possible(shapes_of_length, text.number << -extra_bits)
-            description = f"{bits} bits, {_sender(variant, codes)}, read {counted(-extra_bits, 'bit')} too short"
-            yield read_as(
-                _kind(codes), description, likely_placed, crc, text.number << -extra_bits, -extra_bits, codes=codes
-            )
 
 
 def _possible(shapes: Sequence[Shape], number: int) -> Shape:
@@ -439,9 +434,9 @@ def _kind(codes: Sequence[str]) -> str:
 def _sender(variant: Variant, codes: Sequence[str]) -> str:
     if not codes:
         return f"the frame that {variant.code} sends when its registers select other widths"
-    return f"the frame of {codes[0]}" + (
-        f" or {codes[1]}" if len(codes) == 2 else f" and {len(codes) - 1} more" if len(codes) > 2 else ""
-    )
+    if len(codes) == 2:
+        return f"the frame of {codes[0]} or {codes[1]}"
+    return f"the frame of {first_of(codes, 1)}"
 
 
 def _shapes(device: Device, variant: Variant, placed: PlacedLayout) -> dict[int, list[Shape]]:
@@ -450,26 +445,18 @@ def _shapes(device: Device, variant: Variant, placed: PlacedLayout) -> dict[int,
     Those of one length differ in their fixed bits, such as zeros above the position.
     """
     layouts_by_length: dict[tuple[int, object], tuple[PlacedLayout, list[str]]] = {}
-    answers = {
-        parameter.name: variant.parameters[parameter.name] for parameter in device.parameters if parameter.alternative
-    }
+    names = [parameter.name for parameter in device.parameters if parameter.alternative]
+    answers = {name: variant.parameters[name] for name in names}
     for other_variant in device.variants_over(variant.interface):
         other_placed = placed.layout.place({**other_variant.parameters, **answers})
-        constant_places = tuple(
-            (placed_field.low, placed_field.width)
-            for placed_field in other_placed.fields
-            if isinstance(placed_field.field.kind, Constant)
-        )
-        layouts_by_length.setdefault((other_placed.bits, constant_places), (other_placed, []))[1].append(
-            other_variant.code
-        )
+        constants = [field for field in other_placed.fields if isinstance(field.field.kind, Constant)]
+        key = (other_placed.bits, tuple((field.low, field.width) for field in constants))
+        layouts_by_length.setdefault(key, (other_placed, []))[1].append(other_variant.code)
     lengths = {bits for bits, _ in layouts_by_length}
-    register_parameters = run_time_widths(device, placed.layout)
-    parameters_in_registers = [
-        parameter for parameter in device.run_time_parameters if parameter.read_from in register_parameters
-    ]
-    if parameters_in_registers:
-        for states in islice(product(*possible_states(parameters_in_registers)), _STATES):
+    registers = run_time_widths(device, placed.layout)
+    register_parameters = [width for width in device.run_time_parameters if width.read_from in registers]
+    if register_parameters:
+        for states in islice(product(*possible_states(register_parameters)), _STATES):
             parameters = with_changed(device, variant, ChainMap(*map(dict, states)))
             if placed.layout.bits.value(parameters) not in lengths:
                 other_placed = placed.layout.place(parameters)

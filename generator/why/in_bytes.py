@@ -19,10 +19,10 @@ def tries(device: Device, variant: Variant, sender: str, expected: PlacedLayout 
 
     ``expected`` is the layout of ``data``, or None if that is not known.
     """
-    layouts = [
-        layout for layout in device.interface(variant.interface).layouts if layout.sender == sender and layout.in_bytes
-    ]
-    for placed in (layout.place(variant.parameters) for layout in layouts):
+    for layout in device.interface(variant.interface).layouts:
+        if layout.sender != sender or not layout.in_bytes:
+            continue
+        placed = layout.place(variant.parameters)
         crc = device.crc_of(placed.layout)
         if crc is None or crc.width != 8:
             continue
@@ -40,10 +40,8 @@ def is_sound(device: Device, placed: PlacedLayout, data: bytes) -> bool:
 def _computed_otherwise(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator[Try]:
     """Yield tries of the frame as sent with another CRC."""
     try_as_sent = _over_bytes(as_sent(placed, crc, number_from_bytes(placed.layout, data)), data)
-    yield from (
-        replace(try_as_sent, kind=kind, text=description, crc=other_crc)
-        for kind, description, other_crc in other_crcs(crc)
-    )
+    for kind, description, other_crc in other_crcs(crc):
+        yield replace(try_as_sent, kind=kind, text=description, crc=other_crc)
     without_first_byte = int.from_bytes(data[1:-1], "big")
     yield replace(
         try_as_sent,
@@ -105,21 +103,19 @@ def _over_bytes(try_as_sent: Try, data: bytes) -> Try:
 def _first_bytes(placed: PlacedLayout) -> Iterator[int]:
     """Yield the possible first bytes of a frame, if that byte only identifies the layout."""
     first = number_from_bytes(placed.layout, bytes([0xFF, *bytes(placed.bits // 8 - 1)]))
-    known_fields = [placed_field for placed_field in placed.fields if first >> placed_field.low & placed_field.mask]
+    first_fields = [placed_field for placed_field in placed.fields if first >> placed_field.low & placed_field.mask]
     selector = placed.layout.selector
-    if any(
-        not isinstance(placed_field.field.kind, (Constant, Parity)) and placed_field.name != selector
-        for placed_field in known_fields
-    ):
+    other_fields = [placed_field for placed_field in first_fields if placed_field.name != selector]
+    if not all(isinstance(placed_field.field.kind, (Constant, Parity)) for placed_field in other_fields):
         return
     for selected in placed.layout.selects:
         number = 0
-        for placed_field in known_fields:
+        for placed_field in first_fields:
             if placed_field.name == selector:
                 number |= selected << placed_field.low
             elif isinstance(placed_field.field.kind, Constant):
                 number |= placed_field.field.kind.value << placed_field.low
-        for placed_field in known_fields:
+        for placed_field in first_fields:
             if isinstance(placed_field.field.kind, Parity):
                 number |= parity_bit(placed, placed_field.field.kind, number) << placed_field.low
         yield number_to_bytes(placed.layout, number, placed.bits)[0]

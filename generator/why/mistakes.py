@@ -139,15 +139,11 @@ def _why(
     if not explanations:
         # Try pairs only with the most common mistake, and only if no single one matches. More pairs would mostly match
         # by coincidence.
-        all_tries = _distinct(
-            (*single_tries, *(_not_inverted(attempt) for attempt in single_tries if attempt.kind != NOT_INVERTED)),
-            failed,
-        )
-        explanations = [
-            replace(_explanation(device, attempt, undecided), twice=True)
-            for attempt in all_tries[len(single_tries) :]
-            if attempt.fits
-        ]
+        pairs = [_not_inverted(attempt) for attempt in single_tries if attempt.kind != NOT_INVERTED]
+        all_tries = _distinct((*single_tries, *pairs), failed)
+        fitting_pairs = [attempt for attempt in all_tries[len(single_tries) :] if attempt.fits]
+        explanations = [_explanation(device, attempt, undecided) for attempt in fitting_pairs]
+        explanations = [replace(explanation, twice=True) for explanation in explanations]
     explanations.sort(key=lambda explanation: -explanation.score)
     chances = {attempt.question: attempt.one_in for attempt in all_tries}
     coincidence = 1 - prod(1 - 1 / one_in for one_in in chances.values())
@@ -181,21 +177,21 @@ def _not_inverted(attempt: Try) -> Try:
 
 
 def _explanation(device: Device, attempt: Try, undecided: frozenset[str]) -> Explanation:
-    reads: dict[str, int] = {}
-    if attempt.placed is not None:
-        decided_fields = (
-            placed_field
-            for placed_field in attempt.placed.fields
-            if undecided.isdisjoint(placed_field.field.low.parameters)
-        )
-        numbers = {placed_field.name for placed_field in decided_fields if isinstance(placed_field.field.kind, Number)}
-        decoded = codec.decode(device, attempt.placed, attempt.number)
-        reads = {
-            decoded_field.name: decoded_field.value
-            for decoded_field in decoded.fields
-            if decoded_field.name in numbers and isinstance(decoded_field.value, int)
-        }
+    reads = _numbers_read(device, attempt.placed, attempt.number, undecided) if attempt.placed is not None else {}
     return Explanation(attempt.kind, attempt.text, attempt.one_in, attempt.score, reads, attempt.codes)
+
+
+def _numbers_read(device: Device, placed: PlacedLayout, number: int, undecided: frozenset[str]) -> dict[str, int]:
+    """Return the numbers in a frame, except those at bits that depend on undecided parameters."""
+    reads: dict[str, int] = {}
+    fields = {placed_field.name: placed_field.field for placed_field in placed.fields}
+    for decoded_field in codec.decode(device, placed, number).fields:
+        field = fields.get(decoded_field.name)
+        if field is None or not isinstance(field.kind, Number) or not isinstance(decoded_field.value, int):
+            continue
+        if undecided.isdisjoint(field.low.parameters):
+            reads[decoded_field.name] = decoded_field.value
+    return reads
 
 
 def _stuck(variant: Variant, number: int, bits: int, doubt: str) -> Why | None:
