@@ -81,11 +81,13 @@ def _integer(bits: int, kind: str) -> str:
 
 def _of_data_ids(device: Device, field: Field) -> bool:
     """Return whether its values are the data IDs of an interface, which are compared separately."""
-    data_ids = [interface.data_ids for interface in device.interfaces if isinstance(interface, Rs485)]
-    return any(
-        {value.name for value in field.values} == {data_id.name for data_id in data_id_list}
-        for data_id_list in data_ids
-    )
+    names = {value.name for value in field.values}
+    interfaces = [interface for interface in device.interfaces if isinstance(interface, Rs485)]
+    return any(names == _data_id_names(interface) for interface in interfaces)
+
+
+def _data_id_names(interface: Rs485) -> set[str]:
+    return {data_id.name for data_id in interface.data_ids}
 
 
 def _compare_kind(family_pair: FamilyPair, subject: Subject, old: Field, new: Field) -> Iterator[Change]:
@@ -107,11 +109,18 @@ def _compare_kind(family_pair: FamilyPair, subject: Subject, old: Field, new: Fi
 def _compare_runs(family_pair: FamilyPair, subject: Subject, old: Decimal, new: Decimal) -> Iterator[Change]:
     if old == new:
         return
-    names = [[(run.name, run.digits) for run in kind.runs] for kind in (old, new)]
-    if names[0] == names[1]:
+    old_digits, new_digits = _digits_by_name(old), _digits_by_name(new)
+    if list(old_digits.items()) == list(new_digits.items()):
         yield family_pair.change("words", subject, ": digits", old.runs, new.runs)
         return
-    removed_names = {name for name, _ in names[0]} - {name for name, _ in names[1]}
-    texts = [shown(", ".join(f"{name} ({digits})" for name, digits in runs)) for runs in names]
-    rule = "field-kind" if removed_names else "field-reads-otherwise"
+    texts = [_digits_text(old_digits), _digits_text(new_digits)]
+    rule = "field-kind" if old_digits.keys() - new_digits.keys() else "field-reads-otherwise"
     yield family_pair.change(rule, subject, f": digits {' → '.join(texts)}", old.runs, new.runs)
+
+
+def _digits_by_name(kind: Decimal) -> dict[str, int]:
+    return {run.name: run.digits for run in kind.runs}
+
+
+def _digits_text(digits_by_name: dict[str, int]) -> str:
+    return shown(", ".join(f"{name} ({digits})" for name, digits in digits_by_name.items()))
