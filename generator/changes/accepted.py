@@ -36,58 +36,68 @@ class Accepted:
         return (self.family, self.rule, self.path) == (change.family, change.rule.name, change.path)
 
 
-def read_accepted(place: Path) -> list[Accepted]:
+def read_accepted(file: Path) -> list[Accepted]:
     """Return the accepted changes in a file.
 
     Raises:
         NotAccepted: The file cannot be read, or an entry lacks a key, names no rule of ``diff``, or has no date.
     """
     report = Report()
-    document = read_document(place, report)
+    document = read_document(file, report)
     if document is None or report:
         raise NotAccepted(report.problems[0].format().splitlines()[0])
     entries = document.data.get("accepted")
     if set(document.data) != {"accepted"} or not isinstance(entries, list):
-        raise NotAccepted(f"{place}:1: the file must have only the key 'accepted', with a list of accepted changes")
-    return [_entry(document, index, item) for index, item in enumerate(entries)]
+        raise NotAccepted(f"{file}:1: the file must have only the key 'accepted', with a list of accepted changes")
+    return [_entry(document, index, definition) for index, definition in enumerate(entries)]
 
 
-def _entry(document: Document, index: int, item: object) -> Accepted:
-    where = f"{document.file}:{document.position(('accepted', index))[0]}"
-    if not isinstance(item, dict) or set(item) != set(_KEYS) or not all(isinstance(item[key], str) for key in _KEYS):
-        raise NotAccepted(f"{where}: an accepted change has the keys {listed(_KEYS)}, each with text")
-    if item["rule"] not in RULES:
-        raise NotAccepted(f"{where}: there is no rule {quoted(item['rule'])}{suggestion(item['rule'], RULES)}")
+def _entry(document: Document, index: int, definition: object) -> Accepted:
+    location = f"{document.file}:{document.position(('accepted', index))[0]}"
+    if not isinstance(definition, dict) or set(definition) != set(_KEYS) or not _has_texts(definition):
+        raise NotAccepted(f"{location}: an accepted change has the keys {listed(_KEYS)}, each with text")
+    rule, until = definition["rule"], definition["until"]
+    if rule not in RULES:
+        raise NotAccepted(f"{location}: there is no rule {quoted(rule)}{suggestion(rule, RULES)}")
     try:
-        return Accepted(**{**item, "until": date.fromisoformat(item["until"])})
+        return Accepted(**{**definition, "until": date.fromisoformat(until)})
     except ValueError:
-        raise NotAccepted(f"{where}: 'until' is a date such as 2027-03-31, not {quoted(item['until'])}") from None
+        raise NotAccepted(f"{location}: 'until' is a date such as 2027-03-31, not {quoted(until)}") from None
+
+
+def _has_texts(definition: dict[object, object]) -> bool:
+    return all(isinstance(value, str) for value in definition.values())
 
 
 def still_open(
     changes: Sequence[Change], accepted: Sequence[Accepted], today: date
 ) -> tuple[list[Change], Sequence[str]]:
     """Return the changes without a valid entry on this day, and a notice about each entry."""
-    current = [item for item in accepted if item.until >= today]
-    found = [change for change in changes if not any(item.covers(change) for item in current)]
-    return found, tuple(_notices(changes, accepted, today))
+    current = [acceptance for acceptance in accepted if acceptance.until >= today]
+    open_changes = [change for change in changes if not _is_accepted(change, current)]
+    return open_changes, tuple(_notices(changes, accepted, today))
+
+
+def _is_accepted(change: Change, accepted: Sequence[Accepted]) -> bool:
+    return any(acceptance.covers(change) for acceptance in accepted)
 
 
 def _notices(changes: Sequence[Change], accepted: Sequence[Accepted], today: date) -> Iterator[str]:
-    for item in accepted:
-        name = f"{item.family}: {item.rule} {item.path}"
-        if not any(map(item.covers, changes)):
-            yield f"accepted, but not found: {name}{_meant(item, changes)}"
-        elif item.until < today:
-            yield f"accepted until {item.until} only, so asked again: {name}: {item.why}"
+    for acceptance in accepted:
+        name = f"{acceptance.family}: {acceptance.rule} {acceptance.path}"
+        if not any(map(acceptance.covers, changes)):
+            yield f"accepted, but not found: {name}{_meant(acceptance, changes)}"
+        elif acceptance.until < today:
+            yield f"accepted until {acceptance.until} only, so asked again: {name}: {acceptance.why}"
         else:
-            yield f"accepted until {item.until}: {name}: {item.why}"
+            yield f"accepted until {acceptance.until}: {name}: {acceptance.why}"
 
 
-def _meant(item: Accepted, changes: Sequence[Change]) -> str:
+def _meant(acceptance: Accepted, changes: Sequence[Change]) -> str:
     """Return a suggestion for the family of an entry if it has no changes, or else for the path."""
     families = {change.family for change in changes}
-    if item.family not in families:
-        return suggestion(item.family, sorted(families), "families with changes")
-    same = (change.path for change in changes if (change.family, change.rule.name) == (item.family, item.rule))
-    return suggestion(item.path, same, "paths of this rule")
+    if acceptance.family not in families:
+        return suggestion(acceptance.family, sorted(families), "families with changes")
+    of_family = [change for change in changes if change.family == acceptance.family]
+    paths = (change.path for change in of_family if change.rule.name == acceptance.rule)
+    return suggestion(acceptance.path, paths, "paths of this rule")

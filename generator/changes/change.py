@@ -33,7 +33,7 @@ class Change:
 
 
 @dataclass(frozen=True, slots=True)
-class Thing:
+class Subject:
     """Subject of a change: its path in the spec, its name in a sentence, and its old names in outputs.
 
     ``interface`` is empty if it concerns all order codes. ``scope`` is the frame or register in which to look up the
@@ -46,11 +46,11 @@ class Thing:
     names: Mapping[str, str] = field(default_factory=dict)
     scope: str = ""
 
-    def inside(self, path: str, label: str) -> Thing:
+    def inside(self, path: str, label: str) -> Subject:
         """Return a thing inside it."""
         return replace(self, path=f"{self.path}.{path}".removeprefix("."), label=label)
 
     @property
-    def unnamed(self) -> Thing:
+    def unnamed(self) -> Subject:
         """The same thing without its names in code, for changes that keep them."""
         return replace(self, names={})

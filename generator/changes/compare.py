@@ -7,13 +7,13 @@ from dataclasses import fields, replace
 from types import MappingProxyType
 from typing import Any, TypeVar
 
-from ..model import Alarm, Alternative, Connector, Crc, Device
+from ..model import Alarm, Alternative, Connector, Crc, Device, Layout
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, WIDER, Member
 from ..order_codes.narrowing import sent_crcs
 from ..say.numbers import first_of
 from ..say.place import register_at
-from .change import Change, Thing
+from .change import Change, Subject
 from .counterparts import in_section, recognised
 from .expressions import Differing
 from .family_pair import FamilyPair
@@ -52,46 +52,53 @@ _NAMES: Mapping[str, tuple[str, str]] = MappingProxyType(
     }
 )
 #: Compare the content of two things.
-Inside = Callable[[FamilyPair, Thing, Any, Any], Iterator[Change]]
+Inside = Callable[[FamilyPair, Subject, Any, Any], Iterator[Change]]
 
 
-def members(both: FamilyPair, thing: Thing, old: Any, new: Any) -> Iterator[Change]:
+def compare_members(family_pair: FamilyPair, subject: Subject, old: Any, new: Any) -> Iterator[Change]:
     """Yield every changed member."""
-    old = both.in_new(old, thing.scope)
-    known = {"source": _SOURCE, **PARTS_BY_CLASS[type(new).__name__].by_attribute}
-    for item in fields(new):
-        member = known.get(item.name) or Member(item.name, rule="unforeseen")
+    old = family_pair.in_new(old, subject.scope)
+    members_by_name = {"source": _SOURCE, **PARTS_BY_CLASS[type(new).__name__].by_attribute}
+    for attribute in fields(new):
+        member = members_by_name.get(attribute.name) or Member(attribute.name, rule="unforeseen")
         if member.rule:
-            values = getattr(old, item.name), getattr(new, item.name)
-            yield from _member(both, thing.inside(item.name, thing.label), member, *values)
+            values = getattr(old, attribute.name), getattr(new, attribute.name)
+            yield from _compare_member(family_pair, subject.inside(attribute.name, subject.label), member, *values)
 
 
-def _member(both: FamilyPair, place: Thing, member: Member, old: Any, new: Any) -> Iterator[Change]:
+def _compare_member(family_pair: FamilyPair, subject: Subject, member: Member, old: Any, new: Any) -> Iterator[Change]:
     kinds = {type(old), type(new)}
     if member.is_limit or (Expression in kinds and str not in kinds):
-        yield from _number(both, place, member, old, new)
+        yield from _compare_number(family_pair, subject, member, old, new)
         return
     if old == new:
         return
     rule = "source" if plain(old) == plain(new) else "words"
     rule = member.rule if without_words(old) != without_words(new) else rule
     if rule in _IN_WORDS:
-        said = f": {member.attribute.replace('_', ' ')}"
+        description = f": {member.attribute.replace('_', ' ')}"
     else:
-        said = f": {member.words} {arrow(*differing_items(old, new), member.notation)}"
-    yield both.change(rule, place, said, old, new)
+        description = f": {member.words} {arrow(*differing_items(old, new), member.notation)}"
+    yield family_pair.change(rule, subject, description, old, new)
 
 
-def _number(both: FamilyPair, place: Thing, member: Member, old: Any, new: Any) -> Iterator[Change]:
+def _compare_number(family_pair: FamilyPair, subject: Subject, member: Member, old: Any, new: Any) -> Iterator[Change]:
     """Compare numbers and expressions by their values for each order code."""
-    before, after = (Expression(item) if isinstance(item, int) else item for item in (old, new))
-    found = both.differing(place.interface, before, after)
-    if found is None:
+    old_expression, new_expression = _as_expression(old), _as_expression(new)
+    difference = family_pair.differing(subject.interface, old_expression, new_expression)
+    if difference is None:
         return
-    less = any(_allows_less(member, *pair) for pair in found.values) or (not found.values and new is not None)
-    rule = WIDER[member.rule] if member.is_limit and not less else member.rule
-    said = f": {member.words} {numbers(found, before, after, member.notation)}"
-    yield both.change(rule, place, said, old, new, found.codes or None)
+    if difference.values:
+        allows_less = any(_allows_less(member, *pair) for pair in difference.values)
+    else:
+        allows_less = new is not None
+    rule = WIDER[member.rule] if member.is_limit and not allows_less else member.rule
+    description = f": {member.words} {numbers(difference, old_expression, new_expression, member.notation)}"
+    yield family_pair.change(rule, subject, description, old, new, difference.codes or None)
+
+
+def _as_expression(number: Any) -> Any:
+    return Expression(number) if isinstance(number, int) else number
 
 
 def _allows_less(member: Member, old: int | None, new: int | None) -> bool:
@@ -100,90 +107,101 @@ def _allows_less(member: Member, old: int | None, new: int | None) -> bool:
     return new < old if member.is_upper else new > old
 
 
-def numbers(found: Differing, old: Expression | None, new: Expression | None, form: str = "") -> str:
+def numbers(difference: Differing, old: Expression | None, new: Expression | None, notation: str = "") -> str:
     """Return the differing values of two expressions: one pair of numbers, else the expressions, else some pairs."""
-    if len(found.values) == 1 and found.everywhere:
-        return arrow(*found.values[0], form)
-    texts = shown(old, form), shown(new, form)
+    if len(difference.values) == 1 and difference.everywhere:
+        return arrow(*difference.values[0], notation)
+    texts = shown(old, notation), shown(new, notation)
     if texts[0] != texts[1]:
         return " → ".join(texts)
-    return first_of([arrow(*pair, form) for pair in found.values], 2)
+    return first_of([arrow(*pair, notation) for pair in difference.values], 2)
 
 
-def things(
-    both: FamilyPair,
+def compare_parts(
+    family_pair: FamilyPair,
     kind: str,
-    olds: Sequence[_Item],
-    news: Sequence[_Item],
-    place: Thing,
-    inside: Inside | None = None,
+    old_parts: Sequence[_Item],
+    new_parts: Sequence[_Item],
+    section_subject: Subject,
+    compare_content: Inside | None = None,
 ) -> Iterator[Change]:
     """Yield the changes of several things: new, gone and renamed ones, and the members of the others.
 
     Args:
-        both: The two versions of the family.
+        family_pair: The two versions of the family.
         kind: Kind of the things, with which the names of their rules begin.
-        olds: The old things.
-        news: The new things.
-        place: The section that contains them. Its label has the words that precede the name of a thing.
-        inside: Compare the content of a thing that the table of members does not compare.
+        old_parts: The old things.
+        new_parts: The new things.
+        section_subject: The section that contains them. Its label has the words that precede the name of a thing.
+        compare_content: Compare the content of a thing that the table of members does not compare.
     """
-    for pair in recognised(both, olds, news, place.interface, place.scope):
-        yield from compared(both, kind, _named_in_code(both, pair, place), pair, inside)
+    for pair in recognised(family_pair, old_parts, new_parts, section_subject.interface, section_subject.scope):
+        yield from compare_pair(
+            family_pair, kind, _named_in_code(family_pair, pair, section_subject), pair, compare_content
+        )
 
 
-def compared(
-    both: FamilyPair, kind: str, thing: Thing, pair: Pair[Any], inside: Inside | None = None
+def compare_pair(
+    family_pair: FamilyPair, kind: str, subject: Subject, pair: Pair[Any], compare_content: Inside | None = None
 ) -> Iterator[Change]:
-    """Yield the changes of one thing, like ``things``."""
+    """Yield the changes of one thing, like ``compare_parts``."""
     has_default = isinstance(pair.item, Alternative) and bool(pair.item.default)
-    yield from both.presence("choice" if has_default else kind, thing, pair.old, pair.new)
+    yield from family_pair.presence("choice" if has_default else kind, subject, pair.old, pair.new)
     if pair.old is not None and pair.new is not None:
-        yield from members(both, thing.unnamed, pair.old, pair.new)
-        if inside is not None:
-            yield from inside(both, thing, pair.old, pair.new)
+        yield from compare_members(family_pair, subject.unnamed, pair.old, pair.new)
+        if compare_content is not None:
+            yield from compare_content(family_pair, subject, pair.old, pair.new)
 
 
-def section(both: FamilyPair, kind: str, inside: Inside | None = None) -> Iterator[Change]:
+def compare_section(family_pair: FamilyPair, kind: str, compare_content: Inside | None = None) -> Iterator[Change]:
     """Yield the changes of all things in a section of the spec."""
     path, label = _SECTIONS[kind]
-    for pair in in_section(both, path):
-        words = label if isinstance(label, str) else label(pair)
+    for pair in in_section(family_pair, path):
+        label_words = label if isinstance(label, str) else label(pair)
         is_old = pair.new is None or (kind in _OF_OLD and pair.old is not None)
-        interface = _interface_of(*((both.old, pair.old) if is_old else (both.new, pair.new)))
-        thing = _named_in_code(both, pair, Thing(path, words, interface))
-        yield from compared(both, kind, thing, pair, inside)
+        interface = _interface_of(*((family_pair.old, pair.old) if is_old else (family_pair.new, pair.new)))
+        subject = _named_in_code(family_pair, pair, Subject(path, label_words, interface))
+        yield from compare_pair(family_pair, kind, subject, pair, compare_content)
 
 
-def _interface_of(device: Device, item: Any) -> str:
+def _interface_of(device: Device, part: Any) -> str:
     """Return the only interface that a thing concerns, or "" if it concerns several or all."""
-    match item:
+    match part:
         case Alternative(name):
-            found = {each.interface for each in device.parameters if each.alternative == name}
+            interfaces = {parameter.interface for parameter in device.parameters if parameter.alternative == name}
         case Alarm():
-            found = {each.interface for each in device.registers if each.name == item.register}
-            layouts = (pair for pair in device.layouts() if item.group)
-            found |= {each.name for each, layout in layouts if item.group in {field.group for field in layout.fields}}
+            interfaces = {register.interface for register in device.registers if register.name == part.register}
+            layouts = device.layouts() if part.group else ()
+            interfaces |= {interface.name for interface, layout in layouts if _has_group(layout, part.group)}
         case Connector():
-            found = set(item.interfaces)
+            interfaces = set(part.interfaces)
         case Crc(name):
-            found = {each.name for each in device.interfaces if name in sent_crcs((each,))}
+            interfaces = {interface.name for interface in device.interfaces if name in sent_crcs((interface,))}
         case _:
-            found = {getattr(item, "interface", "")}
-    return found.pop() if len(found) == 1 else ""
+            interfaces = {getattr(part, "interface", "")}
+    return interfaces.pop() if len(interfaces) == 1 else ""
 
 
-def _named_in_code(both: FamilyPair, pair: Pair[Any], place: Thing) -> Thing:
+def _has_group(layout: Layout, group: str) -> bool:
+    return any(field.group == group for field in layout.fields)
+
+
+def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: Subject) -> Subject:
     """Return a thing in a section, with its names in code if users already know it by them."""
-    kind, interface, name = place.path.rpartition(".")[2], place.interface, pair.item.name
-    thing = Thing(f"{place.path}.{name}", f"{place.label} {name}", interface, scope=place.scope or name)
+    kind, interface, name = section_subject.path.rpartition(".")[2], section_subject.interface, pair.item.name
+    subject = Subject(
+        f"{section_subject.path}.{name}",
+        f"{section_subject.label} {name}",
+        interface,
+        scope=section_subject.scope or name,
+    )
     # A new data ID is a new member of an enumeration that users already have.
     if kind not in _NAMES or (pair.old is None and kind != "data_ids"):
-        return thing
-    device = both.new if pair.old is None else both.old
+        return subject
+    device = family_pair.new if pair.old is None else family_pair.old
     words = {"manufacturer": device.manufacturer.name, "family": device.name, "name": pair.first.name}
     # Of a faulty spec, there may be no interface.
-    names = (interface, getattr(pair.first, "interface", ""), *(item.name for item in device.interfaces))
+    names = (interface, getattr(pair.first, "interface", ""), *(candidate.name for candidate in device.interfaces))
     words["interface"] = next(filter(None, names), "")
     words |= {key.upper(): text.upper() for key, text in words.items()}
     words["Name"] = "".join(part[:1].upper() + part[1:] for part in pair.first.name.split("_"))
@@ -194,4 +212,4 @@ def _named_in_code(both: FamilyPair, pair: Pair[Any], place: Thing) -> Thing:
     if kind == "crcs" and not interface:
         # C has no function for a CRC that no frame uses.
         c = "{manufacturer}_{family}_…".format(**words)
-    return replace(thing, names={"c": c, "python": python})
+    return replace(subject, names={"c": c, "python": python})

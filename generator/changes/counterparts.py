@@ -16,91 +16,100 @@ from .pairs import Pair, both_of, paired
 _Part = TypeVar("_Part")
 
 
-def note_all(both: FamilyPair) -> None:
+def note_all(family_pair: FamilyPair) -> None:
     """Remember every renaming, so that references to the renamed thing do not count as changed."""
-    both.note("parameter", in_section(both, "parameters"))
-    both.note("part", in_section(both, "order_code.parts"))
-    both.note("crc", in_section(both, "crcs"))
-    both.note("decision", in_section(both, "alternatives"))
-    both.note("register", in_section(both, "registers"))
-    for one, other in both_of(in_section(both, "registers")):
-        _note_layout(both, one.layout, other.layout, other.interface, other.name)
-    for before, after in both_of(paired(both.old.interfaces, both.new.interfaces)):
-        for frame, frame_now in both_of(recognised(both, before.layouts, after.layouts, after.name)):
-            _note_layout(both, frame, frame_now, after.name, frame_now.name)
-        if isinstance(before, Rs485) and isinstance(after, Rs485):
-            both.note("data-id", recognised(both, before.data_ids, after.data_ids))
-    both.note("procedure", in_section(both, "procedures"))
+    family_pair.note("parameter", in_section(family_pair, "parameters"))
+    family_pair.note("part", in_section(family_pair, "order_code.parts"))
+    family_pair.note("crc", in_section(family_pair, "crcs"))
+    family_pair.note("decision", in_section(family_pair, "alternatives"))
+    family_pair.note("register", in_section(family_pair, "registers"))
+    for old_register, new_register in both_of(in_section(family_pair, "registers")):
+        _note_layout(family_pair, old_register.layout, new_register.layout, new_register.interface, new_register.name)
+    for old_interface, new_interface in both_of(paired(family_pair.old.interfaces, family_pair.new.interfaces)):
+        for old_frame, new_frame in both_of(
+            recognised(family_pair, old_interface.layouts, new_interface.layouts, new_interface.name)
+        ):
+            _note_layout(family_pair, old_frame, new_frame, new_interface.name, new_frame.name)
+        if isinstance(old_interface, Rs485) and isinstance(new_interface, Rs485):
+            family_pair.note("data-id", recognised(family_pair, old_interface.data_ids, new_interface.data_ids))
+    family_pair.note("procedure", in_section(family_pair, "procedures"))
 
 
-def _note_layout(both: FamilyPair, old: Layout, new: Layout, interface: str, scope: str) -> None:
-    found = fields(both, old, new, interface)
-    both.note(f"field {scope}", found)
-    numbers = recognised(both, old.joins, new.joins, scope=scope)
-    both.note(f"field {scope}", numbers)
-    both.note("any-field", [*found, *numbers])
-    for one, other in both_of(found):
-        both.note("any-value", recognised(both, one.values, other.values))
+def _note_layout(family_pair: FamilyPair, old: Layout, new: Layout, interface: str, scope: str) -> None:
+    field_pairs = fields(family_pair, old, new, interface)
+    family_pair.note(f"field {scope}", field_pairs)
+    join_pairs = recognised(family_pair, old.joins, new.joins, scope=scope)
+    family_pair.note(f"field {scope}", join_pairs)
+    family_pair.note("any-field", [*field_pairs, *join_pairs])
+    for old_field, new_field in both_of(field_pairs):
+        family_pair.note("any-value", recognised(family_pair, old_field.values, new_field.values))
 
 
-def in_section(both: FamilyPair, path: str) -> list[Pair[Any]]:
+def in_section(family_pair: FamilyPair, path: str) -> list[Pair[Any]]:
     """Pair the things in a section of the spec."""
-    return recognised(both, *map(attrgetter(path), (both.old, both.new)))
+    return recognised(family_pair, *map(attrgetter(path), (family_pair.old, family_pair.new)))
 
 
-def fields(both: FamilyPair, old: Layout, new: Layout, interface: str) -> list[Pair[Field]]:
+def fields(family_pair: FamilyPair, old: Layout, new: Layout, interface: str) -> list[Pair[Field]]:
     """Pair the fields of a frame or register, except those that only fill gaps."""
-    olds, news = (
-        [item for item in layout.fields if not item.fills_gap and not item.fills_byte] for layout in (old, new)
-    )
-    return recognised(both, olds, news, interface)
+    return recognised(family_pair, _described_fields(old), _described_fields(new), interface)
+
+
+def _described_fields(layout: Layout) -> list[Field]:
+    return [field for field in layout.fields if not field.fills_gap and not field.fills_byte]
 
 
 def recognised(
-    both: FamilyPair, olds: Sequence[_Part], news: Sequence[_Part], interface: str = "", scope: str = ""
+    family_pair: FamilyPair,
+    old_parts: Sequence[_Part],
+    new_parts: Sequence[_Part],
+    interface: str = "",
+    scope: str = "",
 ) -> list[Pair[_Part]]:
     """Pair parts of the model by name, or by what identifies them under another name.
 
     Args:
-        both: The two versions of the family.
-        olds: The old parts.
-        news: The new parts.
+        family_pair: The two versions of the family.
+        old_parts: The old parts.
+        new_parts: The new parts.
         interface: The interface of frames and fields.
         scope: The frame or register in which to look up the names of fields.
     """
-    old, new = (partial(_identity, both, is_old, interface, scope) for is_old in (True, False))
-    return paired(olds, news, old, new)
+    old_key, new_key = (partial(_identity, family_pair, is_old, interface, scope) for is_old in (True, False))
+    return paired(old_parts, new_parts, old_key, new_key)
 
 
-def _identity(both: FamilyPair, is_old: bool, interface: str, scope: str, item: Any) -> Hashable | None:
+def _identity(family_pair: FamilyPair, is_old: bool, interface: str, scope: str, part: Any) -> Hashable | None:
     """Return what identifies a part: the members that the table of members names, or for some parts as follows.
 
     Fields have the same bits, and a new one carries data only if the old one does. Frames and registers also have the
     same bits. Procedures have the same steps, and parameters the same number for every order code.
     """
-    match item:
+    match part:
         case Field():
-            return both.place(item, interface, is_old), item.carries_data
+            return family_pair.place(part, interface, is_old), part.carries_data
         case Procedure():
-            steps = (step_in_new(both, step) if is_old else bare(step) for step in item.steps)
-            return item.interface, len(item.arguments), tuple(steps)
+            steps = (step_in_new(family_pair, step) if is_old else bare(step) for step in part.steps)
+            return part.interface, len(part.arguments), tuple(steps)
         case Parameter():
-            device, codes = (both.old, frozenset(both.shared)) if is_old else (both.new, both.kept)
-            numbers = tuple(each.parameters[item.name] for each in device.variants if each.code in codes)
-            return (item.unit, bool(item.read_from), item.alternative, numbers) if numbers else None
+            device, codes = (
+                (family_pair.old, frozenset(family_pair.shared)) if is_old else (family_pair.new, family_pair.kept)
+            )
+            numbers = tuple(variant.parameters[part.name] for variant in device.variants if variant.code in codes)
+            return (part.unit, bool(part.read_from), part.alternative, numbers) if numbers else None
 
-    def value(found: Any) -> Any:
-        if isinstance(found, Mapping):
-            return tuple(sorted(found.values()))
-        if isinstance(found, tuple) and any(map(is_dataclass, found)):
-            return tuple(_identity(both, is_old, interface, scope, each) for each in found)
-        return found
+    def value(member_value: Any) -> Any:
+        if isinstance(member_value, Mapping):
+            return tuple(sorted(member_value.values()))
+        if isinstance(member_value, tuple) and any(map(is_dataclass, member_value)):
+            return tuple(_identity(family_pair, is_old, interface, scope, inner_part) for inner_part in member_value)
+        return member_value
 
-    item = both.in_new(item, scope) if is_old else item
-    values = [value(getattr(item, name)) for name in PARTS_BY_CLASS[type(item).__name__].identity]
-    layout = item.layout if isinstance(item, Register) else item
+    part = family_pair.in_new(part, scope) if is_old else part
+    values = [value(getattr(part, name)) for name in PARTS_BY_CLASS[type(part).__name__].identity]
+    layout = part.layout if isinstance(part, Register) else part
     if isinstance(layout, Layout):
-        values.append(tuple(both.place(each, interface or item.interface, is_old) for each in layout.fields))
+        values.append(tuple(family_pair.place(field, interface or part.interface, is_old) for field in layout.fields))
     return tuple(values) if any(values) else None
 
 
@@ -109,9 +118,13 @@ def bare(step: Step) -> Step:
     return replace(step, meaning="", source=())
 
 
-def step_in_new(both: FamilyPair, step: Step) -> Step:
+def step_in_new(family_pair: FamilyPair, step: Step) -> Step:
     """Return an old step without its words and with the new names of the things that it uses."""
-    made = both.in_new(bare(step), both.to_new("register", getattr(step, "register", "")))
-    if isinstance(step, (WriteStep, ModifyStep)) and isinstance(made, (WriteStep, ModifyStep)) and step.value is None:
-        return replace(made, value_name=step.value_name)  # the name of an argument, not of a value
-    return made
+    renamed_step = family_pair.in_new(bare(step), family_pair.to_new("register", getattr(step, "register", "")))
+    if (
+        isinstance(step, (WriteStep, ModifyStep))
+        and isinstance(renamed_step, (WriteStep, ModifyStep))
+        and step.value is None
+    ):
+        return replace(renamed_step, value_name=step.value_name)  # the name of an argument, not of a value
+    return renamed_step

@@ -42,17 +42,18 @@ class Differing:
 def settings_of(device: Device) -> Iterator[Parameters]:
     """Yield settings of registers and answers: the defaults, then each at the ends of its range, one by one."""
     yield {}
-    for item in device.run_time_parameters:
-        highest = item.max if item.max is not None else item.largest
-        yield from ({item.name: value} for value in (item.min or 0, highest))
+    for parameter in device.run_time_parameters:
+        highest = parameter.max if parameter.max is not None else parameter.largest
+        yield from ({parameter.name: value} for value in (parameter.min or 0, highest))
     for alternative in device.alternatives:
         yield from (answer.sets for answer in alternative.answers)
 
 
 def with_setting(device: Device, variant: Variant, setting: Parameters) -> Parameters:
     """Return the parameters of an order code under a setting, without parameters that it does not have."""
-    known = {name: value for name, value in setting.items() if name in variant.parameters.keys() - device.definitions}
-    return with_changed(device, variant, known) if known else variant.parameters
+    own_names = variant.parameters.keys() - device.definitions
+    own_setting = {name: value for name, value in setting.items() if name in own_names}
+    return with_changed(device, variant, own_setting) if own_setting else variant.parameters
 
 
 def differing(old: Expression | None, new: Expression | None, points: Sequence[Point]) -> Differing | None:
@@ -66,19 +67,23 @@ def differing(old: Expression | None, new: Expression | None, points: Sequence[P
     if not points:
         is_same = old is not None and new is not None and old.render() == new.render()
         return None if is_same else Differing((), _constants(old, new))
-    found: dict[str, list[tuple[int | None, int | None]]] = {}
+    pairs_by_code: dict[str, list[tuple[int | None, int | None]]] = {}
     for point in points:
         values = _number(old, point.compared), _number(new, point.new)
         if values[0] != values[1]:
-            found.setdefault(point.code, []).append(values)
-    pairs = dict.fromkeys(pair for each in found.values() for pair in each)
-    here = sum(point.code in found for point in points)
-    return Differing(tuple(found), tuple(pairs), here == sum(map(len, found.values()))) if found else None
+            pairs_by_code.setdefault(point.code, []).append(values)
+    pairs = dict.fromkeys(pair for code_pairs in pairs_by_code.values() for pair in code_pairs)
+    differing_points = sum(point.code in pairs_by_code for point in points)
+    return (
+        Differing(tuple(pairs_by_code), tuple(pairs), differing_points == sum(map(len, pairs_by_code.values())))
+        if pairs_by_code
+        else None
+    )
 
 
 def _constants(old: Expression | None, new: Expression | None) -> tuple[tuple[int | None, int | None], ...]:
     """Return the pair of numbers if the expressions are numbers or None."""
-    if all(item is None or item.is_constant for item in (old, new)):
+    if all(expression is None or expression.is_constant for expression in (old, new)):
         return ((_number(old, {}), _number(new, {})),)
     return ()
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 from itertools import chain
 
 from ..model import Device
-from .change import Change, Thing
-from .compare import section
+from .change import Change, Subject
+from .compare import compare_section
 from .counterparts import note_all
 from .family_pair import FamilyPair
 from .interfaces import interfaces, timings
@@ -23,47 +23,47 @@ def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
 
     A missing family was renamed if a new one has the same order codes, or if there is only one of each.
     """
-    found: list[Change] = []
-    pairs = paired(old, new, lambda item: frozenset(variant.code for variant in item.variants))
+    changes: list[Change] = []
+    pairs = paired(old, new, lambda device: frozenset(variant.code for variant in device.variants))
     if len(old) == len(new) == 1:
         pairs = [Pair(old[0], new[0])]
     for pair in sorted(pairs, key=lambda pair: pair.item.name):
         if pair.old is None or pair.new is None:
-            names = (each and each.name for each in (pair.old, pair.new))
-            thing = Thing("", f"family {pair.item.name}")
-            found += FamilyPair(pair.item, pair.item).presence("family", thing, *names)
+            names = (device and device.name for device in (pair.old, pair.new))
+            subject = Subject("", f"family {pair.item.name}")
+            changes += FamilyPair(pair.item, pair.item).presence("family", subject, *names)
         else:
-            found += compare_family(pair.old, pair.new)
-    return found
+            changes += compare_family(pair.old, pair.new)
+    return changes
 
 
 def compare_family(old: Device, new: Device) -> list[Change]:
     """Return all changes of a family, by descending impact."""
-    both = FamilyPair(old, new)
-    note_all(both)
-    found = list(
+    family_pair = FamilyPair(old, new)
+    note_all(family_pair)
+    changes = list(
         _merged(
             chain(
-                family(both),
-                order_codes(both),
-                quantities(both),
-                section(both, "crc"),
-                interfaces(both),
-                section(both, "register", register),
-                section(both, "alarm"),
-                section(both, "procedure", procedure),
-                timings(both, Thing("", ""), old.timings, new.timings),
-                supply(both, Thing("", ""), old.supply, new.supply),
-                section(both, "connector", contacts),
-                section(both, "input"),
-                displayed(both),
+                family(family_pair),
+                order_codes(family_pair),
+                quantities(family_pair),
+                compare_section(family_pair, "crc"),
+                interfaces(family_pair),
+                compare_section(family_pair, "register", register),
+                compare_section(family_pair, "alarm"),
+                compare_section(family_pair, "procedure", procedure),
+                timings(family_pair, Subject("", ""), old.timings, new.timings),
+                supply(family_pair, Subject("", ""), old.supply, new.supply),
+                compare_section(family_pair, "connector", contacts),
+                compare_section(family_pair, "input"),
+                displayed(family_pair),
             )
         )
     )
-    if not found and _bare(old) != _bare(new):
-        thing = Thing("", f"family {new.name}")
-        found.append(both.change("order", thing, ": different order, same facts", None, None))
-    return sorted(found, key=lambda change: -change.impact)
+    if not changes and _bare(old) != _bare(new):
+        subject = Subject("", f"family {new.name}")
+        changes.append(family_pair.change("order", subject, ": different order, same facts", None, None))
+    return sorted(changes, key=lambda change: -change.impact)
 
 
 def _bare(device: Device) -> Device:
@@ -74,12 +74,12 @@ def _bare(device: Device) -> Device:
 
 def _merged(changes: Iterable[Change]) -> Iterator[Change]:
     """Return each change once. Changes of a field group in many frames are reported for the group."""
-    found: dict[tuple[str, str], Change] = {}
+    merged: dict[tuple[str, str], Change] = {}
     for change in changes:
         key = (change.rule.name, change.text if change.impact > 1 else change.path)
-        first = found.setdefault(key, change)
-        if first is not change:
-            codes = tuple(dict.fromkeys((*first.codes, *change.codes)))
-            if codes != first.codes:
-                found[key] = replace(first, codes=codes, reach=f"{first.reach}; {change.reach}")
-    yield from found.values()
+        earlier_change = merged.setdefault(key, change)
+        if earlier_change is not change:
+            codes = tuple(dict.fromkeys((*earlier_change.codes, *change.codes)))
+            if codes != earlier_change.codes:
+                merged[key] = replace(earlier_change, codes=codes, reach=f"{earlier_change.reach}; {change.reach}")
+    yield from merged.values()

@@ -25,7 +25,7 @@ class Impact(IntEnum):
 
 
 #: The impacts that a user can name, lowest first.
-IMPACTS = tuple(item.word for item in Impact if item)
+IMPACTS = tuple(impact.word for impact in Impact if impact)
 #: The outputs, in the order of reports.
 OUTPUTS = ("c", "python", "xml", "pages")
 TITLES = {"c": "C", "python": "Python", "xml": "XML", "pages": "pages"}

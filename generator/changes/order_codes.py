@@ -6,146 +6,174 @@ from collections.abc import Hashable, Iterator
 from dataclasses import replace
 from operator import attrgetter
 
-from ..model import Alternative, CodePart, Parameter, Spelling, Supply, Variant
+from ..model import Alternative, CodePart, Manual, Parameter, Spelling, Supply, Variant
 from ..say.numbers import first_of
 from .affected_codes import pattern
-from .change import Change, Thing
-from .compare import members, section, things
+from .change import Change, Subject
+from .compare import compare_members, compare_parts, compare_section
 from .counterparts import in_section
 from .family_pair import FamilyPair
 from .pairs import both_of, paired
 from .value_text import arrow
 
 
-def family(both: FamilyPair) -> Iterator[Change]:
+def family(family_pair: FamilyPair) -> Iterator[Change]:
     """Compare the family itself, its manufacturer and its manual."""
-    old, new = both.old, both.new
-    yield from both.presence("family", Thing("device", f"family {new.name}"), old, new)
+    old, new = family_pair.old, family_pair.new
+    yield from family_pair.presence("family", Subject("device", f"family {new.name}"), old, new)
     if old.title != new.title:
-        yield both.change("words", Thing("title", new.name), ": title", old.title, new.title)
+        yield family_pair.change("words", Subject("title", new.name), ": title", old.title, new.title)
     if old.movement != new.movement:
-        said = f": {arrow(old.movement, new.movement)}"
-        yield both.change("movement", Thing("movement", new.name), said, old.movement, new.movement)
-    manufacturer = Thing(f"manufacturers.{new.manufacturer.name}", f"manufacturer {new.manufacturer.name}")
-    yield from members(both, manufacturer, old.manufacturer, new.manufacturer)
-    evidence = Thing("evidence", "evidence")
+        description = f": {arrow(old.movement, new.movement)}"
+        yield family_pair.change("movement", Subject("movement", new.name), description, old.movement, new.movement)
+    manufacturer = Subject(f"manufacturers.{new.manufacturer.name}", f"manufacturer {new.manufacturer.name}")
+    yield from compare_members(family_pair, manufacturer, old.manufacturer, new.manufacturer)
+    evidence = Subject("evidence", "evidence")
     if old.evidence and new.evidence:
-        yield from members(both, evidence, old.evidence, new.evidence)
+        yield from compare_members(family_pair, evidence, old.evidence, new.evidence)
     elif old.evidence or new.evidence:  # With --lenient, a spec in an older form of the language has none.
-        said = " is new" if new.evidence else " is gone"
-        yield both.change("evidence", evidence, said, old.evidence, new.evidence)
+        description = " is new" if new.evidence else " is gone"
+        yield family_pair.change("evidence", evidence, description, old.evidence, new.evidence)
     if old.manual != new.manual:
-        texts = [f"{item.revision}{f' of {item.date}' if item.date else ''}" for item in (old.manual, new.manual)]
-        said = f" {arrow(*texts)}" if texts[0] != texts[1] else ": details"
-        yield both.change("manual", Thing("manual", "manual"), said, old.manual, new.manual)
+        texts = [_edition(manual) for manual in (old.manual, new.manual)]
+        description = f" {arrow(*texts)}" if texts[0] != texts[1] else ": details"
+        yield family_pair.change("manual", Subject("manual", "manual"), description, old.manual, new.manual)
 
 
-def order_codes(both: FamilyPair) -> Iterator[Change]:
-    old, new = both.old, both.new
-    yield from _codes(both, "gone", [item for item in old.variants if item.code not in both.shared])
-    yield from _codes(both, "new", [item for item in new.variants if item.code not in both.kept])
-    renamed = {before: after for before, after in both.shared.items() if before != after}
+def _edition(manual: Manual) -> str:
+    """Return the revision and date of a manual as text."""
+    return f"{manual.revision} of {manual.date}" if manual.date else manual.revision
+
+
+def order_codes(family_pair: FamilyPair) -> Iterator[Change]:
+    old, new = family_pair.old, family_pair.new
+    yield from _report_codes(
+        family_pair, "gone", [variant for variant in old.variants if variant.code not in family_pair.shared]
+    )
+    yield from _report_codes(
+        family_pair, "new", [variant for variant in new.variants if variant.code not in family_pair.kept]
+    )
+    renamed = {old_code: new_code for old_code, new_code in family_pair.shared.items() if old_code != new_code}
     if renamed:
-        said = first_of([" → ".join(names) for names in renamed.items()], 1)
-        label = f"order code{'s' * (len(renamed) > 1)} {said} (the same parts)"
-        yield both.change("order-code-renamed", Thing("order_codes", label), "", list(renamed), list(renamed.values()))
-    yield from _same_codes(both)
-    before = replace(old.order_code, pattern=new.order_code.pattern) if renamed else old.order_code
-    yield from members(both, Thing("order_code", "order codes"), before, new.order_code)
-    yield from section(both, "part", _part)
-    yield from _spellings(both)
+        renamings = first_of([" → ".join(names) for names in renamed.items()], 1)
+        label = f"order code{'s' * (len(renamed) > 1)} {renamings} (the same parts)"
+        yield family_pair.change(
+            "order-code-renamed", Subject("order_codes", label), "", list(renamed), list(renamed.values())
+        )
+    yield from _compare_codes(family_pair)
+    old_order_code = replace(old.order_code, pattern=new.order_code.pattern) if renamed else old.order_code
+    yield from compare_members(family_pair, Subject("order_code", "order codes"), old_order_code, new.order_code)
+    yield from compare_section(family_pair, "part", _compare_part_values)
+    yield from _compare_spellings(family_pair)
 
 
-def _codes(both: FamilyPair, word: str, found: list[Variant]) -> Iterator[Change]:
-    if not found:
+def _report_codes(family_pair: FamilyPair, state: str, variants: list[Variant]) -> Iterator[Change]:
+    if not variants:
         return
-    codes = [item.code for item in found]
-    is_gone = word == "gone"
-    said = pattern(both.old if is_gone else both.new, codes) or first_of(codes)
-    label = f"order codes {said}: {len(codes)} {word}" if len(codes) > 1 else f"order code {said} is {word}"
+    codes = [variant.code for variant in variants]
+    is_gone = state == "gone"
+    codes_text = pattern(family_pair.old if is_gone else family_pair.new, codes) or first_of(codes)
+    label = (
+        f"order codes {codes_text}: {len(codes)} {state}" if len(codes) > 1 else f"order code {codes_text} is {state}"
+    )
     old, new = (codes, None) if is_gone else (None, codes)
-    yield both.change(f"order-code-{word}", Thing("order_codes", label), "", old, new, codes)
+    yield family_pair.change(f"order-code-{state}", Subject("order_codes", label), "", old, new, codes)
 
 
-def _same_codes(both: FamilyPair) -> Iterator[Change]:
+def _compare_codes(family_pair: FamilyPair) -> Iterator[Change]:
     """Compare the interface and the numbers of order codes that both versions have."""
-    after = {item.code: item for item in both.new.variants}
-    pairs = [(item, after[both.shared[item.code]]) for item in both.old.variants if item.code in both.shared]
+    new_by_code = {variant.code: variant for variant in family_pair.new.variants}
+    shared = family_pair.shared
+    old_variants = [variant for variant in family_pair.old.variants if variant.code in shared]
+    pairs = [(variant, new_by_code[shared[variant.code]]) for variant in old_variants]
     moved: dict[tuple[str, str], list[str]] = {}
     for old, new in pairs:
         if old.interface != new.interface:
             moved.setdefault((old.interface, new.interface), []).append(new.code)
     for names, codes in moved.items():
-        said = f": interface {arrow(*names)}"
-        yield both.change("interface-of-code", Thing("order_codes.interface", "order codes"), said, *names, codes)
-    for before, now in both_of(in_section(both, "parameters")):
-        found: dict[tuple[int, int], list[str]] = {}
-        for old, new in pairs if _is_of_code(before) and _is_of_code(now) else ():
-            numbers = old.parameters[before.name], new.parameters[now.name]
+        description = f": interface {arrow(*names)}"
+        yield family_pair.change(
+            "interface-of-code", Subject("order_codes.interface", "order codes"), description, *names, codes
+        )
+    for old_parameter, new_parameter in both_of(in_section(family_pair, "parameters")):
+        codes_by_numbers: dict[tuple[int, int], list[str]] = {}
+        for old, new in pairs if _is_of_code(old_parameter) and _is_of_code(new_parameter) else ():
+            numbers = old.parameters[old_parameter.name], new.parameters[new_parameter.name]
             if numbers[0] != numbers[1]:
-                found.setdefault(numbers, []).append(new.code)
-        for numbers, codes in found.items():
-            thing = Thing(f"order_codes.parameters.{now.name}", now.name)
-            yield both.change("parameter-of-code", thing, f" {arrow(*numbers)}", *numbers, codes)
+                codes_by_numbers.setdefault(numbers, []).append(new.code)
+        for numbers, codes in codes_by_numbers.items():
+            subject = Subject(f"order_codes.parameters.{new_parameter.name}", new_parameter.name)
+            yield family_pair.change("parameter-of-code", subject, f" {arrow(*numbers)}", *numbers, codes)
 
 
-def _is_of_code(item: Parameter) -> bool:
+def _is_of_code(parameter: Parameter) -> bool:
     """Return whether order codes set it, rather than a formula, a register or a decision."""
-    return item.equals is None and not item.read_from and not item.alternative
+    return parameter.equals is None and not parameter.read_from and not parameter.alternative
 
 
-def _part(both: FamilyPair, thing: Thing, old: CodePart, new: CodePart) -> Iterator[Change]:
+def _compare_part_values(family_pair: FamilyPair, subject: Subject, old: CodePart, new: CodePart) -> Iterator[Change]:
     """Compare the values that the part has in both versions. Other changes are visible in the order codes."""
-    for before, after in both_of(paired(old.values, new.values, name=attrgetter("text"))):
-        inner = thing.inside(after.text, f"{thing.label}: value {after.text}")
-        yield from members(both, inner, before, after)
-        codes = tuple(item.code for item in both.new.variants if item.parts.get(new.name) == after.text)
-        yield from supply(both, inner, before.supply, after.supply, codes or both.codes(""))
+    for old_value, new_value in both_of(paired(old.values, new.values, name=attrgetter("text"))):
+        inner = subject.inside(new_value.text, f"{subject.label}: value {new_value.text}")
+        yield from compare_members(family_pair, inner, old_value, new_value)
+        variants = family_pair.new.variants
+        codes = tuple(variant.code for variant in variants if variant.parts.get(new.name) == new_value.text)
+        yield from supply(family_pair, inner, old_value.supply, new_value.supply, codes or family_pair.codes(""))
 
 
-def _spellings(both: FamilyPair) -> Iterator[Change]:
-    def same(item: Spelling) -> Hashable:
-        return replace(both.in_new(item), where="", source=())
+def _compare_spellings(family_pair: FamilyPair) -> Iterator[Change]:
+    def same(spelling: Spelling) -> Hashable:
+        return replace(family_pair.in_new(spelling), where="", source=())
 
-    olds, news = both.old.order_code.also_written, both.new.order_code.also_written
-    for pair in paired(olds, news, same, name=attrgetter("where")):
-        thing = Thing("order_code.also_written", f"spelling by {pair.item.where}")
+    old_parts, new_parts = family_pair.old.order_code.also_written, family_pair.new.order_code.also_written
+    for pair in paired(old_parts, new_parts, same, name=attrgetter("where")):
+        subject = Subject("order_code.also_written", f"spelling by {pair.item.where}")
         if pair.old is None or pair.new is None:
-            yield from both.presence("spelling", thing, pair.old, pair.new)
+            yield from family_pair.presence("spelling", subject, pair.old, pair.new)
         elif pair.old.where != pair.new.where:
-            said = f"spelling by {pair.old.where} → {pair.new.where} (the same texts)"
-            yield both.change("spelling-renamed", Thing(thing.path, said), "", pair.old.where, pair.new.where)
+            label = f"spelling by {pair.old.where} → {pair.new.where} (the same texts)"
+            yield family_pair.change(
+                "spelling-renamed", Subject(subject.path, label), "", pair.old.where, pair.new.where
+            )
         else:
-            yield from members(both, thing, pair.old, pair.new)
+            yield from compare_members(family_pair, subject, pair.old, pair.new)
 
 
 def supply(
-    both: FamilyPair, thing: Thing, old: Supply | None, new: Supply | None, codes: tuple[str, ...] | None = None
+    family_pair: FamilyPair,
+    subject: Subject,
+    old: Supply | None,
+    new: Supply | None,
+    codes: tuple[str, ...] | None = None,
 ) -> Iterator[Change]:
     """Compare the supply of a family, or of an order code value that ``codes`` have."""
-    place = thing.inside("supply", f"{thing.label} supply".strip())
+    supply_subject = subject.inside("supply", f"{subject.label} supply".strip())
     if old is not None and new is not None:
-        for change in members(both, place, old, new):
-            yield both.change(change.rule.name, Thing(change.path, change.text), "", change.old, change.new, codes)
+        for change in compare_members(family_pair, supply_subject, old, new):
+            yield family_pair.change(
+                change.rule.name, Subject(change.path, change.text), "", change.old, change.new, codes
+            )
     elif old is not new:
         rule = "supply-wider" if new is None else "supply-narrower"
-        yield both.change(rule, place, f" {arrow(old, new)}", old, new, codes)
+        yield family_pair.change(rule, supply_subject, f" {arrow(old, new)}", old, new, codes)
 
 
-def quantities(both: FamilyPair) -> Iterator[Change]:
+def quantities(family_pair: FamilyPair) -> Iterator[Change]:
     """Compare parameters, decisions and the measurement."""
-    yield from section(both, "parameter")
-    yield from section(both, "decision", _answers)
-    measured = [(Thing("measurement", "measurement"), both.old.measurement, both.new.measurement)]
-    for old, new in both_of(paired(both.old.interfaces, both.new.interfaces)):
-        thing = Thing(f"interfaces.{new.name}.measurement", f"{new.short} measurement", new.name)
-        measured.append((thing, old.measurement, new.measurement))
-    for thing, before, after in measured:
-        if before is not None and after is not None:
-            yield from members(both, thing, before, after)
-        elif before is not after:
-            yield from both.presence("measurement", thing, before, after)
+    yield from compare_section(family_pair, "parameter")
+    yield from compare_section(family_pair, "decision", _compare_answers)
+    measured = [(Subject("measurement", "measurement"), family_pair.old.measurement, family_pair.new.measurement)]
+    for old, new in both_of(paired(family_pair.old.interfaces, family_pair.new.interfaces)):
+        subject = Subject(f"interfaces.{new.name}.measurement", f"{new.short} measurement", new.name)
+        measured.append((subject, old.measurement, new.measurement))
+    for subject, old_measurement, new_measurement in measured:
+        if old_measurement is not None and new_measurement is not None:
+            yield from compare_members(family_pair, subject, old_measurement, new_measurement)
+        elif old_measurement is not new_measurement:
+            yield from family_pair.presence("measurement", subject, old_measurement, new_measurement)
 
 
-def _answers(both: FamilyPair, thing: Thing, old: Alternative, new: Alternative) -> Iterator[Change]:
-    yield from things(both, "answer", old.answers, new.answers, replace(thing, label=f"{thing.label}: answer"))
+def _compare_answers(family_pair: FamilyPair, subject: Subject, old: Alternative, new: Alternative) -> Iterator[Change]:
+    yield from compare_parts(
+        family_pair, "answer", old.answers, new.answers, replace(subject, label=f"{subject.label}: answer")
+    )

@@ -27,9 +27,9 @@ class Pair(Generic[_Item]):
     @property
     def item(self) -> _Item:
         """The new item, or the old one if it is gone."""
-        found = self.old if self.new is None else self.new
-        assert found is not None
-        return found
+        present = self.old if self.new is None else self.new
+        assert present is not None
+        return present
 
     @property
     def first(self) -> _Item:
@@ -43,38 +43,38 @@ def both_of(pairs: Iterable[Pair[_Item]]) -> Iterator[tuple[_Item, _Item]]:
 
 
 def paired(
-    olds: Sequence[_Item],
-    news: Sequence[_Item],
-    same: Key = lambda _: None,
-    same_new: Key | None = None,
+    old_parts: Sequence[_Item],
+    new_parts: Sequence[_Item],
+    identity: Key = lambda _: None,
+    new_identity: Key | None = None,
     name: Key = name_of,
 ) -> list[Pair[_Item]]:
     """Return every item with its counterpart: first the new items in their order, then those that are gone.
 
     Args:
-        olds: The old items.
-        news: The new items.
-        same: Return the property that identifies an old item whose name is gone, or None if only the name does.
+        old_parts: The old items.
+        new_parts: The new items.
+        identity: Return the property that identifies an old item whose name is gone, or None if only the name does.
             Default: only the name.
-        same_new: Return that property of a new item, if it is computed in another way. It identifies a counterpart only
-            if it is unique on its side.
+        new_identity: Return that property of a new item, if it is computed in another way. It identifies a counterpart
+            only if it is unique on its side.
         name: Return the name of an item.
     """
-    known = {name(item): item for item in olds}
-    names = {name(item) for item in news}
-    left = _unique([item for item in olds if name(item) not in names], same)
-    fresh = _unique([item for item in news if name(item) not in known], same_new or same)
-    renamed = {name(item): left[mark] for mark, item in fresh.items() if mark in left}
-    taken = {name(item) for item in renamed.values()} | names
-    found = [Pair(known.get(name(item), renamed.get(name(item))), item) for item in news]
-    return found + [Pair(item, None) for item in olds if name(item) not in taken]
+    old_by_name = {name(part): part for part in old_parts}
+    new_names = {name(part) for part in new_parts}
+    unmatched_old = _unique([part for part in old_parts if name(part) not in new_names], identity)
+    unmatched_new = _unique([part for part in new_parts if name(part) not in old_by_name], new_identity or identity)
+    renamed = {name(part): unmatched_old[key] for key, part in unmatched_new.items() if key in unmatched_old}
+    matched_names = {name(part) for part in renamed.values()} | new_names
+    pairs = [Pair(old_by_name.get(name(part), renamed.get(name(part))), part) for part in new_parts]
+    return pairs + [Pair(part, None) for part in old_parts if name(part) not in matched_names]
 
 
-def _unique(items: Sequence[_Item], same: Key) -> dict[Hashable, _Item]:
+def _unique(items: Sequence[_Item], identity: Key) -> dict[Hashable, _Item]:
     """Return the items with a unique identifying property, by that property."""
-    marks = [same(item) for item in items]
-    often = Counter(marks)
-    return {mark: item for item, mark in zip(items, marks, strict=True) if mark is not None and often[mark] == 1}
+    keys = [identity(part) for part in items]
+    counts = Counter(keys)
+    return {key: part for part, key in zip(items, keys, strict=True) if key is not None and counts[key] == 1}
 
 
 def by_key(

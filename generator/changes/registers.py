@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import fields, replace
 
-from ..model import Procedure, Register, Step
+from ..model import Argument, Procedure, Register, Step
 from ..model.members import PARTS_BY_CLASS
 from ..say.register import access
-from .change import Change, Thing
-from .compare import members, things
+from .change import Change, Subject
+from .compare import compare_members, compare_parts
 from .counterparts import bare, step_in_new
 from .family_pair import FamilyPair
 from .fields import layout
@@ -18,50 +18,65 @@ from .value_text import arrow, plain
 _CAN_READ, _CAN_WRITE = ("read_only", "read_write"), ("write_only", "read_write")
 
 
-def register(both: FamilyPair, place: Thing, old: Register, new: Register) -> Iterator[Change]:
-    unnamed = place.unnamed
+def register(family_pair: FamilyPair, subject: Subject, old: Register, new: Register) -> Iterator[Change]:
+    unnamed = subject.unnamed
     if old.access != new.access:
-        is_lost = any(old.access in can and new.access not in can for can in (_CAN_READ, _CAN_WRITE))
-        said = f": {access(old)} → {access(new)}"
-        rule, thing = ("access-lost", place) if is_lost else ("access-gained", unnamed)
-        yield both.change(rule, thing.inside("access", place.label), said, old.access, new.access)
-    yield from things(both, "meaning", old.meanings, new.meanings, replace(place, label=f"{place.label}: meaning"))
+        is_lost = any(old.access in accesses and new.access not in accesses for accesses in (_CAN_READ, _CAN_WRITE))
+        description = f": {access(old)} → {access(new)}"
+        rule, subject = ("access-lost", subject) if is_lost else ("access-gained", unnamed)
+        yield family_pair.change(rule, subject.inside("access", subject.label), description, old.access, new.access)
+    yield from compare_parts(
+        family_pair, "meaning", old.meanings, new.meanings, replace(subject, label=f"{subject.label}: meaning")
+    )
     # Everything else in the layout of a register follows from the register, which is compared separately.
-    own = {name: getattr(old.layout, name) for name in ("fields", "joins", "gaps")}
-    before = replace(new.layout, **own)
-    yield from members(both, unnamed, before, new.layout)
-    yield from layout(both, unnamed, before, new.layout)
+    compared = {name: getattr(old.layout, name) for name in ("fields", "joins", "gaps")}
+    old_layout = replace(new.layout, **compared)
+    yield from compare_members(family_pair, unnamed, old_layout, new.layout)
+    yield from layout(family_pair, unnamed, old_layout, new.layout)
 
 
-def procedure(both: FamilyPair, place: Thing, old: Procedure, new: Procedure) -> Iterator[Change]:
-    was = [(item.name, item.of, item.meant_as) for item in map(both.in_new, old.arguments)]
-    now = [(item.name, item.of, item.meant_as) for item in new.arguments]
-    inner = place.inside("arguments", place.label)
-    if was != now:
-        texts = [[item.name for item in each.arguments] for each in (old, new)]
-        if texts[0] == texts[1]:  # Then the register that takes an argument differs, or its meaning.
-            texts = [[f"{name} for {of}{f' as {as_}' if as_ else ''}" for name, of, as_ in each] for each in (was, now)]
-        said = f": arguments {arrow(texts[0], texts[1])}"
-        yield both.change("procedure-arguments", inner, said, was, now)
-    elif [item.meaning for item in old.arguments] != [item.meaning for item in new.arguments]:
-        yield both.change("words", inner.unnamed, ": arguments", old.arguments, new.arguments)
-    inner = place.unnamed.inside("steps", place.label)
-    before = [step_in_new(both, step) for step in old.steps]
-    after = [bare(step) for step in new.steps]
-    if before != after:
-        yield both.change("procedure-steps", inner, _steps(before, after), before, after)
+def procedure(family_pair: FamilyPair, subject: Subject, old: Procedure, new: Procedure) -> Iterator[Change]:
+    old_arguments, new_arguments = _signature(map(family_pair.in_new, old.arguments)), _signature(new.arguments)
+    inner = subject.inside("arguments", subject.label)
+    if old_arguments != new_arguments:
+        old_texts, new_texts = map(_argument_names, (old, new))
+        if old_texts == new_texts:  # Then the register that takes an argument differs, or its meaning.
+            old_texts, new_texts = map(_argument_texts, (old_arguments, new_arguments))
+        description = f": arguments {arrow(old_texts, new_texts)}"
+        yield family_pair.change("procedure-arguments", inner, description, old_arguments, new_arguments)
+    elif [argument.meaning for argument in old.arguments] != [argument.meaning for argument in new.arguments]:
+        yield family_pair.change("words", inner.unnamed, ": arguments", old.arguments, new.arguments)
+    inner = subject.unnamed.inside("steps", subject.label)
+    old_steps = [step_in_new(family_pair, step) for step in old.steps]
+    new_steps = [bare(step) for step in new.steps]
+    if old_steps != new_steps:
+        yield family_pair.change("procedure-steps", inner, _steps(old_steps, new_steps), old_steps, new_steps)
     elif [step.meaning for step in old.steps] != [step.meaning for step in new.steps]:
-        yield both.change("words", inner, ": steps", old.steps, new.steps)
+        yield family_pair.change("words", inner, ": steps", old.steps, new.steps)
     elif old.steps != new.steps and [step.source for step in old.steps] != [step.source for step in new.steps]:
-        yield both.change("source", inner, ": steps", None, None)
+        yield family_pair.change("source", inner, ": steps", None, None)
 
 
-def _steps(before: list[Step], after: list[Step]) -> str:
-    if len(before) != len(after):
-        return f": {len(before)} steps → {len(after)} steps"
-    differing = [(at, *pair) for at, pair in enumerate(zip(before, after, strict=True), 1) if pair[0] != pair[1]]
-    steps = f": step{'s' * (len(differing) > 1)} {', '.join(str(at) for at, _, _ in differing)}"
-    details = {_step(old, new) for _, old, new in differing}
+def _argument_names(procedure: Procedure) -> list[str]:
+    return [argument.name for argument in procedure.arguments]
+
+
+def _signature(arguments: Iterable[Argument]) -> list[tuple[str, str, str]]:
+    """Return the name of each argument, the register or field that takes it, and how it is meant."""
+    return [(argument.name, argument.of, argument.meant_as) for argument in arguments]
+
+
+def _argument_texts(signature: list[tuple[str, str, str]]) -> list[str]:
+    return [f"{name} for {owner}{f' as {meaning}' if meaning else ''}" for name, owner, meaning in signature]
+
+
+def _steps(old_steps: list[Step], new_steps: list[Step]) -> str:
+    if len(old_steps) != len(new_steps):
+        return f": {len(old_steps)} steps → {len(new_steps)} steps"
+    numbered = enumerate(zip(old_steps, new_steps, strict=True), 1)
+    differing = {number: pair for number, pair in numbered if pair[0] != pair[1]}
+    steps = f": step{'s' * (len(differing) > 1)} {', '.join(map(str, differing))}"
+    details = {_step(old, new) for old, new in differing.values()}
     return f"{steps}: {details.pop()}" if len(details) == 1 else f"{steps} differ"
 
 
@@ -69,10 +84,10 @@ def _step(old: Step, new: Step) -> str:
     """Describe the difference between two steps."""
     if type(old) is not type(new):
         return f"{old.do} → {new.do}"
-    known, texts = PARTS_BY_CLASS[type(new).__name__].by_attribute, []
-    for item in fields(new):
-        before, after = getattr(old, item.name), getattr(new, item.name)
-        if before != after:
-            member = known[item.name]
-            texts.append(f"{member.words} {arrow(plain(before), plain(after), member.notation)}")
+    part_members, texts = PARTS_BY_CLASS[type(new).__name__].by_attribute, []
+    for attribute in fields(new):
+        old_value, new_value = getattr(old, attribute.name), getattr(new, attribute.name)
+        if old_value != new_value:
+            member = part_members[attribute.name]
+            texts.append(f"{member.words} {arrow(plain(old_value), plain(new_value), member.notation)}")
     return ", ".join(texts)

@@ -20,39 +20,43 @@ class NotRecorded(ValueError):
     """A file cannot be updated. The message says which one."""
 
 
-def records(found: Found, families: Sequence[Family]) -> Iterator[tuple[Path, str]]:
+def records(findings: Found, families: Sequence[Family]) -> Iterator[tuple[Path, str]]:
     """Yield the files to write with their new texts, except for manufacturers without changes.
 
     Raises:
         NotRecorded: A manufacturer's file has no version to replace.
     """
-    for package in found.packages:
-        own = [item for item in families if item.device.manufacturer.name == package.maker]
-        changed = [(item, [each for each in found.changes if each.family == item.device.name]) for item in own]
-        if not any(changes for _, changes in changed):
+    for package in findings.packages:
+        families_of_maker = [family for family in families if family.device.manufacturer.name == package.maker]
+        changed_names = {change.family for change in findings.changes}
+        changed_families = [family for family in families_of_maker if family.device.name in changed_names]
+        if not changed_families:
             continue
-        yield from _version(package, {name for item in own for name in item.files - {item.document.file}})
-        for item, changes in changed:
-            if changes:
-                release = _release(package, item.device.manual, changes)
-                text = history_text(with_release(item.device.releases, release))
-                yield history_beside(Path(item.document.file)), text
+        files: set[str] = set()
+        for family in families_of_maker:
+            files |= family.files - {family.document.file}
+        yield from _version(package, files)
+        for family in changed_families:
+            changes = [change for change in findings.changes if change.family == family.device.name]
+            release = _release(package, family.device.manual, changes)
+            text = history_text(with_release(family.device.releases, release))
+            yield history_beside(Path(family.document.file)), text
 
 
 def _version(package: Package, files: set[str]) -> Iterator[tuple[Path, str]]:
     if package.new == package.stated:
         return
-    for place in map(Path, sorted(files)):
-        text, count = _VERSION.subn(rf'\g<1>"{package.new}"', place.read_text(encoding="utf-8"))
+    for file in map(Path, sorted(files)):
+        text, count = _VERSION.subn(rf'\g<1>"{package.new}"', file.read_text(encoding="utf-8"))
         if count != 1:
-            raise NotRecorded(f'{place} has no line like version: "{package.stated}"; set it to {package.new} by hand')
-        yield place, text
+            raise NotRecorded(f'{file} has no line like version: "{package.stated}"; set it to {package.new} by hand')
+        yield file, text
 
 
 def _release(package: Package, manual: Manual, changes: Sequence[Change]) -> Release:
-    about = f"{manual.revision}{f' of {manual.date}' if manual.date else ''}"
-    kept = tuple(
-        ReleasedChange(change.rule.name, change.impact.word, change.text, change.reach, outputs(change))
-        for change in changes
-    )
-    return Release(package.new, package.old, about, kept)
+    manual_text = f"{manual.revision}{f' of {manual.date}' if manual.date else ''}"
+    return Release(package.new, package.old, manual_text, tuple(map(_released_change, changes)))
+
+
+def _released_change(change: Change) -> ReleasedChange:
+    return ReleasedChange(change.rule.name, change.impact.word, change.text, change.reach, outputs(change))

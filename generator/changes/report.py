@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -39,19 +40,19 @@ class Found:
 
 def outputs(change: Change, code: str = "{}") -> str:
     """Return the outputs that a change affects, most affected first. ``code`` is the format of a name."""
-    texts, own = [], dict(zip(OUTPUTS, change.rule.impacts, strict=True))
-    for impact in sorted(set(own.values()), reverse=True):
+    texts, impacts = [], dict(zip(OUTPUTS, change.rule.impacts, strict=True))
+    for impact in sorted(set(impacts.values()), reverse=True):
         if impact is Impact.NONE or (impact is Impact.DOCUMENTATION and change.impact is not impact):
             continue
-        called = [_output(change, name, code) for name, found in own.items() if found is impact]
+        names = [_output(change, name, code) for name, output_impact in impacts.items() if output_impact is impact]
         # Every change affects the pages. They are named only if no other output is.
-        texts.append(", ".join(called) + ("" if impact is change.impact else f" ({impact.word})"))
+        texts.append(", ".join(names) + ("" if impact is change.impact else f" ({impact.word})"))
     return "; ".join(texts)
 
 
 def _output(change: Change, name: str, code: str) -> str:
-    called = change.names.get(name, "")
-    return f"{TITLES[name]} {code.format(called)}" if called else TITLES[name]
+    code_name = change.names.get(name, "")
+    return f"{TITLES[name]} {code.format(code_name)}" if code_name else TITLES[name]
 
 
 def about(change: Change, code: str = "{}") -> str:
@@ -61,8 +62,14 @@ def about(change: Change, code: str = "{}") -> str:
 
 def totals(changes: Sequence[Change]) -> str:
     """Return a summary such as ``5 changes: 2 breaking, 3 behaviour``."""
-    counts = [(sum(change.impact is impact for change in changes), impact.word) for impact in reversed(Impact)]
-    return f"{counted(len(changes), 'change')}: {', '.join(f'{count} {word}' for count, word in counts if count)}"
+    counts = _counts(changes)
+    texts = [f"{counts[impact]} {impact.word}" for impact in reversed(Impact) if counts[impact]]
+    return f"{counted(len(changes), 'change')}: {', '.join(texts)}"
+
+
+def _counts(changes: Sequence[Change]) -> Counter[Impact]:
+    """Return the number of changes with each impact."""
+    return Counter(change.impact for change in changes)
 
 
 def versions(package: Package) -> str:
@@ -75,20 +82,27 @@ def versions(package: Package) -> str:
     return f"{step}, but the spec still says {package.stated}"
 
 
-def as_data(found: Found) -> dict[str, Any]:
+def as_data(findings: Found) -> dict[str, Any]:
     """Return the output of ``codewheel diff --json``."""
-    counts = {impact.word: sum(change.impact is impact for change in found.changes) for impact in Impact if impact}
+    counts, files = _counts(findings.changes), findings.files
     return {
         "version": VERSION,
-        "impact": found.impact.word,
-        "counts": counts,
-        "changes": list(map(_change_data, found.changes)),
-        "generated": {"files": found.files.count, "changed": list(found.files.changed)} if found.files else None,
-        "packages": [
-            {"name": item.name, "old": item.old, "stated": item.stated, "due": item.due, "new": item.new}
-            for item in found.packages
-        ],
-        "notices": list(found.notices),
+        "impact": findings.impact.word,
+        "counts": {impact.word: counts[impact] for impact in Impact if impact},
+        "changes": list(map(_change_data, findings.changes)),
+        "generated": {"files": files.count, "changed": list(files.changed)} if files else None,
+        "packages": list(map(_package_data, findings.packages)),
+        "notices": list(findings.notices),
+    }
+
+
+def _package_data(package: Package) -> dict[str, str]:
+    return {
+        "name": package.name,
+        "old": package.old,
+        "stated": package.stated,
+        "due": package.due,
+        "new": package.new,
     }
 
 

@@ -18,25 +18,25 @@ _TITLES = {
 }
 
 
-def as_markdown(found: Found) -> str:
+def as_markdown(findings: Found) -> str:
     """Return the output of ``codewheel diff --markdown``: a heading for each package, family and impact."""
-    lines = [f"## {'; '.join(map(versions, found.packages)) or 'Changes'}", ""]
-    lines += [line for notice in found.notices for line in (text(notice), "")]
-    for family in dict.fromkeys(change.family for change in found.changes):
+    lines = [f"## {'; '.join(map(versions, findings.packages)) or 'Changes'}", ""]
+    lines += [line for notice in findings.notices for line in (text(notice), "")]
+    for family in dict.fromkeys(change.family for change in findings.changes):
         lines += [f"### {text(family)}", ""]
-        lines += _family([change for change in found.changes if change.family == family])
-    if not found.changes:
+        lines += _family([change for change in findings.changes if change.family == family])
+    if not findings.changes:
         lines += ["No differences.", ""]
-    if found.changes and found.files is not None:
-        lines += [f"{len(found.files.changed)} of {found.files.count} generated files change.", ""]
+    if findings.changes and findings.files is not None:
+        lines += [f"{len(findings.files.changed)} of {findings.files.count} generated files change.", ""]
     return "\n".join(lines).rstrip()
 
 
 def _family(changes: Sequence[Change]) -> Iterator[str]:
     for impact, title in _TITLES.items():
-        here = [change for change in changes if change.impact is impact]
-        if here:
-            yield from (f"#### {title}", "", *map(_item, here), "")
+        changes_of_impact = [change for change in changes if change.impact is impact]
+        if changes_of_impact:
+            yield from (f"#### {title}", "", *map(_item, changes_of_impact), "")
 
 
 def _item(change: Change) -> str:
@@ -44,8 +44,8 @@ def _item(change: Change) -> str:
 
 
 def _about(change: Change) -> str:
-    said = about(change, "\0{}\0").split("\0")
-    return "".join(in_code(piece) if index % 2 else _kept(piece) for index, piece in enumerate(said))
+    pieces = about(change, "\0{}\0").split("\0")
+    return "".join(in_code(piece) if index % 2 else _kept(piece) for index, piece in enumerate(pieces))
 
 
 def _kept(piece: str) -> str:

@@ -13,19 +13,19 @@ from .report import Found, about, totals, versions
 _COLUMN = 17
 
 
-def as_text(found: Found) -> str:
+def as_text(findings: Found) -> str:
     """Return the output of ``codewheel diff``."""
-    lines = list(found.notices)
-    for family in dict.fromkeys(change.family for change in found.changes):
-        here = [change for change in found.changes if change.family == family]
+    lines = list(findings.notices)
+    for family in dict.fromkeys(change.family for change in findings.changes):
+        family_changes = [change for change in findings.changes if change.family == family]
         lines.append(family)
-        for change in sorted(here, key=lambda item: (-item.impact, item.rule.is_renaming)):
+        for change in sorted(family_changes, key=lambda change: (-change.impact, change.rule.is_renaming)):
             if change.impact > Impact.DOCUMENTATION:
                 lines += _change(change)
-        lines += _words([change for change in here if change.impact is Impact.DOCUMENTATION])
-    lines.append(totals(found.changes) if found.changes else "no differences")
-    if found.changes:
-        lines += _result(found)
+        lines += _words([change for change in family_changes if change.impact is Impact.DOCUMENTATION])
+    lines.append(totals(findings.changes) if findings.changes else "no differences")
+    if findings.changes:
+        lines += _result(findings)
     return "\n".join(lines)
 
 
@@ -38,8 +38,8 @@ def _change(change: Change) -> Iterator[str]:
 def _words(changes: Sequence[Change]) -> Iterator[str]:
     """Yield the documentation changes: the places of the first few, and the number of the others."""
     for rule in dict.fromkeys(change.rule for change in changes):
-        here = [change for change in changes if change.rule is rule]
-        texts = first_of([_place(change) for change in here], between="; ")
+        changes_of_rule = [change for change in changes if change.rule is rule]
+        texts = first_of([_place(change) for change in changes_of_rule], between="; ")
         yield wrapped(f"{texts} [{rule.name}]", WIDTH, " " * _COLUMN, f"  {rule.word:<13}  ")
 
 
@@ -48,12 +48,12 @@ def _place(change: Change) -> str:
     return path if change.rule.name in ("words", "source") else change.text
 
 
-def _result(found: Found) -> Iterator[str]:
+def _result(findings: Found) -> Iterator[str]:
     """Yield the line about generated files and versions."""
     parts = []
-    if found.files is not None:
-        count = len(found.files.changed)
-        parts.append(f"{count} of {counted(found.files.count, 'file')} change{'s' * (count == 1)}")
-    parts += map(versions, found.packages)
+    if findings.files is not None:
+        count = len(findings.files.changed)
+        parts.append(f"{count} of {counted(findings.files.count, 'file')} change{'s' * (count == 1)}")
+    parts += map(versions, findings.packages)
     if parts:
         yield wrapped(f"generated: {'; '.join(parts)}", WIDTH, "  ", "")

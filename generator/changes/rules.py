@@ -33,9 +33,9 @@ _RESET = "A reset or a wait has a different effect."
 _APART = "Separate rules apply to changed facts."
 _NO_CODE = "No code depends on it."
 
-#: Named things. Their rules are THING-gone, THING-new and THING-renamed. Each has a description, then the impacts on C,
-#: Python, XML and pages of the three rules, then the property by which a renamed one is recognised.
-_THINGS = (
+#: Kinds of named parts. Their rules are KIND-gone, KIND-new and KIND-renamed. Each has a description, then the impacts
+#: on C, Python, XML and pages of the three rules, then the property by which a renamed one is recognised.
+_NAMED_KINDS = (
     ("family", "a family of encoders", "BBBD", "+++D", "BBBD", "the same order codes"),
     ("order-code", "an order code", "BBBD", "+++D", "BBBD", "the same parts"),
     ("part", "a part of the order code", "-BBD", "-WWD", "-BBD", "the same values"),
@@ -155,18 +155,18 @@ _CHANGES = (
 
 
 def _all() -> Iterator[Rule]:
-    for thing, what, gone, new, renamed, same in _THINGS:
-        yield Rule(f"{thing}-gone", _impacts(gone), f"{what} was removed", _GONE)
-        why = "Callers must give an answer." if thing == "decision" else _NEW
-        if thing in ("field", "joined"):
+    for kind, phrase, gone, new, renamed, common in _NAMED_KINDS:
+        yield Rule(f"{kind}-gone", _impacts(gone), f"{phrase} was removed", _GONE)
+        why = "Callers must give an answer." if kind == "decision" else _NEW
+        if kind in ("field", "joined"):
             why = "Code that encodes the frame or register must give one more value, and decoders return one more."
-        if thing == "combination":
+        if kind == "combination":
             why = _USABLE
-        if thing == "measurement":
+        if kind == "measurement":
             why = "In C, each measured quantity, such as the counts per turn, is named after its role."
-        yield Rule(f"{thing}-new", _impacts(new), f"{what} was added", why)
-        if same:
-            yield Rule(f"{thing}-renamed", _impacts(renamed), f"{what} has a different name but {same}", _RENAMED)
+        yield Rule(f"{kind}-new", _impacts(new), f"{phrase} was added", why)
+        if common:
+            yield Rule(f"{kind}-renamed", _impacts(renamed), f"{phrase} has a different name but {common}", _RENAMED)
     for name, impacts, when, why in _CHANGES:
         yield Rule(name, _impacts(impacts), when, why)
 
@@ -179,4 +179,4 @@ def _impacts(letters: str) -> tuple[Impact, Impact, Impact, Impact]:
 #: Every rule by its name.
 RULES: Mapping[str, Rule] = MappingProxyType({rule.name: rule for rule in _all()})
 #: The property by which a renamed thing is recognised.
-SAME: Mapping[str, str] = MappingProxyType({thing: same for thing, _, _, _, _, same in _THINGS})
+SAME: Mapping[str, str] = MappingProxyType({kind: common for kind, _, _, _, _, common in _NAMED_KINDS})

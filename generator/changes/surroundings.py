@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterable, Iterator
+from typing import Any, TypeVar
 
 from ..model import Connector
-from .change import Change, Thing
-from .compare import members
+from .change import Change, Subject
+from .compare import compare_members
 from .family_pair import FamilyPair
 from .pairs import both_of, by_key, paired
 from .value_text import arrow, shown
 
+_Part = TypeVar("_Part")
 #: Sections without effect on code: the rule, the member of the family, the member that identifies an item, and a word.
 _DISPLAYED = (
     ("erratum", "errata", "name", "erratum"),
@@ -24,33 +25,44 @@ _DISPLAYED = (
 )
 
 
-def contacts(both: FamilyPair, thing: Thing, old: Connector, new: Connector) -> Iterator[Change]:
+def contacts(family_pair: FamilyPair, subject: Subject, old: Connector, new: Connector) -> Iterator[Change]:
     """Compare the contacts of a connector."""
-    olds, news = ({item.contact: item for item in each.contacts} for each in (old, new))
-    for contact, before, after in by_key(olds, news):
-        place = thing.inside(contact, f"{thing.label}: contact {contact}")
-        if before is not None and after is not None:
-            yield from members(both, place, before, after)
+    old_contacts, new_contacts = _by_member(old.contacts, "contact"), _by_member(new.contacts, "contact")
+    for contact, old_contact, new_contact in by_key(old_contacts, new_contacts):
+        contact_subject = subject.inside(contact, f"{subject.label}: contact {contact}")
+        if old_contact is not None and new_contact is not None:
+            yield from compare_members(family_pair, contact_subject, old_contact, new_contact)
         else:
-            was, now = (item.signal if item is not None else None for item in (before, after))
-            yield both.change("contact", place, f": signal {arrow(was, now)}", was, now)
+            old_signal = old_contact.signal if old_contact is not None else None
+            new_signal = new_contact.signal if new_contact is not None else None
+            description = f": signal {arrow(old_signal, new_signal)}"
+            yield family_pair.change("contact", contact_subject, description, old_signal, new_signal)
 
 
-def displayed(both: FamilyPair) -> Iterator[Change]:
+def displayed(family_pair: FamilyPair) -> Iterator[Change]:
     """Compare errata, examples, and facts that no code depends on."""
     for rule, section, identity, word in _DISPLAYED:
-        olds, news = (
-            {getattr(item, identity): item for item in getattr(each, section)} for each in (both.old, both.new)
-        )
-        for key, old, new in by_key(olds, news):
+        old_parts = _by_member(getattr(family_pair.old, section), identity)
+        new_parts = _by_member(getattr(family_pair.new, section), identity)
+        for key, old, new in by_key(old_parts, new_parts):
             if old != new:
-                how = " is new" if old is None else " is gone" if new is None else _changed(old, new)
-                yield both.change(rule, Thing(f"{section}.{key}", f"{word} {key}"), how, old, new)
-    for before, after in both_of(paired(both.old.field_groups, both.new.field_groups)):
-        yield from members(both, Thing(f"field_groups.{after.name}", f"group {after.name}"), before, after)
+                description = _difference(old, new)
+                yield family_pair.change(rule, Subject(f"{section}.{key}", f"{word} {key}"), description, old, new)
+    for old_group, new_group in both_of(paired(family_pair.old.field_groups, family_pair.new.field_groups)):
+        subject = Subject(f"field_groups.{new_group.name}", f"group {new_group.name}")
+        yield from compare_members(family_pair, subject, old_group, new_group)
 
 
-def _changed(old: Any, new: Any) -> str:
+def _by_member(parts: Iterable[_Part], name: str) -> dict[Any, _Part]:
+    """Return the parts by their member of this name."""
+    return {getattr(part, name): part for part in parts}
+
+
+def _difference(old: Any, new: Any) -> str:
     """Return the old and new value of a characteristic with a short text, or only that the item has changed."""
-    before, after = (shown(getattr(item, "value", None)) for item in (old, new))
-    return f": {before} → {after}" if before != after else " has changed"
+    if old is None:
+        return " is new"
+    if new is None:
+        return " is gone"
+    old_text, new_text = (shown(getattr(part, "value", None)) for part in (old, new))
+    return f": {old_text} → {new_text}" if old_text != new_text else " has changed"

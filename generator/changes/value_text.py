@@ -34,41 +34,52 @@ def plain(value: Any) -> Any:
     if isinstance(value, bytes):
         return value.hex(" ").upper()
     if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
+        return {str(key): plain(member) for key, member in value.items()}
     if isinstance(value, (tuple, list)):
-        return [plain(item) for item in value]
+        return [plain(member) for member in value]
     if is_dataclass(value) and not isinstance(value, type):
-        return {item.name: plain(getattr(value, item.name)) for item in fields(value) if item.name != "source"}
+        return {member.name: plain(getattr(value, member.name)) for member in fields(value) if member.name != "source"}
     return value
 
 
-def shown(value: Any, form: str = "") -> str:
-    """Return a value as short text, with a form in the notation of manuals."""
-    if isinstance(value, bool):
-        return ("low" if value else "high") if form == "level" else "yes" if value else "no"
+def shown(value: Any, notation: str = "") -> str:
+    """Return a value as short text, in the given notation of manuals if there is one."""
     if value is None or value in ("", (), [], {}):
         return "none"
-    if isinstance(value, int):
-        return _FORMS[form](value) if form in _FORMS else f"{value}"
-    if isinstance(value, Expression):
-        return value.render()
+    if isinstance(value, (bool, int)):
+        return _number_text(value, notation)
     if isinstance(value, Enum):
         return str(value.value).replace("_", " ")
     if isinstance(value, (tuple, list)):
-        return _cut(", ".join(shown(item, form) for item in value))
-    if isinstance(value, Supply):
-        return f"{volts(value.min_mv)} to {volts(value.max_mv)}"
-    if isinstance(value, Scale):
-        return f"{formula(value)} {value.unit}"
-    if isinstance(value, CodedValue):
-        return f"{value.code} = {value.value}"
+        return _cut(", ".join(shown(member, notation) for member in value))
+    if isinstance(value, (Expression, Supply, Scale, CodedValue)):
+        return _quantity_text(value)
     if is_dataclass(value):
-        value = {key: item for key, item in without_words(value).items() if item not in (None, "", [], {})}
+        value = {key: member for key, member in without_words(value).items() if member not in (None, "", [], {})}
         if len(value) == 1:
-            return shown(next(iter(value.values())), form)
+            return shown(next(iter(value.values())), notation)
     if isinstance(value, Mapping):
-        return _cut(", ".join(f"{key} = {shown(item)}" for key, item in value.items()))
-    return _cut(str(value).replace("_", " ") if form == "word" else str(value))
+        return _cut(", ".join(f"{key} = {shown(member)}" for key, member in value.items()))
+    return _cut(str(value).replace("_", " ") if notation == "word" else str(value))
+
+
+def _number_text(value: int, notation: str) -> str:
+    if isinstance(value, bool):
+        yes, no = ("low", "high") if notation == "level" else ("yes", "no")
+        return yes if value else no
+    return _FORMS[notation](value) if notation in _FORMS else f"{value}"
+
+
+def _quantity_text(value: Expression | Supply | Scale | CodedValue) -> str:
+    match value:
+        case Expression():
+            return value.render()
+        case Supply():
+            return f"{volts(value.min_mv)} to {volts(value.max_mv)}"
+        case Scale():
+            return f"{formula(value)} {value.unit}"
+        case CodedValue():
+            return f"{value.code} = {value.value}"
 
 
 def _cut(text: str) -> str:
@@ -78,27 +89,27 @@ def _cut(text: str) -> str:
 def without_words(value: Any) -> Any:
     """Return a part of the model as data, without its texts."""
     if isinstance(value, tuple):
-        return [without_words(item) for item in value]
+        return [without_words(member) for member in value]
     if is_dataclass(value) and not isinstance(value, type):
         data = plain(value)
-        return {key: item for key, item in data.items() if key not in _SAID}
+        return {key: member for key, member in data.items() if key not in _SAID}
     return value
 
 
 def differing_items(old: Any, new: Any) -> tuple[Any, Any]:
     """Return two values, reduced to the items that differ if both are sequences of parts."""
     if isinstance(old, tuple) and isinstance(new, tuple) and any(map(is_dataclass, (*old, *new))):
-        left, right = _without(old, new), _without(new, old)
-        return (left, right) if left or right else (old, new)
+        old_only, new_only = _without(old, new), _without(new, old)
+        return (old_only, new_only) if old_only or new_only else (old, new)
     return old, new
 
 
-def _without(items: tuple[Any, ...], others: tuple[Any, ...]) -> tuple[Any, ...]:
+def _without(items: tuple[Any, ...], other_items: tuple[Any, ...]) -> tuple[Any, ...]:
     """Return the items that are not among others, apart from their texts."""
-    known = [without_words(item) for item in others]
-    return tuple(item for item in items if without_words(item) not in known)
+    known_items = [without_words(other_item) for other_item in other_items]
+    return tuple(part for part in items if without_words(part) not in known_items)
 
 
-def arrow(old: Any, new: Any, form: str = "") -> str:
+def arrow(old: Any, new: Any, notation: str = "") -> str:
     """Return ``old → new``."""
-    return f"{shown(old, form)} → {shown(new, form)}"
+    return f"{shown(old, notation)} → {shown(new, notation)}"

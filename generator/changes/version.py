@@ -12,7 +12,7 @@ import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from ..model import Device
+from ..model import Device, Manufacturer
 from .change import Change
 from .impact import Impact
 
@@ -44,24 +44,30 @@ def due(version: str, impact: Impact) -> str:
     numbers = _numbers(version)
     if not impact or not numbers:
         return version
-    place = 0 if impact >= Impact.BEHAVIOUR else 1 if impact is Impact.COMPATIBLE else 2
-    if numbers[0] == 0:
-        place = 1 if place == 0 else 2
-    raised = [*numbers[:place], numbers[place] + 1, 0, 0][:3]
+    is_stable = numbers[0] > 0
+    if impact >= Impact.BEHAVIOUR:
+        index = 0 if is_stable else 1
+    else:
+        index = 1 if is_stable and impact is Impact.COMPATIBLE else 2
+    raised = [*numbers[:index], numbers[index] + 1, 0, 0][:3]
     return ".".join(map(str, raised))
 
 
 def packages(old: Sequence[Device], new: Sequence[Device], changes: Collection[Change]) -> list[Package]:
     """Return the packages of manufacturers on both sides, with the versions that follow from the changes."""
-    before, after = ({item.manufacturer.name: item.manufacturer for item in devices} for devices in (old, new))
-    found = []
-    for name, maker in after.items():
-        if name in before:
-            families = {item.name for item in (*old, *new) if item.manufacturer.name == name}
-            impact = max((item.impact for item in changes if item.family in families), default=Impact.NONE)
-            version = before[name].version
-            found.append(Package(name, maker.python_package, version, maker.version, due(version, impact)))
-    return found
+    old_makers, new_makers = _makers(old), _makers(new)
+    compared_packages = []
+    for name, maker in new_makers.items():
+        if name in old_makers:
+            families = {device.name for device in (*old, *new) if device.manufacturer.name == name}
+            impact = max((change.impact for change in changes if change.family in families), default=Impact.NONE)
+            version = old_makers[name].version
+            compared_packages.append(Package(name, maker.python_package, version, maker.version, due(version, impact)))
+    return compared_packages
+
+
+def _makers(devices: Sequence[Device]) -> dict[str, Manufacturer]:
+    return {device.manufacturer.name: device.manufacturer for device in devices}
 
 
 def _numbers(version: str) -> tuple[int, ...]:

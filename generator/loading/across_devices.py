@@ -20,44 +20,47 @@ _Fact = tuple[Path, str]
 
 def check_alike(documents: Sequence[Document], report: Report) -> None:
     """Report differences between devices of a manufacturer in facts that its file lists under ``alike``."""
-    devices = [item for item in documents if "device" in item.data and not report.faults(item)]
+    devices = [document for document in documents if "device" in document.data and not report.faults(document)]
     for maker in documents:
-        listed = mapping(maker.data, "alike") if "device" not in maker.data and not report.faults(maker) else {}
-        of_maker = [item for item in devices if item.data.get("manufacturer") == maker.data.get("manufacturer")]
-        for kind, names in listed.items():
+        alike_names = mapping(maker.data, "alike") if "device" not in maker.data and not report.faults(maker) else {}
+        name = maker.data.get("manufacturer")
+        of_maker = [device for device in devices if device.data.get("manufacturer") == name]
+        for kind, names in alike_names.items():
             for name in names:
-                _compare(kind, name, [item for item in of_maker if name in by_name(item.data, kind)], report)
+                _compare(
+                    kind, name, [document for document in of_maker if name in by_name(document.data, kind)], report
+                )
 
 
-def _compare(kind: str, name: str, having: Sequence[Document], report: Report) -> None:
+def _compare(kind: str, name: str, documents_with_fact: Sequence[Document], report: Report) -> None:
     """Compare each device with the first one that has the fact."""
     first: dict[tuple[str, ...], tuple[Document, _Fact]] = {}
-    for document in sorted(having, key=lambda item: item.file):
+    for document in sorted(documents_with_fact, key=lambda document: document.file):
         for key, fact in _facts(kind, by_name(document.data, kind)[name]):
-            other, (place, shown) = first.setdefault(key, (document, fact))
-            named = (kind, name, *key)
-            if shown == fact[1] or explained(document, *named) or explained(other, *named):
+            first_document, (first_path, first_text) = first.setdefault(key, (document, fact))
+            affected = (kind, name, *key)
+            if first_text == fact[1] or explained(document, *affected) or explained(first_document, *affected):
                 continue
-            line = other.position((kind, name, *place))[0]
-            wrong = (
-                f"this is {fact[1]}, but {shown} in {PurePath(other.file).name}:{line}; according to the"
+            line = first_document.position((kind, name, *first_path))[0]
+            message = (
+                f"this is {fact[1]}, but {first_text} in {PurePath(first_document.file).name}:{line}; according to the"
                 f" manufacturer's file, {quoted(name)} is the same in all devices. If it is not, add an erratum that"
-                f" affects {'.'.join(named)}"
+                f" affects {'.'.join(affected)}"
             )
-            report.add("not-alike", document, (kind, name, *fact[0]), wrong)
+            report.add("not-alike", document, (kind, name, *fact[0]), message)
 
 
-def _facts(kind: str, item: Spec) -> Iterator[tuple[tuple[str, ...], _Fact]]:
+def _facts(kind: str, definition: Spec) -> Iterator[tuple[tuple[str, ...], _Fact]]:
     """Yield the shared facts of an item, by the path that an erratum would have."""
     for key, form in _COMMON[kind].items():
-        if key in item:
-            yield (key,), ((key,), _shown(form, item[key]))
-    for path, field in items(item, "fields"):
+        if key in definition:
+            yield (key,), ((key,), _shown(form, definition[key]))
+    for path, field in items(definition, "fields"):
         name = field.get("name")
         if isinstance(name, str):
             yield from (((name, key), ((*path, key), str(field[key]))) for key in ("at", "bits") if key in field)
-            for word, value in mapping(field, "values").items():
-                yield (name, word, "value"), ((*path, "values", word, "value"), str(value["value"]))
+            for value_name, value in mapping(field, "values").items():
+                yield (name, value_name, "value"), ((*path, "values", value_name, "value"), str(value["value"]))
 
 
 def _shown(form: str, value: object) -> str:

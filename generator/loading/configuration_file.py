@@ -89,8 +89,8 @@ def _section(file: Path, report: Report) -> Document | None:
         return None
     except tomllib.TOMLDecodeError as error:
         line, column, message = _place_of(str(error), content.decode("utf-8"))
-        shown = content.decode("utf-8").splitlines()[line - 1 : line]
-        report.add_at(str(file), line, column, "toml-syntax", f"not valid TOML: {message}", text="".join(shown))
+        error_line = content.decode("utf-8").splitlines()[line - 1 : line]
+        report.add_at(str(file), line, column, "toml-syntax", f"not valid TOML: {message}", text="".join(error_line))
         return None
     tools = data.get("tool")
     section = tools.get("codewheel") if isinstance(tools, dict) else None
@@ -122,30 +122,30 @@ def _marks(text: str, section: Mapping[str, Any]) -> Mark:
     line, column = at(header.start()) if header is not None else (1, 1)
     marks = Mark(line, column, line, column)
     for key, value in section.items():
-        found = re.compile(_KEY.format(re.escape(key)), re.MULTILINE).search(text, start)
-        if found is None:
+        key_match = re.compile(_KEY.format(re.escape(key)), re.MULTILINE).search(text, start)
+        if key_match is None:
             continue
-        key_line, key_column = at(found.start() + len(found[0]) - len(found[0].lstrip()))
-        mark = Mark(*at(found.end()), key_line, key_column)
+        key_line, key_column = at(key_match.start() + len(key_match[0]) - len(key_match[0].lstrip()))
+        mark = Mark(*at(key_match.end()), key_line, key_column)
         marks.children[key] = mark
         if isinstance(value, list):
-            for index, offset in zip(range(len(value)), _texts_of_a_list(text, found.end()), strict=False):
+            for index, offset in zip(range(len(value)), _texts_of_a_list(text, key_match.end()), strict=False):
                 mark.children[index] = Mark(*at(offset), *at(offset))
     return marks
 
 
 def _texts_of_a_list(text: str, start: int) -> Iterator[int]:
     """Yield the offset of each text in the list that begins at ``start``."""
-    for found in _IN_A_LIST.finditer(text, start):
-        if found[0] == "]":
+    for token in _IN_A_LIST.finditer(text, start):
+        if token[0] == "]":
             return
-        if not found[0].startswith("#"):
-            yield found.start()
+        if not token[0].startswith("#"):
+            yield token.start()
 
 
 def _values(file: Path, document: Document, report: Report) -> dict[str, list[str]]:
     """Return the settings in a document as lists of texts. Settings with errors are reported and left out."""
-    found: dict[str, list[str]] = {key: [] for key in SETTINGS}
+    settings: dict[str, list[str]] = {key: [] for key in SETTINGS}
     for key, value in document.data.items():
         kind = _KEYS.get(key)
         if kind is None:
@@ -154,12 +154,12 @@ def _values(file: Path, document: Document, report: Report) -> dict[str, list[st
         elif (texts := _texts(value, kind)) is None:
             report.add("wrong-type", document, (key,), f"'{key}' must be {kind}, such as {_example(key, file)}")
         else:
-            found[key] = texts
-    for index, path in enumerate(settings_in(file, found).specs):
+            settings[key] = texts
+    for index, path in enumerate(settings_in(file, settings).specs):
         if not exists(path):
             message = f"there is no file or folder {path.as_posix()}"
             report.add("undefined-reference", document, ("specs", index), message)
-    return found
+    return settings
 
 
 def _example(key: str, file: Path) -> str:
@@ -170,5 +170,5 @@ def _example(key: str, file: Path) -> str:
 def _texts(value: Any, kind: str) -> list[str] | None:
     """Return the texts of a value, or None if it is not of this kind or has an empty text."""
     values = value if kind == _LIST else [value]
-    is_valid = isinstance(values, list) and values and all(isinstance(item, str) and item for item in values)
+    is_valid = isinstance(values, list) and values and all(isinstance(text, str) and text for text in values)
     return list(values) if is_valid else None

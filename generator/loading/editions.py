@@ -33,14 +33,18 @@ class UnknownEdition(ValueError):
 
 def editions(raw: Raw) -> tuple[ManualEdition, ...]:
     """Return the editions that can be selected, oldest first, or none if the spec lists no changes."""
-    known = {item["revision"]: item for item in raw.get("editions", ())}
-    if not known:
+    editions_by_revision = {edition["revision"]: edition for edition in raw.get("editions", ())}
+    if not editions_by_revision:
         return ()
-    history = {item["revision"]: item.get("date", "") for item in raw["manual"].get("history", ())}
-    own = raw["manual"]["revision"]
-    dates = {**history, own: raw["manual"].get("date", history.get(own, ""))}
-    dates |= {name: item.get("date", "") for name, item in known.items() if name not in dates}
-    return tuple(record(ManualEdition, known.get(name, {}), revision=name, date=date) for name, date in dates.items())
+    history = {release["revision"]: release.get("date", "") for release in raw["manual"].get("history", ())}
+    own_revision = raw["manual"]["revision"]
+    dates = {**history, own_revision: raw["manual"].get("date", history.get(own_revision, ""))}
+    dates |= {name: edition.get("date", "") for name, edition in editions_by_revision.items() if name not in dates}
+    return tuple(_edition(editions_by_revision.get(name, {}), name, date) for name, date in dates.items())
+
+
+def _edition(definition: Raw, revision: str, date: str) -> ManualEdition:
+    return record(ManualEdition, definition, revision=revision, date=date)
 
 
 def chosen(device: Device, wanted: str) -> str:
@@ -49,15 +53,15 @@ def chosen(device: Device, wanted: str) -> str:
     Raises:
         UnknownEdition: There is no such edition.
     """
-    names = [item.revision for item in device.editions] or [device.manual.revision]
+    names = [edition.revision for edition in device.editions] or [device.manual.revision]
     if wanted in names:
         return wanted
     # A year does not determine which edition was the latest on a given day.
-    dated = [item for item in device.editions if _DATE.fullmatch(item.date)]
+    dated = [edition for edition in device.editions if _DATE.fullmatch(edition.date)]
     if _DATE.fullmatch(wanted) and dated:
-        then = [item.revision for item in dated if item.date <= wanted]
-        if then:
-            return then[-1]
+        not_later = [edition.revision for edition in dated if edition.date <= wanted]
+        if not_later:
+            return not_later[-1]
         raise UnknownEdition(
             f"the first edition, {dated[0].revision}, is dated {dated[0].date}, which is after {wanted}"
         )
@@ -77,23 +81,20 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
         report: Receives changes that cannot be applied, and problems of the result.
     """
     laying = LayeredSpec(family.document, report)
-    before = len(report)
+    problems_before = len(report)
     for index, key, name in _steps(family, revision):
         laying.apply([Layer(family.document, ("editions", index, key), LayerKind.EDITION, name)])
     name = f"{family.device.name}_{re.sub('[^a-z0-9]+', '_', revision.lower()).strip('_')}"
     document = laying.document(name)
-    document = replace(document, data={key: item for key, item in document.data.items() if key != "editions"})
-    inside = Report()
-    device = build(document, inside)
-    known = set(report.problems)
-    for item in inside.problems if len(report) == before else ():
-        if item not in known:
-            told = f"in edition {revision}: {item.message}"
-            report.add_at(item.file, item.line, item.column, item.rule, told, path=item.path, text=item.text)
+    document = replace(document, data={key: value for key, value in document.data.items() if key != "editions"})
+    inner_report = Report()
+    device = build(document, inner_report)
+    if len(report) == problems_before:
+        _report_in_edition(inner_report, revision, report)
     if device is None:
         return None
-    device = for_codes(device, {item.code for item in device.variants})
-    date = next((item.date for item in family.device.editions if item.revision == revision), "")
+    device = for_codes(device, {variant.code for variant in device.variants})
+    date = next((edition.date for edition in family.device.editions if edition.revision == revision), "")
     device = replace(
         device,
         title=f"{device.title}, edition {revision}",
@@ -108,24 +109,36 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
     return Family(device, document, family.files)
 
 
+def _report_in_edition(inner_report: Report, revision: str, report: Report) -> None:
+    """Report the problems of an edition, except those that the spec has itself."""
+    reported = set(report.problems)
+    for problem in inner_report.problems:
+        if problem not in reported:
+            message = f"in edition {revision}: {problem.message}"
+            place = (problem.file, problem.line, problem.column)
+            report.add_at(*place, problem.rule, message, path=problem.path, text=problem.text)
+
+
 def _steps(family: Family, revision: str) -> Iterator[tuple[int, str, str]]:
     """Yield the lists of changes that lead to a revision, each as index, key and name in outputs."""
-    order = [item.revision for item in family.device.editions]
-    own, wanted = order.index(family.device.manual.revision), order.index(revision)
-    listed_ = {item["revision"]: (index, item) for index, item in enumerate(family.document.data.get("editions", ()))}
-    way = range(own, wanted, -1) if wanted < own else range(own + 1, wanted + 1)
-    key = "before" if wanted < own else "then"
-    for place in way:
-        index, item = listed_.get(order[place], (0, {}))
-        if key in item:
-            yield index, key, f"before {order[place]}" if key == "before" else order[place]
+    order = [edition.revision for edition in family.device.editions]
+    own_index, wanted_index = order.index(family.device.manual.revision), order.index(revision)
+    changes = family.document.data.get("editions", ())
+    changes_by_revision = {edition["revision"]: (index, edition) for index, edition in enumerate(changes)}
+    is_older = wanted_index < own_index
+    positions = range(own_index, wanted_index, -1) if is_older else range(own_index + 1, wanted_index + 1)
+    key = "before" if is_older else "then"
+    for position in positions:
+        index, edition = changes_by_revision.get(order[position], (0, {}))
+        if key in edition:
+            yield index, key, f"before {order[position]}" if is_older else order[position]
 
 
 def notes(raw: Raw) -> Iterator[Erratum]:
     """Yield the differences of other editions, as errata of the family of the spec."""
-    for item in raw.get("editions", ()):
-        for key, name in (("before", f"before {item['revision']}"), ("then", item["revision"])):
-            for number, change in enumerate(item.get(key, ()), 1):
+    for edition in raw.get("editions", ()):
+        for key, name in (("before", f"before {edition['revision']}"), ("then", edition["revision"])):
+            for number, change in enumerate(edition.get(key, ()), 1):
                 # A change with no kind or several is reported when it is applied.
                 if len(kinds := [word for word in KINDS if word in change]) == 1:
                     yield _note(raw, change, name, number, kinds[0])
@@ -154,7 +167,7 @@ def _text(value: object) -> str:
         case bool():
             return "yes" if value else "no"
         case dict():
-            return ", ".join(f"{key} = {item}" for key, item in value.items())
+            return ", ".join(f"{key} = {member}" for key, member in value.items())
         case list():
             return ", ".join(map(str, value))
         case _:
@@ -172,45 +185,52 @@ def check_editions(raw: Raw, device: Device, report: DocumentReport) -> None:
     """Report too many editions, editions in the wrong place, and labels and registers that do not exist."""
     count, values = len(device.editions), len(leaves(raw))
     if count * values > MOST_VALUES:
-        wrong = f"each of {count} editions is checked with {values} values; the product must be at most {MOST_VALUES}"
-        report.add("too-large", ("editions",), f"{wrong}; leave out early editions", at_key=True)
-    history = [item["revision"] for item in raw["manual"].get("history", ())]
-    own = raw["manual"]["revision"]
-    past = history[: history.index(own) + 1] if own in history else [own]
-    patterns = {item.pattern for item in device.order_code.also_written}
-    for index, item in enumerate(raw.get("editions", ())):
+        message = f"each of {count} editions is checked with {values} values; the product must be at most {MOST_VALUES}"
+        report.add("too-large", ("editions",), f"{message}; leave out early editions", at_key=True)
+    patterns = {spelling.pattern for spelling in device.order_code.also_written}
+    for index, edition in enumerate(raw.get("editions", ())):
         path: Path = ("editions", index)
-        name = item["revision"]
-        if any(other["revision"] == name for other in raw["editions"][:index]):
-            report.add("duplicate-name", (*path, "revision"), f"the edition {quoted(name)} already exists")
-        if "before" in item and name not in past[1:]:
-            wrong = (
-                f"{quoted(name)} can have 'before' only if it is in the history, after the first and not after {own}"
-            )
-            report.add("edition-order", (*path, "before"), wrong, at_key=True)
-        if "then" in item and name in past:
-            wrong = f"{quoted(name)} is not after {own}, which this file transcribes; use 'before' for it"
-            report.add("edition-order", (*path, "then"), wrong, at_key=True)
-        for number, label in enumerate(item.get("labels", ())):
+        if any(earlier["revision"] == edition["revision"] for earlier in raw["editions"][:index]):
+            message = f"the edition {quoted(edition['revision'])} already exists"
+            report.add("duplicate-name", (*path, "revision"), message)
+        _check_order(raw, edition, path, report)
+        for label_index, label in enumerate(edition.get("labels", ())):
             if label not in patterns:
-                wrong = f"there is no spelling {quoted(label)} in 'also_written' of the order code"
-                report.add("undefined-reference", (*path, "labels", number), wrong)
-        for number, test in enumerate(item.get("tests", ())):
-            _check_test(test, (*path, "tests", number), device, report)
+                message = f"there is no spelling {quoted(label)} in 'also_written' of the order code"
+                report.add("undefined-reference", (*path, "labels", label_index), message)
+        for test_index, test in enumerate(edition.get("tests", ())):
+            _check_test(test, (*path, "tests", test_index), device, report)
+
+
+def _check_order(raw: Raw, edition: Raw, path: Path, report: DocumentReport) -> None:
+    """Check that an edition has 'before' or 'then' according to its place in the history."""
+    history = [release["revision"] for release in raw["manual"].get("history", ())]
+    own_revision = raw["manual"]["revision"]
+    up_to_own = history[: history.index(own_revision) + 1] if own_revision in history else [own_revision]
+    name = edition["revision"]
+    if "before" in edition and name not in up_to_own[1:]:
+        message = (
+            f"{quoted(name)} can have 'before' only if it is in the history, after the first and not after"
+            f" {own_revision}"
+        )
+        report.add("edition-order", (*path, "before"), message, at_key=True)
+    if "then" in edition and name in up_to_own:
+        message = f"{quoted(name)} is not after {own_revision}, which this file transcribes; use 'before' for it"
+        report.add("edition-order", (*path, "then"), message, at_key=True)
 
 
 def _check_test(test: Raw, path: Path, device: Device, report: DocumentReport) -> None:
-    register = next((item for item in device.registers if item.name == test["register"]), None)
+    register = next((candidate for candidate in device.registers if candidate.name == test["register"]), None)
     if register is None:
         report.add("undefined-reference", (*path, "register"), f"there is no register {quoted(test['register'])}")
     elif test["run"] not in runs_of(register):
-        wrong = f"{quoted(test['register'])} has no field or run of digits {quoted(test['run'])}"
-        report.add("undefined-reference", (*path, "run"), f"{wrong}; it has {listed(runs_of(register))}")
+        message = f"{quoted(test['register'])} has no field or run of digits {quoted(test['run'])}"
+        report.add("undefined-reference", (*path, "run"), f"{message}; it has {listed(runs_of(register))}")
     if test["min"] > test["max"]:
         report.add("out-of-range", (*path, "min"), f"'min' is {test['min']}; it must be at most {test['max']}")
 
 
 def runs_of(register: Any) -> list[str]:
     """Return the names of a register's fields, and of the groups of digits in these fields."""
-    names = [item.name for item in register.layout.fields]
-    return names + [run.name for item in register.layout.fields for run in getattr(item.kind, "runs", ())]
+    names = [field.name for field in register.layout.fields]
+    return names + [run.name for field in register.layout.fields for run in getattr(field.kind, "runs", ())]

@@ -36,22 +36,23 @@ _EXAMPLES: Mapping[str, Callable[..., Example]] = {kind.kind: kind for kind in g
 
 
 def build_examples(raw: Raw) -> tuple[Example, ...]:
-    return tuple(
-        record(
-            _EXAMPLES[item["kind"]],
-            {"sender": item.get("from", "encoder"), **item, "bytes": bytes.fromhex(item.get("bytes", ""))},
-        )
-        for item in raw.get("examples", ())
-    )
+    return tuple(map(_example, raw.get("examples", ())))
+
+
+def _example(raw: Raw) -> Example:
+    members = {"sender": raw.get("from", "encoder"), **raw, "bytes": bytes.fromhex(raw.get("bytes", ""))}
+    return record(_EXAMPLES[raw["kind"]], members)
 
 
 def check_examples(device: Device, report: DocumentReport) -> None:
     """Report every example that contradicts its layout, CRC or procedure, if these are valid themselves."""
-    known = sound_so_far(report)
+    valid_parts = sound_so_far(report)
     for example in device.examples:
-        for below, wrong in _faults(device, example) if known.holds(example) and _is_built(device, example) else ():
-            message = f"example '{example.name}' does not match: {wrong}"
-            report.add("example-contradicts", ("examples", example.name, *below), message)
+        for inner_path, problem in (
+            _faults(device, example) if valid_parts.holds(example) and _is_built(device, example) else ()
+        ):
+            message = f"example '{example.name}' does not match: {problem}"
+            report.add("example-contradicts", ("examples", example.name, *inner_path), message)
 
 
 def _is_built(device: Device, example: Example) -> bool:
@@ -59,20 +60,20 @@ def _is_built(device: Device, example: Example) -> bool:
     registers = {register.name for register in device.registers}
     match example:
         case FrameExample():
-            found = example.layout in {"", *(layout.name for _, layout in device.layouts())}
+            is_complete = example.layout in {"", *(layout.name for _, layout in device.layouts())}
         case RegisterExample():
-            found = example.register in registers
+            is_complete = example.register in registers
         case ProcedureExample():
-            named = [item for item in device.procedures if item.name == example.procedure]
-            found = any(item.registers <= registers for item in named)
+            procedures = [procedure for procedure in device.procedures if procedure.name == example.procedure]
+            is_complete = any(procedure.registers <= registers for procedure in procedures)
         case CrcExample() | MeasureExample():
-            found = True
+            is_complete = True
         case _:
             assert_never(example)
     # Without order codes, which have been reported then, only a CRC can be computed.
-    given = {variant.interface for variant in device.variants}
-    whole = bool(given) or isinstance(example, CrcExample)
-    return found and whole and given <= {item.name for item in device.interfaces}
+    interface_names = {variant.interface for variant in device.variants}
+    can_compute = bool(interface_names) or isinstance(example, CrcExample)
+    return is_complete and can_compute and interface_names <= {interface.name for interface in device.interfaces}
 
 
 def _faults(device: Device, example: Example) -> list[Wrong]:
@@ -88,9 +89,9 @@ def example_variant(device: Device, example: Example) -> Variant:
     """Return the order code of the example, or the first one of the family if it gives none."""
     if isinstance(example, CrcExample) or not example.order_code:
         return device.variants[0]
-    listed = (item for item in device.variants if item.code == example.order_code)
-    found = next(listed, None) or find(device, example.order_code).variant
-    return with_answers(device, found, example.alternatives) if isinstance(example, FrameExample) else found
+    matching_variants = (variant for variant in device.variants if variant.code == example.order_code)
+    variant = next(matching_variants, None) or find(device, example.order_code).variant
+    return with_answers(device, variant, example.alternatives) if isinstance(example, FrameExample) else variant
 
 
 def _check(device: Device, example: Example) -> Iterator[Wrong]:
@@ -100,9 +101,9 @@ def _check(device: Device, example: Example) -> Iterator[Wrong]:
         case RegisterExample():
             yield from _check_register(device, example)
         case CrcExample():
-            made = compute_bytes(device.crc(example.crc), example.bytes)
-            if made != example.check:
-                yield ("check",), f"the CRC over these bytes is {made:#04x}{_better_start(device, example.crc)}"
+            computed_crc = compute_bytes(device.crc(example.crc), example.bytes)
+            if computed_crc != example.check:
+                yield ("check",), f"the CRC over these bytes is {computed_crc:#04x}{_better_start(device, example.crc)}"
         case ProcedureExample():
             yield from _check_procedure(device, example)
         case MeasureExample():
@@ -113,10 +114,10 @@ def _check(device: Device, example: Example) -> Iterator[Wrong]:
 
 def _check_procedure(device: Device, example: ProcedureExample) -> Iterator[Wrong]:
     procedure, variant = device.procedure(example.procedure), example_variant(device, example)
-    made = register_writes(device, procedure, variant, example.arguments)
-    if made != example.writes:
-        listed = ", ".join(f"{item.address:02X}h = {item.value:02X}h" for item in made)
-        yield ("writes",), f"the writes are {listed}"
+    computed_writes = register_writes(device, procedure, variant, example.arguments)
+    if computed_writes != example.writes:
+        computed_text = ", ".join(f"{write.address:02X}h = {write.value:02X}h" for write in computed_writes)
+        yield ("writes",), f"the writes are {computed_text}"
 
 
 def _check_measure(device: Device, example: MeasureExample) -> Iterator[Wrong]:
@@ -125,16 +126,16 @@ def _check_measure(device: Device, example: MeasureExample) -> Iterator[Wrong]:
     if measurement is None or measurement.step_um is None:
         yield (), "the device does not measure a length in micrometres"
         return
-    made = measurement.step_um.value(variant.parameters) * example.counts
-    if made != example.micrometres:
-        yield ("micrometres",), f"{example.counts} counts are {made} micrometres"
+    micrometres = measurement.step_um.value(variant.parameters) * example.counts
+    if micrometres != example.micrometres:
+        yield ("micrometres",), f"{example.counts} counts are {micrometres} micrometres"
 
 
 def _check_register(device: Device, example: RegisterExample) -> Iterator[Wrong]:
     register, variant = device.register(example.register), example_variant(device, example)
     if len(example.bytes) != register.length:
-        wrong = f"register '{register.name}' has {register.length} bytes, but the example has {len(example.bytes)}"
-        yield ("bytes",), wrong
+        message = f"register '{register.name}' has {register.length} bytes, but the example has {len(example.bytes)}"
+        yield ("bytes",), message
         return
     number = number_from_bytes(register.layout, example.bytes)
     yield from _check_decoded(device, codec.decode(device, register.layout.place(variant.parameters), number), example)
@@ -149,8 +150,11 @@ def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
     if example.refused:
         kinds = {problem.fault.value for problem in decoded.problems}
         if example.refused not in kinds:
-            says = ", ".join(sorted(kinds)) or "no error"
-            yield ("refused",), f"it should be refused because of its {example.refused}, but the decoder reports {says}"
+            reported_kinds = ", ".join(sorted(kinds)) or "no error"
+            yield (
+                ("refused",),
+                f"it should be refused because of its {example.refused}, but the decoder reports {reported_kinds}",
+            )
         return
     layout = decoded.layout.name if decoded.layout is not None else example.layout
     if example.layout and layout != example.layout and not decoded.problems:
@@ -165,9 +169,9 @@ def _check_decoded(device: Device, decoded: codec.Decoded, example: FrameExample
     if problems and problems[0].fault in (Fault.LENGTH, Fault.CRC):  # Further errors may only follow from it.
         problems = problems[:1]
     hint = _better_start(device, decoded.crc.name) if decoded.crc is not None and not decoded.crc.ok else ""
-    found: list[Wrong] = [(_data(example), problem.message + hint) for problem in problems]
-    found = found or list(_compare(decoded, example))
-    yield from found or _back(device, decoded, example)
+    problems_found: list[Wrong] = [(_data(example), problem.message + hint) for problem in problems]
+    problems_found = problems_found or list(_compare(decoded, example))
+    yield from problems_found or _back(device, decoded, example)
 
 
 def _better_start(device: Device, name: str) -> str:
@@ -215,19 +219,22 @@ def decode_example(device: Device, example: FrameExample, variant: Variant) -> c
     return codec.decode_bits(device, placed, int(example.bits, 2), len(example.bits))
 
 
-def _selected(device: Device, sender: str) -> frozenset[str]:
+def _selected(device: Device, sender: str) -> set[str]:
     """Return the names of the layouts of a sender that a field identifies, or that serve all other values."""
-    found = (item.layouts for item in device.interfaces if any(one.selector for one in item.layouts))
-    return frozenset(one.name for layouts in found for one in layouts if one.sender == sender)
+    names: set[str] = set()
+    for interface in device.interfaces:
+        if any(layout.selector for layout in interface.layouts):
+            names |= {layout.name for layout in interface.layouts if layout.sender == sender}
+    return names
 
 
 def _compare(decoded: codec.Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
-    made = decoded.values
+    decoded_values = decoded.values
     for name, value in example.values.items():
-        if name not in made:
+        if name not in decoded_values:
             yield ("values", name), f"there is no field '{name}'"
-        elif made[name] != value:
-            yield ("values", name), f"{name} is {made[name]}, not {value}"
+        elif decoded_values[name] != value:
+            yield ("values", name), f"{name} is {decoded_values[name]}, not {value}"
 
 
 def _back(device: Device, decoded: codec.Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
@@ -238,10 +245,10 @@ def _back(device: Device, decoded: codec.Decoded, example: FrameExample | Regist
     runs = {run.name for field in decoded.layout.layout.fields for run in field.runs}
     fixed = {field.name for field in decoded.layout.layout.fields if not field.carries_data}
     values = {name: value for name, value in decoded.values.items() if name not in joins | runs | fixed}
-    made = codec.encode(device, decoded.layout, values)
+    encoded = codec.encode(device, decoded.layout, values)
     if decoded.layout.layout.gaps == "unspecified":
         # An encoder may return anything in these bits, and a write keeps them.
         described = sum(((1 << field.width) - 1) << field.low for field in decoded.layout.fields)
-        made |= decoded.number & ~described
-    if made != decoded.number:
-        yield _data(example), f"encoding its fields again gives {made:#x}, not {decoded.number:#x}"
+        encoded |= decoded.number & ~described
+    if encoded != decoded.number:
+        yield _data(example), f"encoding its fields again gives {encoded:#x}, not {decoded.number:#x}"

@@ -14,8 +14,12 @@ def build_manufacturer(raw: Raw) -> Manufacturer:
 
 def supply(raw: Raw, inherited: Sources = ()) -> Supply | None:
     """Return the supply of a device or of a value of its order code."""
-    found = raw.get("supply")
-    return None if found is None else record(Supply, found, source=sources(found) or sources(raw) or inherited)
+    definition = raw.get("supply")
+    return (
+        None
+        if definition is None
+        else record(Supply, definition, source=sources(definition) or sources(raw) or inherited)
+    )
 
 
 def table(raw: Raw) -> Table:

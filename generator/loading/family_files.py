@@ -13,8 +13,8 @@ MANUFACTURER = "manufacturer.yaml"
 
 def spec_files(paths: Sequence[Path], is_spec: Callable[[Path], bool] = is_spec) -> Iterator[Path]:
     """Yield the files that a run with these paths reads as specs."""
-    for given in paths:
-        yield from below(given, is_spec).specs if is_folder(given) else (given,)
+    for path in paths:
+        yield from below(path, is_spec).specs if is_folder(path) else (path,)
 
 
 def family_files(spec: Path, names_in: Callable[[Path], Iterable[str]] = os.listdir) -> list[Path]:
@@ -22,5 +22,5 @@ def family_files(spec: Path, names_in: Callable[[Path], Iterable[str]] = os.list
 
     ``names_in`` returns the names in a folder.
     """
-    own = sorted(name for name in names_in(spec.parent) if name.startswith(f"{spec.stem}."))
-    return [*(spec.with_name(name) for name in own), spec.with_name(MANUFACTURER)]
+    own_names = sorted(name for name in names_in(spec.parent) if name.startswith(f"{spec.stem}."))
+    return [*(spec.with_name(name) for name in own_names), spec.with_name(MANUFACTURER)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import combinations
 
 from ..language.problems import DocumentReport, Path
@@ -17,21 +17,33 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
     """
     for interface in device.interfaces if sound_so_far(report).has_frames else ():
         _check_replies(interface, device.position_names(interface.name), report)
-        if isinstance(interface, Rs485):
+        if not isinstance(interface, Rs485):
+            _check_positions(device, interface, report)
+            _check_numbers(device, interface, report)
+
+
+def _check_numbers(device: Device, interface: Interface, report: DocumentReport) -> None:
+    """Report a number in a frame with the position that is a constant in another frame."""
+    frames = [layout for layout in interface.layouts if layout.sender == "encoder"]
+    for layout in frames:
+        if not device.tells_position(interface.name, layout):
             continue
-        _check_positions(device, interface, report)
-        frames = [item for item in interface.layouts if item.sender == "encoder"]
-        for layout in (item for item in frames if device.tells_position(interface.name, item)):
-            numbers = {item.name for item in layout.fields if isinstance(item.kind, Number)}
-            others = [item for item in frames if item.channel == layout.channel and _has_constant(item, numbers)]
-            found = next(_kinds(device, interface, layout, others), None)
-            if found is not None:
-                field, other, value = found
-                here: Path = ("interfaces", interface.name, "layouts", layout.name)
-                owner = ("field_groups", field.group) if field.group else here
-                wrong = f"'{field.name}' can be any number, but it is always {value:#x} in '{other.name}'"
-                way = f"a frame '{other.name}' would decode as '{layout.name}'; give this field its 'constant'"
-                report.add("frame-kind", (*owner, "fields", field.name), f"{wrong}, so {way}")
+        numbers = {field.name for field in layout.fields if isinstance(field.kind, Number)}
+        same_channel = [frame for frame in frames if frame.channel == layout.channel]
+        candidates = [frame for frame in same_channel if _has_constant(frame, numbers)]
+        clash = next(_kinds(device, interface, layout, candidates), None)
+        if clash is not None:
+            field, other_layout, value = clash
+            message = f"'{field.name}' can be any number, but it is always {value:#x} in '{other_layout.name}'"
+            remedy = f"a frame '{other_layout.name}' would decode as '{layout.name}'; give this field its 'constant'"
+            report.add("frame-kind", _field_path(interface, layout, field), f"{message}, so {remedy}")
+
+
+def _field_path(interface: Interface, layout: Layout, field: Field) -> Path:
+    """Return the path of a field in the spec, which may be in a group."""
+    if field.group:
+        return ("field_groups", field.group, "fields", field.name)
+    return ("interfaces", interface.name, "layouts", layout.name, "fields", field.name)
 
 
 def _check_positions(device: Device, interface: Interface, report: DocumentReport) -> None:
@@ -39,25 +51,32 @@ def _check_positions(device: Device, interface: Interface, report: DocumentRepor
 
     No request selects a frame over SSI and BiSS, so decoders would take each frame as the first layout.
     """
-    frames = [item for item in interface.layouts if device.tells_position(interface.name, item)]
-    for first, other in combinations(frames if isinstance(interface, (Biss, Ssi)) else (), 2):
-        if other.note or first.channel != other.channel or _differ(first, other):
+    frames = [layout for layout in interface.layouts if device.tells_position(interface.name, layout)]
+    for first, second in combinations(frames if isinstance(interface, (Biss, Ssi)) else (), 2):
+        if second.note or first.channel != second.channel or _differ(first, second):
             continue
-        wrong = f"'{first.name}' and '{other.name}' both contain the position, and nothing distinguishes their frames"
-        way = (
+        message = (
+            f"'{first.name}' and '{second.name}' both contain the position, and nothing distinguishes their frames"
+        )
+        remedy = (
             "if order codes differ in their frames, describe them in one layout with widths that depend on the order"
             " code, or in two specs. If a master selects the frame, say how in a 'note' of the second layout"
         )
-        here: Path = ("interfaces", interface.name, "layouts", other.name)
-        report.add("frame-kind", here, f"{wrong}, so decoders use '{first.name}'; {way}")
+        layout_path: Path = ("interfaces", interface.name, "layouts", second.name)
+        report.add("frame-kind", layout_path, f"{message}, so decoders use '{first.name}'; {remedy}")
         return
 
 
-def _differ(layout: Layout, other: Layout) -> bool:
+def _differ(layout: Layout, other_layout: Layout) -> bool:
     """Return whether a selector or a constant of the same name distinguishes two frames."""
-    known = {item.name: item.kind.value for item in layout.fields if isinstance(item.kind, Constant)}
-    pairs = ((known.get(item.name), item.kind.value) for item in other.fields if isinstance(item.kind, Constant))
-    return bool(layout.selector) or any(one not in (None, two) for one, two in pairs)
+    constants, other_constants = map(_constants, (layout, other_layout))
+    common_names = constants.keys() & other_constants.keys()
+    return bool(layout.selector) or any(constants[name] != other_constants[name] for name in common_names)
+
+
+def _constants(layout: Layout) -> dict[str, int]:
+    """Return the value of each constant of a layout, by its name."""
+    return {field.name: field.kind.value for field in layout.fields if isinstance(field.kind, Constant)}
 
 
 def _check_replies(interface: Interface, positions: frozenset[str], report: DocumentReport) -> None:
@@ -65,38 +84,45 @@ def _check_replies(interface: Interface, positions: frozenset[str], report: Docu
 
     A request for a position may name its command like the position.
     """
-    sent = interface.exchanges if isinstance(interface, (Rs485, Spi)) else ()
-    layouts = {item.name: item for item in interface.layouts}
+    exchanges = interface.exchanges if isinstance(interface, (Rs485, Spi)) else ()
+    layouts = {layout.name: layout for layout in interface.layouts}
     for reply in interface.layouts:
-        requests = [layouts[item.request] for item in sent if item.reply == reply.name and item.request in layouts]
+        request_names = [exchange.request for exchange in exchanges if exchange.reply == reply.name]
+        requests = [layouts[name] for name in request_names if name in layouts]
         for field in reply.fields if requests else ():
-            same = (item for request in requests for item in request.fields if item.name == field.name)
-            constants = {item.kind.value if isinstance(item.kind, Constant) else None for item in same}
-            value = constants.pop() if len(constants) == 1 else None
+            value = _common_constant(requests, field.name)
             if isinstance(field.kind, Number) and value is not None and field.name not in positions:
-                here: Path = ("interfaces", interface.name, "layouts", reply.name)
-                owner = ("field_groups", field.group) if field.group else here
-                wrong = f"'{field.name}' can be any number, but it is always {value:#x} in '{requests[0].name}'"
+                message = f"'{field.name}' can be any number, but it is always {value:#x} in '{requests[0].name}'"
                 where = " in each layout, instead of in the group" if field.group else ""
-                way = f"the reply to another request would decode; give this field the same 'constant'{where}"
-                report.add("frame-kind", (*owner, "fields", field.name), f"{wrong}, so {way}")
+                remedy = f"the reply to another request would decode; give this field the same 'constant'{where}"
+                report.add("frame-kind", _field_path(interface, reply, field), f"{message}, so {remedy}")
+
+
+def _common_constant(requests: Sequence[Layout], name: str) -> int | None:
+    """Return the value of a field that is the same constant in all requests with the field, or None."""
+    kinds = [field.kind for request in requests for field in request.fields if field.name == name]
+    values = {kind.value if isinstance(kind, Constant) else None for kind in kinds}
+    return values.pop() if len(values) == 1 else None
 
 
 def _has_constant(layout: Layout, names: set[str]) -> bool:
-    return any(isinstance(item.kind, Constant) and item.name in names for item in layout.fields)
+    return any(isinstance(field.kind, Constant) and field.name in names for field in layout.fields)
 
 
 def _kinds(
-    device: Device, interface: Interface, layout: Layout, others: list[Layout]
+    device: Device, interface: Interface, layout: Layout, other_layouts: list[Layout]
 ) -> Iterator[tuple[Field, Layout, int]]:
     """Yield the numbers that are a constant at the same place of a frame with the same length."""
     for variant in device.variants_over(interface.name):
-        here = layout.place(variant.parameters)
-        for other in others:
-            there = other.place(variant.parameters)
-            for mine in here.fields if here.bits == there.bits else ():
-                its = there.field(mine.name)
-                if its is None or (its.low, its.width) != (mine.low, mine.width):
+        placed = layout.place(variant.parameters)
+        for other_layout in other_layouts:
+            other_placed = other_layout.place(variant.parameters)
+            for placed_field in placed.fields if placed.bits == other_placed.bits else ():
+                other_field = other_placed.field(placed_field.name)
+                if other_field is None or (other_field.low, other_field.width) != (
+                    placed_field.low,
+                    placed_field.width,
+                ):
                     continue
-                if isinstance(mine.field.kind, Number) and isinstance(its.field.kind, Constant):
-                    yield mine.field, other, its.field.kind.value
+                if isinstance(placed_field.field.kind, Number) and isinstance(other_field.field.kind, Constant):
+                    yield placed_field.field, other_layout, other_field.field.kind.value

@@ -20,26 +20,26 @@ def history_beside(spec: Path) -> Path:
 
 def read_history(spec: Path, report: Report) -> tuple[Release, ...]:
     """Return the versions stored next to a spec, newest first, or none if the file is missing or was changed."""
-    place = history_beside(spec)
-    if not place.is_file():
+    file = history_beside(spec)
+    if not file.is_file():
         return ()
     try:
-        found = tuple(_release(item) for item in json.loads(place.read_text(encoding="utf-8"))["releases"])
-        if all(_is_text(release) for release in found):
-            return found
+        releases = tuple(_release(release) for release in json.loads(file.read_text(encoding="utf-8"))["releases"])
+        if all(_is_text(release) for release in releases):
+            return releases
     except (OSError, ValueError, TypeError, KeyError):
         pass
-    wrong = "the file was edited; undo the edit, or remove it and write it again: codewheel diff --record"
-    report.add_at(str(place), 1, 1, RULE, wrong)
+    message = "the file was edited; undo the edit, or remove it and write it again: codewheel diff --record"
+    report.add_at(str(file), 1, 1, RULE, message)
     return ()
 
 
-def _release(item: dict[str, object]) -> Release:
-    changes = item["changes"]
+def _release(data: dict[str, object]) -> Release:
+    changes = data["changes"]
     if not isinstance(changes, list):
         raise TypeError
-    made = tuple(ReleasedChange(**change) for change in changes)
-    return Release(**{**item, "changes": made})  # type: ignore[arg-type]
+    released_changes = tuple(ReleasedChange(**change) for change in changes)
+    return Release(**{**data, "changes": released_changes})  # type: ignore[arg-type]
 
 
 def _is_text(release: Release) -> bool:
@@ -50,10 +50,10 @@ def _is_text(release: Release) -> bool:
 
 def with_release(releases: Sequence[Release], release: Release) -> tuple[Release, ...]:
     """Return the history with the version added first. An earlier record of the same version is replaced."""
-    return (release, *(item for item in releases if item.version != release.version))
+    return (release, *(earlier_release for earlier_release in releases if earlier_release.version != release.version))
 
 
 def history_text(releases: Sequence[Release]) -> str:
     """Return the history in the format of the file."""
-    data = {"releases": [asdict(item) for item in releases]}
+    data = {"releases": [asdict(release) for release in releases]}
     return json.dumps(data, indent=2, ensure_ascii=False) + "\n"

@@ -28,25 +28,20 @@ from .layouts import build_layout
 
 
 def build_interfaces(raw: Raw, context: Context) -> tuple[Interface, ...]:
-    return tuple(_interface(name, item, context) for name, item in raw["interfaces"].items())
+    return tuple(_interface(name, definition, context) for name, definition in raw["interfaces"].items())
 
 
 def _interface(name: str, raw: Raw, context: Context) -> Interface:
-    layouts = (
-        build_layout(item, Site(("interfaces", name, "layouts", index), context, name))
-        for index, item in enumerate(raw["layouts"])
-    )
-    kind: Callable[..., Interface] = INTERFACES[name]
-    sound = tuple(item for item in layouts if item is not None)
+    layouts: list[Layout] = []
+    for index, definition in enumerate(raw["layouts"]):
+        layout = build_layout(definition, Site(("interfaces", name, "layouts", index), context, name))
+        if layout is not None:
+            layouts.append(layout)
     if "word_bits" in raw:
-        _check_words(raw, sound, Site(("interfaces", name), context, name))
-    return record(
-        kind,
-        raw,
-        layouts=sound,
-        measurement=build_measurement(raw, context),
-        **_INTERFACES[name](raw, context),
-    )
+        _check_words(raw, layouts, Site(("interfaces", name), context, name))
+    kind: Callable[..., Interface] = INTERFACES[name]
+    members = _INTERFACES[name](raw, context)
+    return record(kind, raw, layouts=tuple(layouts), measurement=build_measurement(raw, context), **members)
 
 
 #: Least and highest number of bits in an SPI word.
@@ -56,26 +51,35 @@ _WORD = (8, 64)
 def _check_words(raw: Raw, layouts: Sequence[Layout], site: Site) -> None:
     """Check that words have a possible number of bits for every order code, and that their layouts have as many."""
     shared = _checked(raw, site)
-    found = [
-        (item, _checked(item, site, "exchanges", index) if "word_bits" in item else shared)
-        for index, item in enumerate(raw.get("exchanges", ()))
-    ]
+    word_bits: list[tuple[Raw, Expression | None]] = []
+    for index, exchange in enumerate(raw.get("exchanges", ())):
+        has_own_bits = "word_bits" in exchange
+        word_bits.append((exchange, _checked(exchange, site, "exchanges", index) if has_own_bits else shared))
     widths = {layout.bits for layout in layouts}
-    if len(layouts) > 1 and len(widths) == 1 and shared is not None and all(bits == shared for _, bits in found):
-        if shared not in widths:
-            wrong = f"'word_bits' is {shared.render()}, but every layout has {layouts[0].bits.render()} bits"
-            site.report("width-mismatch", f"{wrong}; correct 'word_bits' or the fields", "word_bits")
+    is_shared = shared is not None and all(bits == shared for _, bits in word_bits)
+    if is_shared and len(layouts) > 1 and len(widths) == 1:
+        if shared is not None and shared not in widths:
+            message = f"'word_bits' is {shared.render()}, but every layout has {layouts[0].bits.render()} bits"
+            site.report("width-mismatch", f"{message}; correct 'word_bits' or the fields", "word_bits")
         return
     for layout in layouts:
-        uses = [(item, bits) for item, bits in found if layout.name in (item["request"], item["reply"])]
-        for item, bits in uses or [({}, shared)]:
-            if bits is not None and layout.bits != bits:
-                of = f" of the exchange of '{item['request']}'" if "word_bits" in item else ""
-                wrong = f"'{layout.name}' has {layout.bits.render()} bits, but 'word_bits'{of} is {bits.render()}"
-                way = f", or give the exchange of '{item['request']}' its own 'word_bits'" if item and not of else ""
-                way = f"correct 'word_bits' or the fields{way}"
-                site.report("width-mismatch", f"{wrong}; {way}", "layouts", layout.name)
-                break
+        own_bits = [pair for pair in word_bits if layout.name in (pair[0]["request"], pair[0]["reply"])]
+        _check_word_bits(layout, own_bits or [({}, shared)], site)
+
+
+def _check_word_bits(layout: Layout, word_bits: Sequence[tuple[Raw, Expression | None]], site: Site) -> None:
+    """Report the first exchange whose word does not have as many bits as a layout that it uses."""
+    for exchange, bits in word_bits:
+        if bits is None or layout.bits == bits:
+            continue
+        owner, remedy = "", "correct 'word_bits' or the fields"
+        if "word_bits" in exchange:
+            owner = f" of the exchange of '{exchange['request']}'"
+        elif exchange:
+            remedy += f", or give the exchange of '{exchange['request']}' its own 'word_bits'"
+        message = f"'{layout.name}' has {layout.bits.render()} bits, but 'word_bits'{owner} is {bits.render()}"
+        site.report("width-mismatch", f"{message}; {remedy}", "layouts", layout.name)
+        return
 
 
 def _checked(raw: Raw, site: Site, *below: str | int) -> Expression | None:
@@ -84,8 +88,8 @@ def _checked(raw: Raw, site: Site, *below: str | int) -> Expression | None:
     low, high = _WORD
     lengths = sorted({bits.value(parameters) for parameters in site.sets} if bits is not None else ())
     for length in [length for length in lengths if not low <= length <= high][:1]:
-        wrong = f"a word has {length} bits, but {low} to {high} are possible"
-        site.report("width-mismatch", wrong, *below, "word_bits")
+        message = f"a word has {length} bits, but {low} to {high} are possible"
+        site.report("width-mismatch", message, *below, "word_bits")
     return bits
 
 
@@ -93,12 +97,10 @@ def build_measurement(raw: Raw, context: Context) -> Measurement | None:
     """Return the measurement of a device or of one of its interfaces."""
     if "measurement" not in raw:
         return None
-    found = raw["measurement"]
-    parts = {
-        key: context.expression(found[key]) if key in found else None
-        for key in ("counts_per_turn", "turns", "step_um", "step_nm", "per_counts", "modulus", "highest")
-    }
-    return Measurement(of=found["of"], source=sources(found), **parts)
+    definition = raw["measurement"]
+    keys = ("counts_per_turn", "turns", "step_um", "step_nm", "per_counts", "modulus", "highest")
+    numbers = {key: context.expression(definition[key]) if key in definition else None for key in keys}
+    return Measurement(of=definition["of"], source=sources(definition), **numbers)
 
 
 def _clock(raw: Raw) -> Clock:
@@ -108,14 +110,12 @@ def _clock(raw: Raw) -> Clock:
 
 
 def _ssi(raw: Raw, context: Context) -> Mapping[str, Any]:
-    code = raw.get("output_code")
+    code, rows = raw.get("output_code"), raw.get("cable_lengths", ())
     return {
         "clock": _clock(raw),
         "alignment": Alignment(raw.get("alignment", ""), sources(raw, "alignment_source") or sources(raw)),
         "output_code": OutputCode(code, sources(raw, "output_code_source") or sources(raw)) if code else None,
-        "cable_lengths": tuple(
-            record(CableLength, item, source=sources(item) or sources(raw)) for item in raw.get("cable_lengths", ())
-        ),
+        "cable_lengths": tuple(record(CableLength, row, source=sources(row) or sources(raw)) for row in rows),
     }
 
 
@@ -123,7 +123,7 @@ def _biss(raw: Raw, context: Context) -> Mapping[str, Any]:
     control = raw.get("control_data", {})
     return {
         "clock": _clock(raw),
-        "control_data": tuple(_control_field(item, control, context) for item in control.get("fields", ())),
+        "control_data": tuple(_control_field(definition, control, context) for definition in control.get("fields", ())),
         "control_data_note": control.get("note", ""),
     }
 
@@ -138,15 +138,12 @@ def _spi(raw: Raw, context: Context) -> Mapping[str, Any]:
 
 
 def _exchanges(raw: Raw, context: Context) -> tuple[Exchange, ...]:
-    source = raw.get("source", "")
-    return tuple(
-        record(
-            Exchange,
-            {"source": source, **item},
-            word_bits=context.expression(item["word_bits"]) if "word_bits" in item else None,
-        )
-        for item in raw.get("exchanges", ())
-    )
+    return tuple(_exchange(exchange, raw.get("source", ""), context) for exchange in raw.get("exchanges", ()))
+
+
+def _exchange(raw: Raw, source: str, context: Context) -> Exchange:
+    word_bits = context.expression(raw["word_bits"]) if "word_bits" in raw else None
+    return record(Exchange, {"source": source, **raw}, word_bits=word_bits)
 
 
 #: Settings of a port that the manual does not give.

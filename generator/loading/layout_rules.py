@@ -40,32 +40,34 @@ def is_sound(layout: Layout, site: Site, low_byte_first: bool) -> bool:
 
     ``low_byte_first`` is true if the spec says so, also for a layout that is carried as bits.
     """
-    before = len(site.context.report)
+    problems_before = len(site.context.report)
     on_line = INTERFACES[site.interface].carried_as == "bits" and site.path[0] == "interfaces"
     if layout.in_bytes and (not layout.bits.is_constant or layout.bits.constant % 8):
-        wrong = f"'{layout.name}' has {layout.bits.render()} bits, not a whole number of bytes"
+        message = f"'{layout.name}' has {layout.bits.render()} bits, not a whole number of bytes"
         if on_line and not layout.bits.is_constant:
-            wrong = f"'{layout.name}' has {layout.bits.render()} bits; a frame that is carried as bytes has one length"
-        site.report("width-mismatch", wrong)
+            message = (
+                f"'{layout.name}' has {layout.bits.render()} bits; a frame that is carried as bytes has one length"
+            )
+        site.report("width-mismatch", message)
     if not layout.in_bytes and layout.widest > LARGEST_NUMBER:
-        wrong = f"'{layout.name}' has {layout.widest} bits; the maximum is {LARGEST_NUMBER}"
+        message = f"'{layout.name}' has {layout.widest} bits; the maximum is {LARGEST_NUMBER}"
         can_be_bytes = layout.bits.is_constant and layout.widest <= LARGEST_BYTES and site.interface != Spi.name
-        site.report("too-long", f"{wrong}, or {LARGEST_BYTES} with 'carried_as: bytes'" if can_be_bytes else wrong)
+        site.report("too-long", f"{message}, or {LARGEST_BYTES} with 'carried_as: bytes'" if can_be_bytes else message)
     if layout.in_bytes and on_line and layout.widest > LARGEST_BYTES:
-        sent = layout.sent_bits.constant
-        site.report("too-long", f"'{layout.name}' has {sent} bits; the maximum is {LARGEST_BYTES}")
+        sent_bits = layout.sent_bits.constant
+        site.report("too-long", f"'{layout.name}' has {sent_bits} bits; the maximum is {LARGEST_BYTES}")
     for field in layout.fields:
         _check_field(layout, field, replace(site, path=(*site.path, "fields", field.name)))
     selector = next((field for field in layout.fields if field.name == layout.selector), None)
     for selected in layout.selects:
-        if selector is not None and selector.values and selected not in [item.value for item in selector.values]:
+        if selector is not None and selector.values and selected not in [value.value for value in selector.values]:
             site.report("undefined-reference", f"'{layout.selector}' has no value {selected}", "when")
-    for name in (*(item.name for item in layout.fields), *(item.name for item in layout.joins)):
+    for name in (*(member.name for member in layout.fields), *(member.name for member in layout.joins)):
         if layout.unused and name == "unused":
-            wrong = "decoded frames use the name 'unused' for all unused bits; rename the field"
-            site.report("duplicate-name", wrong, "fields", name)
+            message = "decoded frames use the name 'unused' for all unused bits; rename the field"
+            site.report("duplicate-name", message, "fields", name)
     check_joined(layout, site, low_byte_first)
-    return len(site.context.report) == before
+    return len(site.context.report) == problems_before
 
 
 def _check_field(layout: Layout, field: Field, site: Site) -> None:
@@ -75,8 +77,7 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
         site.report("too-long", f"'{field.name}' has {bits} bits; the maximum is {LARGEST_NUMBER}")
     match kind:
         case Number():
-            if kind.power_of_two:
-                _check_absent(field, "0 is not a power of two; leave 'power_of_two' out", site)
+            _check_number(field, kind, site)
         case Flag():
             _check_one_bit(field, "flag", site)
         case Parity():
@@ -86,55 +87,70 @@ def _check_field(layout: Layout, field: Field, site: Site) -> None:
         case Constant() | Unused():
             _check_fixed(field, kind, site)
         case Decimal():
-            if kind.limit > 1 << bits:
-                site.report("value-too-wide", f"{kind.digits} decimal digits do not fit into {bits} bits")
+            _check_decimal(field, kind, site)
         case Text():
-            if bits % 8 or (isinstance(field.equals, str) and 8 * len(field.equals) != bits):
-                site.report("width-mismatch", f"the text of '{field.name}' does not fill its {bits} bits")
+            _check_text(field, site)
         case CrcValue():
             _check_crc(layout, field, kind, site)
         case _:
             assert_never(kind)
 
 
-def _check_one_bit(field: Field, what: str, site: Site) -> None:
+def _check_number(field: Field, kind: Number, site: Site) -> None:
+    if kind.power_of_two:
+        _check_absent(field, "0 is not a power of two; leave 'power_of_two' out", site)
+
+
+def _check_decimal(field: Field, kind: Decimal, site: Site) -> None:
+    if kind.limit > 1 << field.widest:
+        site.report("value-too-wide", f"{kind.digits} decimal digits do not fit into {field.widest} bits")
+
+
+def _check_text(field: Field, site: Site) -> None:
+    fills_bits = not isinstance(field.equals, str) or 8 * len(field.equals) == field.widest
+    if field.widest % 8 or not fills_bits:
+        site.report("width-mismatch", f"the text of '{field.name}' does not fill its {field.widest} bits")
+
+
+def _check_one_bit(field: Field, kind_text: str, site: Site) -> None:
     if field.width.is_constant and field.width != Expression(1):
-        site.report("width-mismatch", f"'{field.name}' is a {what}, so it must have one bit, not {field.widest}")
+        site.report("width-mismatch", f"'{field.name}' is a {kind_text}, so it must have one bit, not {field.widest}")
     elif not field.width.is_constant:
-        wrong = (
-            f"'{field.name}' is a {what}, so it has one bit for all order codes, but 'bits' is {field.width.render()}"
+        message = (
+            f"'{field.name}' is a {kind_text}, so it has one bit for all order codes, but 'bits' is"
+            f" {field.width.render()}"
         )
-        way = "leave 'bits' out, and describe the order codes that do not send it in a spec of their own"
-        site.report("width-mismatch", f"{wrong}; {way}")
+        remedy = "leave 'bits' out, and describe the order codes that do not send it in a spec of their own"
+        site.report("width-mismatch", f"{message}; {remedy}")
 
 
 def _check_choice(field: Field, kind: Choice, site: Site) -> None:
     # If the width is constant, the rules on the text have already checked it.
-    for item in kind.values if not field.width.is_constant else ():
-        if item.value >> field.widest:
-            wrong = f"the value '{item.name}' = {item.value:#x} does not fit into {field.widest} bits"
-            site.report("value-too-wide", wrong)
-    if all(item.value for item in kind.values):
+    for value in kind.values if not field.width.is_constant else ():
+        if value.value >> field.widest:
+            message = f"the value '{value.name}' = {value.value:#x} does not fit into {field.widest} bits"
+            site.report("value-too-wide", message)
+    if all(value.value for value in kind.values):
         _check_absent(field, "none of its values is 0; add one", site)
 
 
 def _check_fixed(field: Field, kind: Constant | Unused, site: Site) -> None:
     narrowest = min((field.width.value(parameters) for parameters in site.sets), default=0)
     if not field.width.is_constant and kind.value >> narrowest and narrowest:
-        word = "unused" if isinstance(kind, Unused) else "constant"
-        wrong = f"'{word}' is {kind.value:#x}, which does not fit into {narrowest} bit{'s' * (narrowest > 1)}"
-        site.report("value-too-wide", wrong)
+        key = "unused" if isinstance(kind, Unused) else "constant"
+        message = f"'{key}' is {kind.value:#x}, which does not fit into {narrowest} bit{'s' * (narrowest > 1)}"
+        site.report("value-too-wide", message)
     if isinstance(kind, Constant) and kind.value:
         _check_absent(field, f"'constant' is {kind.value:#x}; use 0, or a constant width", site)
 
 
-def _check_absent(field: Field, why: str, site: Site) -> None:
+def _check_absent(field: Field, reason: str, site: Site) -> None:
     """Report a field without bits for some order code. It reads as 0, so its frames would all be rejected."""
     lacking = next((parameters for parameters in site.sets if not field.width.value(parameters)), None)
     if lacking is not None:
         values = ", ".join(f"{name} = {lacking[name]}" for name in field.width.parameters)
-        wrong = f"'{field.name}' has no bits with {values} and reads as 0, but {why}"
-        site.report("value-too-wide", wrong)
+        message = f"'{field.name}' has no bits with {values} and reads as 0, but {reason}"
+        site.report("value-too-wide", message)
 
 
 def _check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None:
@@ -146,19 +162,19 @@ def _check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None
             "width-mismatch", f"'{field.name}' has {field.widest} bits, but the CRC '{crc.name}' has {crc.width}"
         )
     if field is not layout.fields[-1]:
-        wrong = f"'{field.name}' covers everything sent before it, so it must be the last field of '{layout.name}'"
+        problem = f"'{field.name}' covers everything sent before it, so it must be the last field of '{layout.name}'"
         if kind.of:
-            wrong = f"'{field.name}' must be the last field of '{layout.name}', even with 'crc_of'"
-        site.report("crc-not-last", wrong)
-    wrong = next(chain(_no_run(layout, kind, site), _left_out(layout, field, kind)), "")
-    if wrong:
-        site.report("crc-of", wrong, "crc_of")
+            problem = f"'{field.name}' must be the last field of '{layout.name}', even with 'crc_of'"
+        site.report("crc-not-last", problem)
+    problem = next(chain(_no_run(layout, kind, site), _left_out(layout, field, kind)), "")
+    if problem:
+        site.report("crc-of", problem, "crc_of")
     on_line = INTERFACES[site.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"
     if layout.in_bytes and crc.width % 8 and not on_line:
         site.report("width-mismatch", f"a frame of whole bytes cannot end with a CRC of {crc.width} bits")
     elif layout.in_bytes and (crc.width % 8 or layout.bits != layout.sent_bits) and not _is_plain(crc):
-        wrong = f"'{field.name}' or the bits before it are not whole bytes, so the CRC must start at 0"
-        site.report("width-mismatch", f"{wrong}, without 'refin' and 'refout'")
+        problem = f"'{field.name}' or the bits before it are not whole bytes, so the CRC must start at 0"
+        site.report("width-mismatch", f"{problem}, without 'refin' and 'refout'")
 
 
 def _is_plain(crc: Crc) -> bool:
@@ -168,28 +184,28 @@ def _is_plain(crc: Crc) -> bool:
 
 def _left_out(layout: Layout, crc: Field, kind: CrcValue) -> Iterator[str]:
     """Yield the fields with data that a CRC with a list of fields leaves out, unless a note names them."""
-    known = {crc.name, *kind.of, *re.findall(r"\w+", f"{layout.note} {crc.note}")}
-    others = (field.name for field in layout.fields if not isinstance(field.kind, (Constant, Unused)))
-    found = listed(name for name in others if name not in known)
-    if kind.of and found:
-        remedy = f"add the fields that it covers to 'crc_of', or add a 'note' that the manual leaves out {found}"
-        yield f"'{crc.name}' leaves out {found}; {remedy}"
+    named = {crc.name, *kind.of, *re.findall(r"\w+", f"{layout.note} {crc.note}")}
+    data_fields = (field.name for field in layout.fields if not isinstance(field.kind, (Constant, Unused)))
+    missing = listed(name for name in data_fields if name not in named)
+    if kind.of and missing:
+        remedy = f"add the fields that it covers to 'crc_of', or add a 'note' that the manual leaves out {missing}"
+        yield f"'{crc.name}' leaves out {missing}; {remedy}"
 
 
 def _no_run(layout: Layout, kind: CrcValue, site: Site) -> Iterator[str]:
     """Yield the reasons why the fields of a CRC are not adjacent bits at a fixed place."""
-    fields = {item.name: item for item in layout.fields}
-    of = [fields[name] for name in kind.of if name in fields]
+    fields = {field.name: field for field in layout.fields}
+    covered = [fields[name] for name in kind.of if name in fields]
     if kind.of and layout.in_bytes:
         interface = INTERFACES[site.interface]
         where = f"over {interface.title}" if interface.carried_as == "bytes" else "with 'carried_as: bytes'"
         yield f"{where}, a CRC covers everything before it; leave 'crc_of' out"
         return
-    moving = next((item for item in of if not item.is_fixed), None)
+    moving = next((field for field in covered if not field.is_fixed), None)
     if moving is not None:
         yield f"'{moving.name}' differs in place or width between order codes, so 'crc_of' cannot list it"
         return
-    for above, below in pairwise(of):
+    for above, below in pairwise(covered):
         if below.low + below.width != above.low:
             yield f"'{above.name}' and '{below.name}' are not adjacent; list adjacent fields, in the order sent"
             return

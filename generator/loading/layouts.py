@@ -50,30 +50,35 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
     arranged = _arranged(raw, site, total, low_first)
     if arranged is None:
         return None
-    items, bits = arranged
-    gaps = _said_of_gaps(raw, site.context)
-    fields = _covering(items, bits, gaps, site)
+    parts, bits = arranged
+    gaps = _content_of_gaps(raw, site.context)
+    fields = _covering(parts, bits, gaps, site)
     if fields is None:
         return None
     if byte_order == "high_byte_first" and total is None and INTERFACES[site.interface].carried_as == "bits":
         fields, bits = _in_whole_bytes(fields, bits)
-    widest = site.widest(bits)
     if byte_order:
-        fields = [replace(field, pieces=pieces(field, widest // 8, low_first)) for field in fields]
+        fields = [replace(field, pieces=pieces(field, site.widest(bits) // 8, low_first)) for field in fields]
+    fields = _with_joins_covered(raw, fields, site)
+    layout = _layout(raw, site, byte_order, bits, _in_order(fields, low_first and total is None), gaps)
+    if not is_sound(layout, site, raw.get("byte_order") == "low_byte_first"):
+        return None
+    return with_verdicts_of_reserved_bits(layout, raw["fields"], site) if total is None else layout
+
+
+def _layout(raw: Raw, site: Site, byte_order: str, bits: Expression, fields: Sequence[Field], gaps: str) -> Layout:
+    """Return the layout with these fields, in sending order."""
     when, gray = raw.get("when", {}), raw.get("gray", {})
-    joins = {name: tuple(parts) for name, parts in raw.get("join", {}).items()}
-    constants = {field.name: field.kind.value for field in fields if isinstance(field.kind, Constant)}
-    fields = [_over_fields(field, joins, constants, site) for field in fields]
-    layout = record(
+    return record(
         Layout,
         raw,
         sender=raw.get("from", ""),
         in_bytes=byte_order != "",
         byte_order=byte_order,
         bits=bits,
-        widest=widest,
-        fields=tuple(_in_order(fields, low_first and total is None)),
-        joins=tuple(Join(name, parts) for name, parts in joins.items()),
+        widest=site.widest(bits),
+        fields=tuple(fields),
+        joins=tuple(Join(name, tuple(members)) for name, members in raw.get("join", {}).items()),
         selector=next(iter(when), ""),
         selects=tuple(next(iter(when.values()), ())),
         gaps=gaps,
@@ -82,17 +87,22 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
         combinations=build_combinations(raw),
         position_range=_position_range(raw, site.context),
     )
-    if not is_sound(layout, site, raw.get("byte_order") == "low_byte_first"):
-        return None
-    return with_verdicts_of_reserved_bits(layout, raw["fields"], site) if total is None else layout
+
+
+def _with_joins_covered(raw: Raw, fields: Sequence[Field], site: Site) -> list[Field]:
+    """Return the fields, with each parity bit over the fields of the joined numbers that it covers."""
+    joins = {name: tuple(members) for name, members in raw.get("join", {}).items()}
+    constants = {field.name: field.kind.value for field in fields if isinstance(field.kind, Constant)}
+    return [_over_fields(field, joins, constants, site) for field in fields]
 
 
 def _position_range(raw: Raw, context: Context) -> LayoutRange | None:
     if "position_range" not in raw:
         return None
-    given = raw["position_range"]
-    numbers = {key: context.expression(given[key]) if key in given else None for key in ("turns", "modulus", "highest")}
-    return LayoutRange(source=sources(given) or sources(raw), wraps=given.get("wraps", True), **numbers)
+    definition = raw["position_range"]
+    keys = ("turns", "modulus", "highest")
+    numbers = {key: context.expression(definition[key]) if key in definition else None for key in keys}
+    return LayoutRange(source=sources(definition) or sources(raw), wraps=definition.get("wraps", True), **numbers)
 
 
 def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], site: Site) -> Field:
@@ -104,13 +114,13 @@ def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]], constants: 
         return field
     join = next((name for name in field.kind.of if name in joins), "")
     if field.kind.over and join:
-        wrong = f"'over' counts the bits of each field from 0, and '{join}' has several fields; list its fields"
-        site.report("parity-of", wrong, "fields", field.name, "parity_of")
+        message = f"'over' counts the bits of each field from 0, and '{join}' has several fields; list its fields"
+        site.report("parity-of", message, "fields", field.name, "parity_of")
     names = tuple(part for name in field.kind.of for part in joins.get(name, (name,)))
-    fixed = tuple(name for name in names if name in constants) if len(names) > 1 else ()
-    turned = bool(sum((constants[name] & field.kind.mask).bit_count() for name in fixed) & 1)
-    odd, rest = field.kind.odd != turned, tuple(name for name in names if name not in fixed)
-    kind = Parity(rest, odd, field.kind.over, fixed, turned) if rest else Constant(int(odd))
+    constant_names = tuple(name for name in names if name in constants) if len(names) > 1 else ()
+    inverts = bool(sum((constants[name] & field.kind.mask).bit_count() for name in constant_names) & 1)
+    odd, data_names = field.kind.odd != inverts, tuple(name for name in names if name not in constant_names)
+    kind = Parity(data_names, odd, field.kind.over, constant_names, inverts) if data_names else Constant(int(odd))
     return replace(field, kind=kind)
 
 
@@ -147,8 +157,8 @@ def _covering(items: Sequence[Item], bits: Expression, gaps: str, site: Site) ->
 def _items(raw_fields: Sequence[Raw], path: Path, context: Context, low_first: bool) -> list[Item] | None:
     """Return the fields with groups included, or None if one is not valid, which is reported elsewhere."""
     items = [_item(raw, (*path, index), context, low_first) for index, raw in enumerate(raw_fields)]
-    understood = [item for item in items if item is not None]
-    return understood if len(understood) == len(items) else None
+    valid_items = [item for item in items if item is not None]
+    return valid_items if len(valid_items) == len(items) else None
 
 
 def _item(raw: Raw, path: Path, context: Context, low_first: bool) -> Item | None:
@@ -181,7 +191,7 @@ def _group_items(group: Raw, path: Path, context: Context, low_first: bool) -> l
                 f"the fields of group '{group['name']}' have {bits.render()} bits, but 'bits' is {group['bits']}",
             )
             return None
-    return [replace(item, group=group["name"]) for item in items]
+    return [replace(field_item, group=group["name"]) for field_item in items]
 
 
 def _is_placed(raw: Raw) -> bool:
@@ -240,9 +250,9 @@ def _highest(items: Sequence[Item], site: Site) -> int:
 
 def _sums_up(bits: Expression, total: int, site: Site) -> bool:
     for parameters in site.sets:
-        if (sum_ := bits.value(parameters)) != total:
-            said = f"the fields have {sum_} bits{_with(parameters, bits)}, but the register has {total}"
-            site.report("width-mismatch", said)
+        if (field_bits := bits.value(parameters)) != total:
+            message = f"the fields have {field_bits} bits{_with(parameters, bits)}, but the register has {total}"
+            site.report("width-mismatch", message)
             return False
     return True
 
@@ -259,45 +269,51 @@ def _with(parameters: Mapping[str, int], *expressions: Expression) -> str:
 
 def _fits(items: Sequence[Item], bits: Expression, site: Site) -> bool:
     """Return True if every field has a valid width, is inside the layout and overlaps no other field."""
-    sound, report = True, site.context.report
     flat = list(_flat(items))
     for parameters in site.sets:
         total = bits.value(parameters)
         if total > _MOST_BITS:
-            site.report(
-                "too-long", f"the fields have {total} bits{_with(parameters, bits)}; the maximum is {_MOST_BITS}"
-            )
+            message = f"the fields have {total} bits{_with(parameters, bits)}; the maximum is {_MOST_BITS}"
+            site.report("too-long", message)
             return False
-        taken: list[tuple[int, int, Item]] = []
-        for item in flat:
-            width, low, span = (part.value(parameters) for part in (item.width, item.low, item.span))
-            where = _with(parameters, item.width, item.low)
-            name = item.raw.get("name", "")
-            if width < 0 or width > span:
-                wrong = f"'{name}' has {width} bits{where}" + (f", but it is padded to {span}" if width > span else "")
-                report.add("width-mismatch", item.path, wrong)
-                return False
-            if low < 0 or low + span > total:
-                report.add(
-                    "bit-out-of-range",
-                    item.path,
-                    f"'{name}' uses {_bits(low + span - 1, low)}{where}, but there are only bits {total - 1} to 0",
-                )
-                return False
-            for other_low, other_high, other in taken:
-                if width and low <= other_high and other_low <= low + span - 1:
-                    shared = _bits(min(low + span - 1, other_high), max(low, other_low))
-                    report.add(
-                        "bit-overlap",
-                        item.path,
-                        f"'{name}' and '{other.raw.get('name', '')}' both use {shared}{where}",
-                    )
-                    sound = False
-            if width:
-                taken.append((low, low + span - 1, item))
-        if not sound:
+        if not _fits_with(flat, total, parameters, site):
             return False
-    return sound
+    return True
+
+
+def _fits_with(flat: Sequence[Item], total: int, parameters: Mapping[str, int], site: Site) -> bool:
+    """Return True if the fields fit into ``total`` bits with these parameters, otherwise report why not."""
+    has_overlap = False
+    occupied: list[tuple[range, Item]] = []
+    for item in flat:
+        width, low = item.width.value(parameters), item.low.value(parameters)
+        bits = range(low, low + item.span.value(parameters))
+        problem = _range_problem(item, width, bits, total, _with(parameters, item.width, item.low))
+        if problem is not None:
+            site.context.report.add(problem[0], item.path, problem[1])
+            return False
+        for other_bits, other_item in occupied if width else ():
+            if bits.start < other_bits.stop and other_bits.start < bits.stop:
+                shared = _bits(min(bits.stop, other_bits.stop) - 1, max(bits.start, other_bits.start))
+                names = f"'{item.raw.get('name', '')}' and '{other_item.raw.get('name', '')}'"
+                condition = _with(parameters, item.width, item.low)
+                site.context.report.add("bit-overlap", item.path, f"{names} both use {shared}{condition}")
+                has_overlap = True
+        if width:
+            occupied.append((bits, item))
+    return not has_overlap
+
+
+def _range_problem(item: Item, width: int, bits: range, total: int, condition: str) -> tuple[str, str] | None:
+    """Return the rule and the message if a field has an invalid width or is outside the layout."""
+    name, span = item.raw.get("name", ""), bits.stop - bits.start
+    if width < 0 or width > span:
+        padding = f", but it is padded to {span}" if width > span else ""
+        return "width-mismatch", f"'{name}' has {width} bits{condition}{padding}"
+    if bits.start < 0 or bits.stop > total:
+        place = _bits(bits.stop - 1, bits.start)
+        return "bit-out-of-range", f"'{name}' uses {place}{condition}, but there are only bits {total - 1} to 0"
+    return None
 
 
 def _fields(item: Item, site: Site) -> Iterable[Field]:
@@ -307,8 +323,8 @@ def _fields(item: Item, site: Site) -> Iterable[Field]:
         widest = site.widest(width)
         container = raw.get("padded_to", 0)
         if "scale" in raw and widest > WIDEST:
-            wrong = f"'{raw['name']}' has {widest} bits; a number with 'scale' has at most {WIDEST}"
-            site.context.report.add("scale-of", (*part.path, "scale"), wrong, at_key=True)
+            message = f"'{raw['name']}' has {widest} bits; a number with 'scale' has at most {WIDEST}"
+            site.context.report.add("scale-of", (*part.path, "scale"), message, at_key=True)
         yield record(
             Field,
             raw,
@@ -321,9 +337,9 @@ def _fields(item: Item, site: Site) -> Iterable[Field]:
             equals=equals(raw, site.context),
         )
         if container:
-            rest = part.span - width
+            padding_bits = part.span - width
             padding = Constant(padding_of=raw["name"])
-            yield zero_field(f"{raw['name']}_padding", padding, part.low + width, rest, site, sources(raw))
+            yield zero_field(f"{raw['name']}_padding", padding, part.low + width, padding_bits, site, sources(raw))
 
 
 def _with_places(fields: Sequence[Field], site: Site) -> list[Field]:
@@ -341,11 +357,14 @@ def _in_order(fields: Sequence[Field], low_first: bool) -> Sequence[Field]:
     return fields if low_first else list(reversed(fields))
 
 
-def _said_of_gaps(raw: Raw, context: Context) -> str:
+def _content_of_gaps(raw: Raw, context: Context) -> str:
     """Return the content of bits without a field. In a frame, only a group can have such bits and define them."""
-    used = (context.groups[item["use"]][0] for item in raw.get("fields", ()) if item.get("use") in context.groups)
-    said: str = raw.get("other_bits") or next((group["other_bits"] for group in used if "other_bits" in group), "")
-    return said
+    contents = [raw.get("other_bits", "")]
+    for field in raw.get("fields", ()):
+        if field.get("use") in context.groups:
+            group, _ = context.groups[field["use"]]
+            contents.append(group.get("other_bits", ""))
+    return next(filter(None, contents), "")
 
 
 def _gaps(
@@ -354,11 +373,11 @@ def _gaps(
     """Yield each gap between fields, from the lowest up: the field below, the field above, its first bit and width."""
     position, below = ZERO, None
     for field in fields:
-        if (rest := field.low - position) != ZERO:
-            yield below, field, position, rest
+        if (gap_bits := field.low - position) != ZERO:
+            yield below, field, position, gap_bits
         position, below = field.low + field.width, field
-    if (rest := bits - position) != ZERO:
-        yield below, None, position, rest
+    if (gap_bits := bits - position) != ZERO:
+        yield below, None, position, gap_bits
 
 
 def _covers(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) -> bool:
@@ -368,12 +387,14 @@ def _covers(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) ->
     for parameters in site.sets:
         position, below = 0, Expression(0)
         present = [field for field in fields if field.width.value(parameters)]
-        for field in (*sorted(present, key=lambda item: item.low.value(parameters)), None):
+        for field in (*sorted(present, key=lambda placed: placed.low.value(parameters)), None):
             low = field.low if field is not None else bits
             if (first := low.value(parameters)) > position:
-                where = f"{_bits(first - 1, position)}{_with(parameters, low, below)}"
-                wrong = f"no field covers {where}; add one, or write 'other_bits: zero' or 'other_bits: unspecified'"
-                site.report("bits-without-field", wrong)
+                condition = f"{_bits(first - 1, position)}{_with(parameters, low, below)}"
+                message = (
+                    f"no field covers {condition}; add one, or write 'other_bits: zero' or 'other_bits: unspecified'"
+                )
+                site.report("bits-without-field", message)
                 return False
             if field is not None:
                 below = field.low + field.width
@@ -392,21 +413,21 @@ def _in_whole_bytes(fields: list[Field], bits: Expression) -> tuple[list[Field],
     return [*fields, zeros], bits + width
 
 
+def _zero_name(below: Field | None, above: Field | None) -> str:
+    """Return the name of the zeros between two fields."""
+    if above is not None:
+        return f"zero_below_{above.name}"
+    return f"zero_above_{below.name}" if below is not None else "zero"
+
+
 def _with_zeros(fields: Sequence[Field], bits: Expression, site: Site) -> list[Field] | None:
     """Return the fields with a constant zero field in every gap, or None if the order of fields changes."""
     zero, zeros = Constant(fills_gap=True), []
     for below, above, low, width in _gaps(fields, bits):
         for parameters in site.sets:
             if width.value(parameters) < 0 and below is not None and above is not None:
-                where = f"'{above.name}' is not above '{below.name}'{_with(parameters, low, width)}"
-                site.report("bit-overlap", f"{where}; with 'other_bits: zero' the order of fields must not change")
+                problem = f"'{above.name}' is not above '{below.name}'{_with(parameters, low, width)}"
+                site.report("bit-overlap", f"{problem}; with 'other_bits: zero' the order of fields must not change")
                 return None
-        name = (
-            f"zero_below_{above.name}"
-            if above is not None
-            else f"zero_above_{below.name}"
-            if below is not None
-            else "zero"
-        )
-        zeros.append(zero_field(name, zero, low, width, site, (above or below or fields[0]).source))
+        zeros.append(zero_field(_zero_name(below, above), zero, low, width, site, (above or below or fields[0]).source))
     return _with_places([*fields, *zeros], site)

@@ -51,10 +51,10 @@ def load_library(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...
 def load_sound(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...], Report]:
     """Load only the devices that are valid, even if other specs have problems."""
     families, report = load_families(paths)
-    sound = sound_families(families, report)
-    broken = [family.device for family in families if family not in sound]
-    devices = (family.device for family in sound)
-    return tuple(device for device in devices if not any(_share(device, other) for other in broken)), report
+    valid_families = sound_families(families, report)
+    broken = [family.device for family in families if family not in valid_families]
+    devices = (family.device for family in valid_families)
+    return tuple(device for device in devices if not _shares_with_any(device, broken)), report
 
 
 def sound_families(families: Iterable[Family], report: Report) -> list[Family]:
@@ -63,12 +63,16 @@ def sound_families(families: Iterable[Family], report: Report) -> list[Family]:
     return [family for family in families if faulty.isdisjoint(family.files)]
 
 
-def _share(one: Device, other: Device) -> bool:
+def _shares_with_any(device: Device, others: Iterable[Device]) -> bool:
+    return any(_share(device, other_device) for other_device in others)
+
+
+def _share(first: Device, second: Device) -> bool:
     """Return True if two devices share a name or order code, so that they cannot be distinguished."""
-    if one.base or other.base:  # These share order codes with their base family and are distinguished by name.
-        return one.name == other.name
-    codes = {item.code for item in one.variants}
-    return one.name == other.name or any(item.code in codes for item in other.variants)
+    if first.base or second.base:  # These share order codes with their base family and are distinguished by name.
+        return first.name == second.name
+    codes = {variant.code for variant in first.variants}
+    return first.name == second.name or any(variant.code in codes for variant in second.variants)
 
 
 def load_families(
@@ -81,46 +85,45 @@ def load_families(
     """
     paths = packaged_families() if paths is None else paths
     report = Report()
-    before = contents(paths) if cache else {}
-    found = {file: kept(cache, content) for file, content in before.items()} if cache else {}
+    contents_before = contents(paths) if cache else {}
+    cached_by_file = {file: kept(cache, content) for file, content in contents_before.items()} if cache else {}
     read = partial(read_specs, report=report, cache=cache or Cache(None))
     documents = read(paths)
     if documents and all(map(is_overlay, documents)):  # They apply to the specs that ship with the tool.
         documents += read(packaged_families())
     documents += _missing_manufacturers(documents, report)
-    given = {Path(document.file).resolve() for document in documents}
-    documents += read(path for path in overlays_beside(documents) if path.resolve() not in given)
+    given_paths = {Path(document.file).resolve() for document in documents}
+    documents += read(path for path in overlays_beside(documents) if path.resolve() not in given_paths)
     if prepare is not None:
         for document in documents:
             prepare(document)
-    after = contents(paths) if cache else {}
-    same = [file for file, content in before.items() if after.get(file) == content]
-    stored = {file: entry for file in same if (entry := found[file]) is not None}
-    known = {file: device for file, (device, _) in stored.items()}
+    contents_after = contents(paths) if cache else {}
+    unchanged = [file for file, content in contents_before.items() if contents_after.get(file) == content]
+    stored = {file: entry for file in unchanged if (entry := cached_by_file[file]) is not None}
+    known_devices = {file: device for file, (device, _) in stored.items()}
     masters = _text_of_masters(documents) if cache else {}
-    sound = {file for file, text in masters.items() if cache and cache.get(_SOUND, text)}
-    families = families_of(documents, report, known, sound)
+    sound_masters = {file for file, text in masters.items() if cache and cache.get(_SOUND, text)}
+    families = families_of(documents, report, known_devices, sound_masters)
     if cache:
-        for file in masters.keys() - sound - report.faulty_files:
+        for file in masters.keys() - sound_masters - report.faulty_files:
             cache.put(_SOUND, masters[file], True)
-        families = [
-            _with_digest(family, before[family.document.file], stored, cache)
-            if family.document.file in same and _is_storable(family) and is_clean(family, report)
-            else family
-            for family in families
-        ]
+        for index, family in enumerate(families):
+            file = family.document.file
+            if file in unchanged and _is_storable(family) and is_clean(family, report):
+                families[index] = _with_digest(family, contents_before[file], stored, cache)
     return families, report
 
 
 def _text_of_masters(documents: Sequence[Document]) -> dict[str, list[bytes | str]]:
     """Return the name and the text of each description of a master, by its path."""
-    return {item.file: [Path(item.file).name, "\n".join(item.lines)] for item in documents if "master" in item.data}
+    masters = [document for document in documents if "master" in document.data]
+    return {master.file: [Path(master.file).name, "\n".join(master.lines)] for master in masters}
 
 
 def _is_storable(family: Family) -> bool:
     """Return True if a family depends on no other files than those of the key of its entry."""
-    known = set(map(str, family_files(Path(family.document.file))))
-    return family.plain is None and not family.device.base and family.files <= known
+    known_files = set(map(str, family_files(Path(family.document.file))))
+    return family.plain is None and not family.device.base and family.files <= known_files
 
 
 def is_clean(family: Family, report: Report) -> bool:
@@ -156,39 +159,45 @@ def families_of(
     """
     overlays = [document for document in documents if is_overlay(document)]
     documents = [document for document in documents if not is_overlay(document)]
-    before = {*known, *sound}
-    checked = [
-        (document, document.data if document.file in before else check_document(document, report))
-        for document in documents
-    ]
+    already_checked = {*known, *sound}
+    checked: list[tuple[Document, dict[str, Any] | None]] = []
+    for document in documents:
+        is_checked = document.file in already_checked
+        checked.append((document, document.data if is_checked else check_document(document, report)))
     makers = _makers(checked, report)
-    # A manufacturer file with problems still exists.
-    broken = {str(document.data.get("manufacturer")) for document in documents if "device" not in document.data}
+    manufacturer_files = [document for document in documents if "device" not in document.data]
     families: list[Family] = []
     for document, data in checked:
         if data is None or "device" not in data:
             continue
-        maker = makers.get(data["manufacturer"])
-        if maker is None and data["manufacturer"] not in broken and "manufacturer" in document.data:
-            others = f"; known: {listed(sorted(makers))}; use the same name in both files" if makers else ""
-            report.add(
-                "undefined-reference",
-                document,
-                ("manufacturer",),
-                f"there is no manufacturer file for '{data['manufacturer']}'{others}",
-            )
-        device = known.get(document.file) or _built(
-            document, data, maker or _unknown_manufacturer(data["manufacturer"]), report
-        )
+        maker = _maker_of(document, data, makers, manufacturer_files, report)
+        device = known.get(document.file) or _built(document, data, maker, report)
         if device is None:
             continue
         _compare_with_others(device, [family.device for family in families], document, report)
-        makers_files = (item for item in documents if "device" not in item.data)
-        of_maker = {item.file for item in makers_files if item.data.get("manufacturer") == data["manufacturer"]}
-        families.append(Family(device, document, frozenset({document.file, *of_maker})))
+        name = data["manufacturer"]
+        own_files = {spec.file for spec in manufacturer_files if spec.data.get("manufacturer") == name}
+        families.append(Family(device, document, frozenset({document.file, *own_files})))
     check_alike(documents, report)
     plain = sorted(families, key=lambda family: family.device.name)
     return lay_over(plain, overlays, partial(_built_again, makers), report) if overlays else plain
+
+
+def _maker_of(
+    document: Document,
+    data: Mapping[str, Any],
+    makers: Mapping[str, Manufacturer],
+    manufacturer_files: Sequence[Document],
+    report: Report,
+) -> Manufacturer:
+    """Return the manufacturer of a spec, or a stand-in. Report it if it has no file, unless the file has problems."""
+    name = data["manufacturer"]
+    has_file = any(str(file.data.get("manufacturer")) == name for file in manufacturer_files)
+    if name not in makers and not has_file and "manufacturer" in document.data:
+        hint = f"; known: {listed(sorted(makers))}; use the same name in both files" if makers else ""
+        message = f"there is no manufacturer file for '{name}'{hint}"
+        report.add("undefined-reference", document, ("manufacturer",), message)
+    return makers.get(name) or _unknown_manufacturer(name)
 
 
 def _built(document: Document, data: dict[str, Any], maker: Manufacturer, report: Report) -> Device | None:
@@ -197,9 +206,9 @@ def _built(document: Document, data: dict[str, Any], maker: Manufacturer, report
     if device is None:
         return None
     check_editions(data, device, report.for_document(document))
-    place, told = Path(document.file), tuple(notes(data))
-    counts, releases = read_counts(place, report), read_history(place, report)
-    return replace(device, times_read=counts, releases=releases, errata=(*device.errata, *told))
+    spec, edition_notes = Path(document.file), tuple(notes(data))
+    counts, releases = read_counts(spec, report), read_history(spec, report)
+    return replace(device, times_read=counts, releases=releases, errata=(*device.errata, *edition_notes))
 
 
 def in_edition(family: Family, revision: str, report: Report) -> Family | None:
@@ -219,13 +228,13 @@ def _built_again(makers: Mapping[str, Manufacturer], document: Document, report:
 
 def _makers(checked: Sequence[tuple[Document, dict[str, Any] | None]], report: Report) -> dict[str, Manufacturer]:
     makers: dict[str, Manufacturer] = {}
-    known: dict[str, dict[str, Any]] = {}
+    data_by_name: dict[str, dict[str, Any]] = {}
     for document, data in checked:
         if data is not None and "device" not in data and "manufacturer" in data:
             # Several folders may have the same file, so that each of them can be used alone.
-            if known.setdefault(data["manufacturer"], data) != data:
-                wrong = f"there is a different manufacturer file for '{data['manufacturer']}'"
-                report.add("duplicate-name", document, ("manufacturer",), wrong)
+            if data_by_name.setdefault(data["manufacturer"], data) != data:
+                message = f"there is a different manufacturer file for '{data['manufacturer']}'"
+                report.add("duplicate-name", document, ("manufacturer",), message)
             built = build_manufacturer(data)
             _check_manufacturer(built, makers.values(), document, report)
             makers[built.name] = built
@@ -252,38 +261,39 @@ def _check_manufacturer(
             path,
             f"'python_package' cannot be '{package}': {user} uses that name; write '{package}_encoders'",
         )
-    for other in others:
-        if other.name == maker.name:
+    for other_maker in others:
+        if other_maker.name == maker.name:
             continue
-        if other.python_package == package:
+        if other_maker.python_package == package:
             report.add(
                 "duplicate-name",
                 document,
                 path,
-                f"the Python package '{package}' is also that of '{other.name}'; rename one",
+                f"the Python package '{package}' is also that of '{other_maker.name}'; rename one",
             )
-        if maker.biss_id is not None and other.biss_id == maker.biss_id:
-            wrong = f"the BiSS manufacturer ID {maker.biss_id:#06x} is also that of '{other.name}'"
-            wrong += f"; it names the file idbiss{maker.biss_id:04X}.xml"
-            report.add("duplicate-name", document, ("biss_id",), wrong)
+        if maker.biss_id is not None and other_maker.biss_id == maker.biss_id:
+            message = f"the BiSS manufacturer ID {maker.biss_id:#06x} is also that of '{other_maker.name}'"
+            message += f"; it names the file idbiss{maker.biss_id:04X}.xml"
+            report.add("duplicate-name", document, ("biss_id",), message)
 
 
 def _missing_manufacturers(documents: Sequence[Document], report: Report) -> list[Document]:
     """Read the manufacturer files next to device files that were given without them."""
-    given = {Path(document.file).resolve() for document in documents}
+    given_paths = {Path(document.file).resolve() for document in documents}
     folders = sorted({Path(document.file).parent for document in documents if "device" in document.data})
-    beside = [folder / "manufacturer.yaml" for folder in folders]
-    found = (read_document(path, report) for path in beside if path.resolve() not in given and path.is_file())
-    return [document for document in found if document is not None]
+    paths = [folder / "manufacturer.yaml" for folder in folders]
+    missing_paths = [path for path in paths if path.resolve() not in given_paths and path.is_file()]
+    read_documents = (read_document(path, report) for path in missing_paths)
+    return [document for document in read_documents if document is not None]
 
 
 def _compare_with_others(device: Device, others: Sequence[Device], document: Document, report: Report) -> None:
     """Check that names of families and order codes are unique."""
-    if any(other.name == device.name for other in others):
+    if any(other_device.name == device.name for other_device in others):
         report.add("duplicate-name", document, ("device",), f"there is another spec for '{device.name}'")
-    codes = {variant.code: other for other in others for variant in other.variants}
+    codes = {variant.code: other_device for other_device in others for variant in other_device.variants}
     for variant in device.variants:
         if variant.code in codes:
-            wrong = f"the order code {variant.code} also belongs to '{codes[variant.code].name}'"
-            report.add("order-code-ambiguous", document, ("order_code", "pattern"), wrong)
+            message = f"the order code {variant.code} also belongs to '{codes[variant.code].name}'"
+            report.add("order-code-ambiguous", document, ("order_code", "pattern"), message)
             return

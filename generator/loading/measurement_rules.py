@@ -58,13 +58,13 @@ def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, s
         problem = _fault(device, measurement.within(own_range), case)
         if problem is not None:
             key, message = problem
-            own: Path = ("interfaces", interface.name, "layouts", case.layout.name, "position_range")
-            yield own if getattr(own_range, key, None) is not None else shared, key, message
+            range_path: Path = ("interfaces", interface.name, "layouts", case.layout.name, "position_range")
+            yield range_path if getattr(own_range, key, None) is not None else shared, key, message
 
 
 def _check_scales(device: Device, report: DocumentReport) -> None:
     """Check that no part of a position has a second unit."""
-    told: set[Path] = set()
+    reported: set[Path] = set()
     for interface in device.interfaces:
         measurement = device.measurement_of(interface.name)
         if measurement is None:
@@ -73,10 +73,10 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
             owner = ("interfaces", interface.name, "layouts", layout.name)
             for field in map(layout.field, layout.names_in(measurement.of)):
                 path: Path = (*(("field_groups", field.group) if field.group else owner), "fields", field.name, "scale")
-                if field.scale is not None and path not in told:
-                    told.add(path)
-                    wrong = f"'measurement' already gives the unit of '{field.name}'; leave 'scale' out"
-                    report.add("scale-of", path, wrong, at_key=True)
+                if field.scale is not None and path not in reported:
+                    reported.add(path)
+                    message = f"'measurement' already gives the unit of '{field.name}'; leave 'scale' out"
+                    report.add("scale-of", path, message, at_key=True)
 
 
 def _check_gray(device: Device, report: DocumentReport) -> None:
@@ -109,20 +109,20 @@ def _codes_position(layout: Layout, measurement: Measurement) -> bool:
 
 
 def _excess_message(layout: Layout, variant: Variant, counts: int) -> str:
-    wrong = f"'{layout.gray_of}' has {counts} counts per turn for {variant.code}, not a power of two"
-    code = "leave 'gray' and 'measurement' out, call the field 'gray_code', and convert it in your program"
-    return f"{wrong}, and Gray excess cannot be described yet; {code}"
+    problem = f"'{layout.gray_of}' has {counts} counts per turn for {variant.code}, not a power of two"
+    remedy = "leave 'gray' and 'measurement' out, call the field 'gray_code', and convert it in your program"
+    return f"{problem}, and Gray excess cannot be described yet; {remedy}"
 
 
 def _set_at_run_time(device: Device) -> set[str]:
     """Return the parameters that depend on a register."""
-    held = {item.name for item in device.run_time_parameters}
-    names = (item.name for item in device.parameters)
-    return {name for name in names if not held.isdisjoint(device.needed_parameters([name]))}
+    held_names = {parameter.name for parameter in device.run_time_parameters}
+    names = (parameter.name for parameter in device.parameters)
+    return {name for name in names if not held_names.isdisjoint(device.needed_parameters([name]))}
 
 
 def _cases(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_Case]:
-    for layout in (item for item in interface.layouts if item.sender == "encoder"):
+    for layout in (candidate for candidate in interface.layouts if candidate.sender == "encoder"):
         names = layout.names_in(measurement.of)
         for variant in device.variants_over(interface.name):
             placed = layout.place(variant.parameters)
@@ -133,12 +133,9 @@ def _cases(device: Device, interface: Interface, measurement: Measurement) -> It
 def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, str] | None:
     """Return the wrong key and the message, or None."""
     key = "counts_per_turn" if measurement.counts_per_turn is not None else "modulus"
-    numbers = {
-        name: part
-        for name in ("counts_per_turn", "turns", *_STEPS, "modulus")
-        if (part := getattr(measurement, name)) is not None
-    }
-    values = {name: part.value(case.variant.parameters) for name, part in numbers.items()}
+    numbers = {name: getattr(measurement, name) for name in ("counts_per_turn", "turns", *_STEPS, "modulus")}
+    numbers = {name: number for name, number in numbers.items() if number is not None}
+    values = {name: number.value(case.variant.parameters) for name, number in numbers.items()}
     for name, value in values.items():
         if value < 1:
             return name, f"'{name}' is {value} for {case.variant.code}; it must be at least 1"
@@ -146,24 +143,15 @@ def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, 
             return name, f"'{name}' is {value} for {case.variant.code}; it must be at most {_MOST}"
     if (other_unit := _other_unit(case, values)) is not None:
         return other_unit
-    own_range = case.layout.position_range
-    never_wraps = own_range is not None and not own_range.wraps
+    position_range = case.layout.position_range
+    never_wraps = position_range is not None and not position_range.wraps
     if key not in values or not case.width or never_wraps:
         return None
     for name, value in values.items():
-        if (
-            name not in _STEPS
-            and value >= _SEVERAL
-            and value & (value + 1) == 0
-            and not _at_run_time(device, numbers[name])
-        ):
-            return (
-                name,
-                (
-                    f"'{name}' is {value} for {case.variant.code}, which is the highest count; including 0 there are"
-                    f" {value + 1}"
-                ),
-            )
+        is_highest = name not in _STEPS and value >= _SEVERAL and value & (value + 1) == 0
+        if is_highest and not _at_run_time(device, numbers[name]):
+            message = f"'{name}' is {value} for {case.variant.code}, which is the highest count"
+            return name, f"{message}; including 0 there are {value + 1}"
     return (
         _does_not_fit(device, measurement, case, key, values)
         or _out_of_range(measurement, case, key)
@@ -181,8 +169,8 @@ def _other_unit(case: _Case, values: Mapping[str, int]) -> tuple[str, str] | Non
     unit, per_counts = fields[0].unit, values.get("per_counts", 1)
     if values[key] * _NANOMETRES["um" if key == "step_um" else "nm"] == _NANOMETRES[unit] * per_counts:
         return None
-    wrong = f"'{key}' is {values[key]} for {case.variant.code}, but '{fields[0].name}' has 'unit: {unit}'"
-    return key, f"{wrong}, so a count is 1 {unit}; correct one of the two, or write 'unit: counts'"
+    message = f"'{key}' is {values[key]} for {case.variant.code}, but '{fields[0].name}' has 'unit: {unit}'"
+    return key, f"{message}, so a count is 1 {unit}; correct one of the two, or write 'unit: counts'"
 
 
 def _does_not_fit(
@@ -191,17 +179,17 @@ def _does_not_fit(
     """Return an error if the position has too few bits, or more than it can use if only its width matters."""
     turns = values.get("turns", 1)
     counts = values[key] * turns
-    said = f"{values[key]} counts" + (f" × {turns} turns" if turns > 1 else "")
-    held = f"'{measurement.of}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
+    counts_text = f"{values[key]} counts" + (f" × {turns} turns" if turns > 1 else "")
+    width_text = f"'{measurement.of}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
     if counts > 1 << case.width:
-        return key, f"{said} do not fit, because {held}"
+        return key, f"{counts_text} do not fit, because {width_text}"
     fields = [case.layout.field(name) for name, _ in case.fields]
     is_signed = any(isinstance(field.kind, Number) and field.kind.signed for field in fields)
     end = 1 << case.width
     if len(fields) > 1 and measurement.highest is not None:
         highest = measurement.highest.value(case.variant.parameters)
         if highest >= end:
-            return "highest", f"'highest' is {highest}, but {held} and ends at {end - 1}"
+            return "highest", f"'highest' is {highest}, but {width_text} and ends at {end - 1}"
     widths = _sources(device, *(case.layout.field(name).width for name, _ in case.fields))
     counted = _sources(device, *filter(None, (measurement.counts_per_turn, measurement.turns, measurement.modulus)))
     # A position of fixed width can begin with zeros, as manuals draw it. Decoders reject a position above the counts.
@@ -209,13 +197,8 @@ def _does_not_fit(
     uses_all_bits = key == "modulus" and counts & (counts - 1) == 0 and not is_signed and measurement.highest is None
     is_wide = uses_all_bits or (widths and counted <= widths and not (is_signed and measurement.highest))
     if 2 * counts <= 1 << case.width and is_wide:
-        return (
-            key,
-            (
-                f"{said} need {(counts - 1).bit_length()} bits, but {held}; define zeros above a position as a separate"
-                " field"
-            ),
-        )
+        message = f"{counts_text} need {(counts - 1).bit_length()} bits, but {width_text}"
+        return key, f"{message}; define zeros above a position as a separate field"
     return None
 
 
@@ -225,29 +208,29 @@ def _out_of_range(measurement: Measurement, case: _Case, key: str) -> tuple[str,
         return None
     total = measurement.total.value(case.variant.parameters)
     name, width = case.fields[0]
-    of = f"'{name}' in '{case.layout.name}'"
+    field_text = f"'{name}' in '{case.layout.name}'"
     is_signed = case.layout.field(name).number.signed
     if measurement.highest is None:
         if is_signed and total != 1 << width and not total & total - 1:
-            return key, _too_wide(case, of, total)
+            return key, _too_wide(case, field_text, total)
         if not is_signed or not total & total - 1:
             return None
-        wrong = f"{of} is signed, and its range does not follow from {total} counts for {case.variant.code}"
-        return key, f"{wrong}; add 'highest', from which the lowest position follows: highest - {total} + 1"
+        message = f"{field_text} is signed, and its range does not follow from {total} counts for {case.variant.code}"
+        return key, f"{message}; add 'highest', from which the lowest position follows: highest - {total} + 1"
     highest = measurement.highest.value(case.variant.parameters)
-    least, most = (-(1 << width - 1), (1 << width - 1) - 1) if is_signed else (0, (1 << width) - 1)
-    if least <= highest - total + 1 and highest <= most:
+    lowest, highest_possible = (-(1 << width - 1), (1 << width - 1) - 1) if is_signed else (0, (1 << width) - 1)
+    if lowest <= highest - total + 1 and highest <= highest_possible:
         return None
-    found = f"positions of {case.variant.code} are {highest - total + 1} to {highest}"
-    range_ = f"{of} holds {least} to {most}"
-    return "highest", f"'highest' is {highest} for {total} counts, so {found}, but {range_}"
+    positions = f"positions of {case.variant.code} are {highest - total + 1} to {highest}"
+    range_ = f"{field_text} holds {lowest} to {highest_possible}"
+    return "highest", f"'highest' is {highest} for {total} counts, so {positions}, but {range_}"
 
 
-def _too_wide(case: _Case, of: str, total: int) -> str:
+def _too_wide(case: _Case, field_text: str, total: int) -> str:
     """Return the message about a signed position that can be more numbers than the encoder has positions."""
-    wrong = f"{of} is signed and has {case.width} bits, but the position wraps around after {total} counts"
-    never = "'position_range: {wraps: false}' if it never wraps around, otherwise give 'highest'"
-    return f"{wrong} for {case.variant.code}; give that layout {never}"
+    message = f"{field_text} is signed and has {case.width} bits, but the position wraps around after {total} counts"
+    remedy = "'position_range: {wraps: false}' if it never wraps around, otherwise give 'highest'"
+    return f"{message} for {case.variant.code}; give that layout {remedy}"
 
 
 def _upside_down(measurement: Measurement, case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:
@@ -263,10 +246,10 @@ def _upside_down(measurement: Measurement, case: _Case, key: str, values: Mappin
         # Without units, the widths tell which one is which.
         (_, above), (_, below) = case.fields
         count_turns[1] = above != below and values[key] == 1 << above and values.get("turns") == 1 << below
-    for (above_it, is_above), (name, is_turns) in pairwise(zip(names, count_turns, strict=True)):
-        if is_turns and not is_above:
-            wrong = f"'{measurement.of}' has '{name}', which counts revolutions, below '{above_it}'"
-            return key, f"{wrong}; list '{name}' first in its 'join'"
+    for (above_name, above_counts_turns), (name, is_turns) in pairwise(zip(names, count_turns, strict=True)):
+        if is_turns and not above_counts_turns:
+            message = f"'{measurement.of}' has '{name}', which counts revolutions, below '{above_name}'"
+            return key, f"{message}; list '{name}' first in its 'join'"
     return None
 
 
@@ -278,22 +261,22 @@ def _uneven(case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str]
         is_whole_turn = len(case.fields) == 2 and values[key] < 1 << below and 1 < values.get("turns", 1) <= 1 << width
         is_turns = case.layout.field(name).unit in _REVOLUTIONS or is_whole_turn
         if is_turns and key == "counts_per_turn" and values[key] != 1 << below:
-            wrong = (
+            message = (
                 f"'{name}' counts revolutions, and {below} bits follow it for {case.variant.code}, so a turn must have"
                 f" {1 << below} counts, not {values[key]}"
             )
-            alone = f"; measure '{case.fields[1][0]}' alone, with 'turns: 1'" if is_whole_turn else ""
-            return key, wrong + alone
+            remedy = f"; measure '{case.fields[1][0]}' alone, with 'turns: 1'" if is_whole_turn else ""
+            return key, message + remedy
     return None
 
 
 def _at_run_time(device: Device, expression: Expression) -> bool:
     """Return True if the expression depends on a register, which may hold any number."""
-    held = {item.name for item in device.run_time_parameters}
-    return not held.isdisjoint(device.needed_parameters(expression.parameters))
+    held_names = {parameter.name for parameter in device.run_time_parameters}
+    return not held_names.isdisjoint(device.needed_parameters(expression.parameters))
 
 
 def _sources(device: Device, *expressions: Expression) -> frozenset[str]:
     """Return the parameters behind these expressions: those set by order codes or held in registers."""
-    names = (name for item in expressions for name in item.parameters)
+    names = (name for expression in expressions for name in expression.parameters)
     return device.needed_parameters(names) - device.definitions.keys()

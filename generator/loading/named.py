@@ -19,19 +19,19 @@ def narrowed(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
     Raises:
         UnknownName: A name matches no order code, interface or family.
     """
-    words = [item.strip() for item in only.split(",") if item.strip()]
+    words = [word.strip() for word in only.split(",") if word.strip()]
     if not words:
         return tuple(devices)
-    known = {name for device in devices for item in device.variants for name in _names(device, item)}
+    known_names = {name for device in devices for variant in device.variants for name in _names(device, variant)}
     for word in words:
-        if word.upper() not in known:
+        if word.upper() not in known_names:
             raise UnknownName(_unknown(devices, word))
-    wanted = {word.upper() for word in words}
-    found = []
+    wanted_names = {word.upper() for word in words}
+    narrowed_devices = []
     for device in devices:
-        codes = {item.code for item in device.variants if wanted & set(_names(device, item))}
-        found += [for_codes(device, codes)] if codes else []
-    return tuple(found)
+        codes = {variant.code for variant in device.variants if wanted_names & set(_names(device, variant))}
+        narrowed_devices += [for_codes(device, codes)] if codes else []
+    return tuple(narrowed_devices)
 
 
 def _names(device: Device, variant: Variant) -> tuple[str, ...]:
@@ -43,16 +43,16 @@ def _names(device: Device, variant: Variant) -> tuple[str, ...]:
 def _words(devices: Sequence[Device]) -> Iterator[str]:
     for device in devices:
         yield device.name
-        yield from (f"{device.name}_{item.name}" for item in device.interfaces)
-    yield from sorted({item.name for device in devices for item in device.interfaces})
+        yield from (f"{device.name}_{interface.name}" for interface in device.interfaces)
+    yield from sorted({interface.name for device in devices for interface in device.interfaces})
 
 
 def _unknown(devices: Sequence[Device], word: str) -> str:
     """Return the message, with the order codes of the family if the word begins like one of them."""
     families = [device for device in devices if word.upper().startswith(device.name.upper())]
-    codes = [item.code for device in families for item in device.variants]
-    near = nearest_choice(word, [*_words(devices), *codes, *map(str.lower, codes)])
-    first = next((item.code for device in devices for item in device.variants), "")
-    others = codes or [f"order codes, such as {first}", *_words(devices)]
-    hint = f"did you mean '{near}'?" if near else f"valid are {', '.join(others)}"
+    codes = [variant.code for device in families for variant in device.variants]
+    nearest = nearest_choice(word, [*_words(devices), *codes, *map(str.lower, codes)])
+    first = next((variant.code for device in devices for variant in device.variants), "")
+    valid_names = codes or [f"order codes, such as {first}", *_words(devices)]
+    hint = f"did you mean '{nearest}'?" if nearest else f"valid are {', '.join(valid_names)}"
     return f"there is no order code, interface or family '{word}'; {hint}"

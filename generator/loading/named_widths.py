@@ -32,10 +32,10 @@ def check_named_widths(raw: Raw, device: Device, report: DocumentReport) -> None
         if not is_checked or parameter.name in used:
             continue
         frames = ((interface, layout) for interface in device.interfaces for layout in interface.layouts)
-        wrong = next(filter(None, (_difference(device, parameter, *frame) for frame in frames)), "")
-        if wrong:
+        problem = next(filter(None, (_difference(device, parameter, *frame) for frame in frames)), "")
+        if problem:
             remedy = "correct 'equals', or rename the parameter if it is another number"
-            report.add("parameter-width", ("parameters", parameter.name, "equals"), f"{wrong}; {remedy}")
+            report.add("parameter-width", ("parameters", parameter.name, "equals"), f"{problem}; {remedy}")
 
 
 def _used_words(raw: Raw) -> Iterator[str]:

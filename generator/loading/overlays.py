@@ -52,14 +52,17 @@ def is_overlay(document: Document) -> bool:
 
 def overlays_beside(documents: Iterable[Document]) -> list[Path]:
     """Return the files next to specs that are their overlays by name, such as ``FAMILY.overlay.yaml``."""
-    found: list[Path] = []
+    overlays: list[Path] = []
     for document in documents:
         spec = Path(document.file)
         if "device" in document.data and spec.parent.is_dir():
-            named = (path for path in spec.parent.iterdir() if path.suffix == spec.suffix)
-            mine = (path for path in named if path.stem.endswith(SUFFIX) and path.stem.startswith(f"{spec.stem}."))
-            found += sorted(mine)
-    return found
+            overlays += sorted(path for path in spec.parent.iterdir() if _is_overlay_of(path, spec))
+    return overlays
+
+
+def _is_overlay_of(path: Path, spec: Path) -> bool:
+    """Return True if a file is an overlay of a spec by its name."""
+    return path.suffix == spec.suffix and path.stem.endswith(SUFFIX) and path.stem.startswith(f"{spec.stem}.")
 
 
 def lay_over(families: Sequence[Family], overlays: Sequence[Document], build: Build, report: Report) -> list[Family]:
@@ -71,62 +74,69 @@ def lay_over(families: Sequence[Family], overlays: Sequence[Document], build: Bu
         build: Builds the family of a document.
         report: Receives the problems of overlays and of their results.
     """
-    sound = [item for item in overlays if check_overlay(item, report)]
+    valid_overlays = [overlay for overlay in overlays if check_overlay(overlay, report)]
     by_name = {family.device.name: family for family in families}
-    for item in sound:
-        if item.data["of"] not in by_name:
-            hint = suggestion(item.data["of"], by_name)
-            wrong = f"there is no family {quoted(item.data['of'])} among the specs that were read{hint}"
-            report.add("undefined-reference", item, ("of",), wrong)
-    _refuse_same_names(sound, report)
-    made: list[Family] = []
+    for overlay in valid_overlays:
+        if overlay.data["of"] not in by_name:
+            hint = suggestion(overlay.data["of"], by_name)
+            message = f"there is no family {quoted(overlay.data['of'])} among the specs that were read{hint}"
+            report.add("undefined-reference", overlay, ("of",), message)
+    _refuse_same_names(valid_overlays, report)
+    results: list[Family] = []
     for name, family in by_name.items():
-        mine = [item for item in sound if item.data["of"] == name]
-        for_all = [item for item in mine if "applies_to" not in item.data]
+        own_overlays = [overlay for overlay in valid_overlays if overlay.data["of"] == name]
+        for_all = [overlay for overlay in own_overlays if "applies_to" not in overlay.data]
         changed = _laid(family, for_all, "", build, report) if for_all else None
         # If a correction fails, the family must not be mistaken for a corrected one.
-        files = {item.file for item in overlays if item.data.get("of") == name and "applies_to" not in item.data}
-        made.append(changed or replace(family, files=family.files | files))
-        specials = dict.fromkeys(item.data["applies_to"]["special"] for item in mine if "applies_to" in item.data)
-        for special in specials:
-            of_it = [item for item in mine if item.data.get("applies_to", {}).get("special") == special]
-            special_family = _laid(family, [*for_all, *of_it], special, build, report)
-            made += [special_family] if special_family is not None else []
-    return sorted(made, key=lambda family: family.device.name)
+        corrections = [overlay for overlay in overlays if "applies_to" not in overlay.data]
+        files = {overlay.file for overlay in corrections if overlay.data.get("of") == name}
+        results.append(changed or replace(family, files=family.files | files))
+        for_specials: dict[str, list[Document]] = {}
+        for overlay in own_overlays:
+            if "applies_to" in overlay.data:
+                for_specials.setdefault(overlay.data["applies_to"]["special"], []).append(overlay)
+        for special, for_special in for_specials.items():
+            special_family = _laid(family, [*for_all, *for_special], special, build, report)
+            results += [special_family] if special_family is not None else []
+    return sorted(results, key=lambda family: family.device.name)
 
 
 def _refuse_same_names(overlays: Sequence[Document], report: Report) -> None:
     first: dict[str, Document] = {}
-    for item in overlays:
-        other = first.setdefault(item.data["overlay"], item)
-        if other is not item:
-            wrong = f"{Path(other.file).name} is also called {quoted(item.data['overlay'])}"
-            report.add("duplicate-name", item, ("overlay",), wrong)
+    for overlay in overlays:
+        first_overlay = first.setdefault(overlay.data["overlay"], overlay)
+        if first_overlay is not overlay:
+            message = f"{Path(first_overlay.file).name} is also called {quoted(overlay.data['overlay'])}"
+            report.add("duplicate-name", overlay, ("overlay",), message)
 
 
 def _laid(family: Family, overlays: Sequence[Document], special: str, build: Build, report: Report) -> Family | None:
     """Return the family that results from applying overlays to another."""
     laying = LayeredSpec(family.document, report)
-    before = len(report)
-    laying.apply([Layer(item, ("changes",), LayerKind.OVERLAY, item.data["overlay"]) for item in overlays])
+    problems_before = len(report)
+    laying.apply([Layer(overlay, ("changes",), LayerKind.OVERLAY, overlay.data["overlay"]) for overlay in overlays])
     document = laying.document(f"{family.device.name}_{special.lower()}" if special else "")
-    inside = Report()
-    device = build(document, inside)
-    if len(report) == before:  # Changes that failed would look like missing parts.
-        _hand_on(inside, family.document, overlays[-1], report)
+    inner_report = Report()
+    device = build(document, inner_report)
+    if len(report) == problems_before:  # Changes that failed would look like missing parts.
+        _hand_on(inner_report, family.document, overlays[-1], report)
     if device is None:
         return None
     device = replace(
         device,
-        errata=(*device.errata, *(item for item in family.device.errata if item.edition), *errata_of(laying.applied)),
-        overlays=tuple(_overlay(item) for item in overlays),
+        errata=(
+            *device.errata,
+            *(erratum for erratum in family.device.errata if erratum.edition),
+            *errata_of(laying.applied),
+        ),
+        overlays=tuple(_overlay(overlay) for overlay in overlays),
         title=f"{device.title}, special models /{special}" if special else device.title,
         base=family.device.name if special else "",
         times_read=family.device.times_read,
     )
     if special:
         device = _of_codes(device, overlays, report)
-    files = family.files | {item.file for item in overlays}
+    files = family.files | {overlay.file for overlay in overlays}
     return Family(device, document, files, plain=None if special else family)
 
 
@@ -138,26 +148,29 @@ def _overlay(document: Document) -> Overlay:
 def errata_of(laid: Iterable[AppliedChange]) -> Iterator[Erratum]:
     """Yield the changes as errata: one by one, or for an edition one for all changes with the same reason."""
     numbers: Counter[str] = Counter()
-    for (kind, name, _), found in groupby(laid, key=_one_story):
-        items = list(found)
+    for (kind, name, _), same_reason in groupby(laid, key=_one_story):
+        changes = list(same_reason)
         numbers[name] += 1
-        told = {"severity": "wrong_data", **items[0].raw}
+        definition = {"severity": "wrong_data", **changes[0].raw}
+        prose: dict[str, object] = {key: definition[key] for key in ("severity", "why", "source") if key in definition}
+        is_known = changes[0].is_known
+        used = (few([change.now for change in changes if change.now]) or LEFT_OUT) if is_known else NOT_KNOWN
         yield record(
             Erratum,
-            {key: told[key] for key in ("severity", "why", "source") if key in told},  # The schema reports the rest.
+            prose,  # The schema reports the rest.
             name=f"{_WORD.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{numbers[name]}",
-            printed=few(without_examples([item.was for item in items])),
-            used=(few([item.now for item in items if item.now]) or LEFT_OUT) if items[0].is_known else NOT_KNOWN,
-            status="settled" if items[0].is_known else "open",
-            affects=tuple(dict.fromkeys(path for item in items for path in item.affects)),
+            printed=few(without_examples([change.was for change in changes])),
+            used=used,
+            status="settled" if is_known else "open",
+            affects=tuple(dict.fromkeys(path for change in changes for path in change.affects)),
             **{kind: name},
         )
 
 
-def _one_story(item: AppliedChange) -> tuple[str, str, object]:
+def _one_story(change: AppliedChange) -> tuple[str, str, object]:
     """Return the key of items that are reported together."""
-    layer = item.layer
-    return layer.kind.value, layer.name, (layer.path, item.number) if layer.kind is LayerKind.EDITION else item
+    layer = change.layer
+    return layer.kind.value, layer.name, (layer.path, change.number) if layer.kind is LayerKind.EDITION else change
 
 
 def without_examples(names: Sequence[str]) -> Sequence[str]:
@@ -167,35 +180,47 @@ def without_examples(names: Sequence[str]) -> Sequence[str]:
 
 def few(names: Sequence[str]) -> str:
     """Return the names as text, shortened to the first ones and the number of the others."""
-    listed = list(dict.fromkeys(names))
-    more = len(listed) - _MOST_NAMED
-    return ", ".join(listed if more < 2 else listed[:_MOST_NAMED]) + (f" and {more} more" if more >= 2 else "")
+    unique_names = list(dict.fromkeys(names))
+    omitted = len(unique_names) - _MOST_NAMED
+    return ", ".join(unique_names if omitted < 2 else unique_names[:_MOST_NAMED]) + (
+        f" and {omitted} more" if omitted >= 2 else ""
+    )
 
 
 def _of_codes(device: Device, overlays: Sequence[Document], report: Report) -> Device:
     """Return the device with only the order codes that the overlays apply to."""
-    known = {variant.code for variant in device.variants}
+    known_codes = {variant.code for variant in device.variants}
     wanted: set[str] = set()
-    for item in overlays:
-        codes = item.data.get("applies_to", {}).get("order_codes", ())
+    for overlay in overlays:
+        codes = overlay.data.get("applies_to", {}).get("order_codes", ())
         for index, code in enumerate(codes):
-            if code not in known:
-                wrong = f"{quoted(code)} is not a listed order code of the family{suggestion(code, known)}"
-                report.add("undefined-reference", item, ("applies_to", "order_codes", index), wrong)
+            if code not in known_codes:
+                message = f"{quoted(code)} is not a listed order code of the family{suggestion(code, known_codes)}"
+                report.add("undefined-reference", overlay, ("applies_to", "order_codes", index), message)
         wanted |= set(codes)
-    return for_codes(device, wanted & known) if wanted & known else device
+    return for_codes(device, wanted & known_codes) if wanted & known_codes else device
 
 
-def _hand_on(inside: Report, spec: Document, overlay: Document, report: Report) -> None:
+def _hand_on(inner_report: Report, spec: Document, overlay: Document, report: Report) -> None:
     """Report the problems of the resulting family in the overlay, even if they are located in the spec."""
-    known = set(report.problems)
-    for item in inside.problems:
-        if item.file == spec.file and item not in known:
-            where = f"{Path(spec.file).name}:{item.line}, {item.path}" if item.path else Path(spec.file).name
-            _tell(item, overlay, f"with this overlay, {where}: {item.message}", report)
-        elif item not in known:
-            report.add_at(item.file, item.line, item.column, item.rule, item.message, path=item.path, text=item.text)
+    reported = set(report.problems)
+    for problem in inner_report.problems:
+        if problem.file == spec.file and problem not in reported:
+            location = (
+                f"{Path(spec.file).name}:{problem.line}, {problem.path}" if problem.path else Path(spec.file).name
+            )
+            _tell(problem, overlay, f"with this overlay, {location}: {problem.message}", report)
+        elif problem not in reported:
+            report.add_at(
+                problem.file,
+                problem.line,
+                problem.column,
+                problem.rule,
+                problem.message,
+                path=problem.path,
+                text=problem.text,
+            )
 
 
-def _tell(item: Problem, overlay: Document, message: str, report: Report) -> None:
-    report.add(item.rule, overlay, ("overlay",), message)
+def _tell(problem: Problem, overlay: Document, message: str, report: Report) -> None:
+    report.add(problem.rule, overlay, ("overlay",), message)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
 from types import MappingProxyType
 
 from ..language.rules.walk import by_name, expanded, field_lists, interface_of
@@ -29,37 +30,39 @@ def parameter_sets(
     kinds = (*raw["interfaces"], *map(interface_of, raw.get("registers", ())))
     if not variants:  # Parameters are unknown. Parts that do not use them can still be checked.
         return MappingProxyType({kind: ({},) for kind in kinds})
-    found: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in kinds}
-    answers: list[Mapping[str, int]] = [{}, *(answer.sets for item in alternatives for answer in item.answers[1:])]
+    sets_by_interface: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in kinds}
+    answers: list[Mapping[str, int]] = [{}]
+    for alternative in alternatives:
+        answers += [answer.sets for answer in alternative.answers[1:]]
     fields = extreme_states(raw)
     # One by one first, so that messages name as few parameters as possible.
     singles = (state for states in fields for state in states)
-    held: list[State] = [{}, *singles, *(corners(fields) if len(fields) > 1 else ())]
-    seen: set[tuple[str, tuple[int, ...]]] = set()
+    register_states: list[State] = [{}, *singles, *(corners(fields) if len(fields) > 1 else ())]
+    known_keys: set[tuple[str, tuple[int, ...]]] = set()
     bases = _without_definitions(definitions, variants)
-    combined = ((kind, {**base, **one, **answer}) for kind, base in bases for one in held for answer in answers)
-    for kind, given in combined:
-        key = (kind, tuple(given.values()))
-        if key not in seen:
-            seen.add(key)
-            found.setdefault(kind, []).append(resolve_parameters(given, definitions))
-        if len(seen) > MOST_SETS:
+    for (kind, base), state, answer in product(bases, register_states, answers):
+        parameters = {**base, **state, **answer}
+        key = (kind, tuple(parameters.values()))
+        if key not in known_keys:
+            known_keys.add(key)
+            sets_by_interface.setdefault(kind, []).append(resolve_parameters(parameters, definitions))
+        if len(known_keys) > MOST_SETS:
             break
     # An interface that no order code selects has been reported. Its layouts are checked with the parameters of the
     # others.
-    every = [parameters for known in found.values() for parameters in known]
-    return MappingProxyType({kind: known or every for kind, known in found.items()})
+    every = [parameters for sets in sets_by_interface.values() for parameters in sets]
+    return MappingProxyType({kind: sets or every for kind, sets in sets_by_interface.items()})
 
 
 def _without_definitions(
     definitions: Mapping[str, Expression], variants: Sequence[Variant]
 ) -> Iterator[tuple[str, Mapping[str, int]]]:
     """Yield the interface and the parameters that order codes set, without those that follow from others, each once."""
-    found: dict[tuple[str, tuple[int, ...]], Mapping[str, int]] = {}
+    base_by_values: dict[tuple[str, tuple[int, ...]], Mapping[str, int]] = {}
     for variant in variants:
         base = {name: value for name, value in variant.parameters.items() if name not in definitions}
-        found.setdefault((variant.interface, tuple(base.values())), base)
-    yield from ((interface, base) for (interface, _), base in found.items())
+        base_by_values.setdefault((variant.interface, tuple(base.values())), base)
+    yield from ((interface, base) for (interface, _), base in base_by_values.items())
 
 
 def too_much_work(raw: Raw, context: Context) -> bool:
@@ -70,8 +73,8 @@ def too_much_work(raw: Raw, context: Context) -> bool:
     if sets <= MOST_SETS and sets * fields <= MOST_PLACES:
         return False
     number = f"more than {MOST_SETS}" if sets > MOST_SETS else str(sets)
-    wrong = f"order codes, registers and alternatives combine to {number} sets of parameters"
+    message = f"order codes, registers and alternatives combine to {number} sets of parameters"
     if sets <= MOST_SETS:
-        wrong += f", and there are {fields} fields; the product must be at most {MOST_PLACES}"
-    context.report.add("too-large", ("order_code", "parts"), f"{wrong}; split the family", at_key=True)
+        message += f", and there are {fields} fields; the product must be at most {MOST_PLACES}"
+    context.report.add("too-large", ("order_code", "parts"), f"{message}; split the family", at_key=True)
     return True

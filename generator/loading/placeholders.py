@@ -24,7 +24,9 @@ def with_placeholders(raw: Raw, device: Device, report: DocumentReport) -> Devic
         names.append("manufacturer.title")
     grade = device.evidence.grade
     if names and grade != _LOWEST_GRADE:
-        wrong = f"the grade '{grade}' cannot have values that are still the template's: {first_of(names, _MOST_NAMES)}"
+        message = (
+            f"the grade '{grade}' cannot have values that are still the template's: {first_of(names, _MOST_NAMES)}"
+        )
         remedy = f"replace each text with TODO, or write 'grade: {_LOWEST_GRADE}' until then"
-        report.add("evidence-grade", ("evidence", "grade"), f"{wrong}; {remedy}")
+        report.add("evidence-grade", ("evidence", "grade"), f"{message}; {remedy}")
     return replace(device, evidence=replace(device.evidence, placeholders=tuple(names)))

@@ -50,12 +50,12 @@ def _check_width(device: Device, interface: Interface, layout: Layout, field: Fi
     owner: Path = (
         ("field_groups", field.group) if field.group else ("interfaces", interface.name, "layouts", layout.name)
     )
-    wrong = f"'{field.name}' always has {width} bits, but the counts of {code} need {bits}"
-    right = _right_width(measurement, fills_width, bits)
+    message = f"'{field.name}' always has {width} bits, but the counts of {code} need {bits}"
+    correct_width = _right_width(measurement, fills_width, bits)
     report.add(
         "measurement-does-not-fit",
         (*owner, "fields", field.name),
-        f"{wrong}; write '{right}', or add a 'note' about the bits above them",
+        f"{message}; write '{correct_width}', or add a 'note' about the bits above them",
     )
 
 

@@ -15,18 +15,18 @@ RULE = "coverage-file"
 
 def read_counts(spec: Path, report: Report) -> TimesRead | None:
     """Return the counts stored next to a spec, or None if there are none or the file was changed."""
-    place = coverage_path(spec)
-    if not place.is_file():
+    file = coverage_path(spec)
+    if not file.is_file():
         return None
-    names = [item.name for item in fields(TimesRead)]
+    names = [member.name for member in fields(TimesRead)]
     try:
-        found = json.loads(place.read_text(encoding="utf-8"))
-        if set(found) == set(names) and all(type(found[name]) is int for name in names):
-            return TimesRead(**found)
+        counts = json.loads(file.read_text(encoding="utf-8"))
+        if set(counts) == set(names) and all(type(counts[name]) is int for name in names):
+            return TimesRead(**counts)
     except (OSError, ValueError, TypeError):
         pass
-    wrong = "the file was edited; write it again: codewheel check --coverage --write"
-    report.add_at(str(place), 1, 1, RULE, wrong)
+    message = "the file was edited; write it again: codewheel check --coverage --write"
+    report.add_at(str(file), 1, 1, RULE, message)
     return None
 
 

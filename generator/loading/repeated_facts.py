@@ -42,12 +42,14 @@ def _check_default(device: Device, register: Register, path: Path, report: Docum
         placed = register.layout.place(variant.parameters)
         decoded = codec.decode(device, placed, default)
         # Numbers without a name are reported with the limits. A command may clear itself to one.
-        faults = [item.message for item in decoded.problems if item.fault is Fault.CONSTANT]
-        faults += [_contradiction(item, default, decoded.values.get(item.name), variant) for item in placed.fields]
-        wrong = next(filter(None, faults), "")
-        if wrong:
-            said = f"the default {default:#x} contradicts a field: {wrong}"
-            report.add("default-does-not-fit", (*path, "default"), said)
+        faults = [problem.message for problem in decoded.problems if problem.fault is Fault.CONSTANT]
+        for placed_field in placed.fields:
+            value = decoded.values.get(placed_field.name)
+            faults.append(_contradiction(placed_field, default, value, variant))
+        problem = next(filter(None, faults), "")
+        if problem:
+            message = f"the default {default:#x} contradicts a field: {problem}"
+            report.add("default-does-not-fit", (*path, "default"), message)
             return
 
 
@@ -55,31 +57,33 @@ def _check_preset(device: Device, register: Register, path: Path, report: Docume
     """Check that a preset cannot be above the highest position, which is one less than the number of positions."""
     if "preset" not in register.name.split("_") or register.max is None or register.meanings:
         return
-    if {*register.max.parameters} & {item.name for item in device.run_time_parameters}:
+    if {*register.max.parameters} & {parameter.name for parameter in device.run_time_parameters}:
         return
     for variant in device.variants_over(register.interface):
         measurement = device.measurement_of(variant.interface)
-        whole = (measurement.counts_per_turn or measurement.modulus) if measurement is not None else None
-        if measurement is None or whole is None:
+        counts = (measurement.counts_per_turn or measurement.modulus) if measurement is not None else None
+        if measurement is None or counts is None:
             continue
-        count = whole.value(variant.parameters)
+        count = counts.value(variant.parameters)
         count *= measurement.turns.value(variant.parameters) if measurement.turns is not None else 1
         highest = register.max.value(variant.parameters)
         if highest >= count > 1:
-            wrong = f"'{register.name}' can be {highest}, but positions of {variant.code} end at {count - 1}"
-            report.add("limit-does-not-fit", (*path, "max"), f"{wrong}; the highest is one less than their number")
+            message = f"'{register.name}' can be {highest}, but positions of {variant.code} end at {count - 1}"
+            report.add("limit-does-not-fit", (*path, "max"), f"{message}; the highest is one less than their number")
             return
 
 
-def _contradiction(item: PlacedField, default: int, value: int | str | None, variant: Variant) -> str:
+def _contradiction(placed_field: PlacedField, default: int, value: int | str | None, variant: Variant) -> str:
     """Return how a field contradicts its number in the default of its register, or an empty string."""
-    number = default >> item.low & item.mask
-    expected = item.field.documented(variant.parameters)
+    name = placed_field.name
+    number = default >> placed_field.low & placed_field.mask
+    expected = placed_field.field.documented(variant.parameters)
     if expected is not None and expected not in (number, value):
-        shown = expected if isinstance(expected, str) else hex(expected)
-        return f"it sets '{item.name}' to {number:#x}, but '{item.name}' must equal {shown}"
-    if item.field.default is not None and item.field.default not in (number, value):
-        return f"it sets '{item.name}' to {number:#x}, but the default of '{item.name}' is {item.field.default:#x}"
+        expected_text = expected if isinstance(expected, str) else hex(expected)
+        return f"it sets '{name}' to {number:#x}, but '{name}' must equal {expected_text}"
+    own_default = placed_field.field.default
+    if own_default is not None and own_default not in (number, value):
+        return f"it sets '{name}' to {number:#x}, but the default of '{name}' is {own_default:#x}"
     return ""
 
 
@@ -92,28 +96,30 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
     for register in device.registers_over(Biss.name) if variants else ():
         if register.bank is not None:
             continue
-        found, known = 0, 0
-        parameters = variants[0].parameters
-        for item in register.layout.place(parameters).fields:
-            expected = item.field.documented(parameters)
-            if expected is not None and item.low + item.width <= 8 * register.length:
-                number = codec.number_of_text(expected) if isinstance(expected, str) else expected
-                found, known = found | (number & item.mask) << item.low, known | item.mask << item.low
-        places = range(register.address, register.address + register.length)
-        values, masks = (number_to_bytes(register.layout, part, 8 * register.length) for part in (found, known))
-        wrong = [
-            place
-            for place, value, mask in zip(places, values, masks, strict=True)
-            if place in _BISS_ID and (value ^ identity >> _BISS_ID[place]) & mask
-        ]
-        if wrong:
-            shown = ", ".join(f"{value:02X}" for place, value in zip(places, values, strict=True) if place in _BISS_ID)
+        number, mask = _documented_bits(register, variants[0])
+        numbers, masks = (number_to_bytes(register.layout, bits, 8 * register.length) for bits in (number, mask))
+        id_bytes = dict(enumerate(zip(numbers, masks, strict=True), register.address))
+        id_bytes = {address: pair for address, pair in id_bytes.items() if address in _BISS_ID}
+        if any((byte ^ identity >> _BISS_ID[address]) & byte_mask for address, (byte, byte_mask) in id_bytes.items()):
+            bytes_text = ", ".join(f"{byte:02X}" for byte, _ in id_bytes.values())
             text = (
-                f"'{register.name}' equals {shown} at 7Eh and 7Fh, but 'biss_id' in the manufacturer file is"
+                f"'{register.name}' equals {bytes_text} at 7Eh and 7Fh, but 'biss_id' in the manufacturer file is"
                 f" {identity:#06x}; one of the two is wrong"
             )
             report.add("biss-id-mismatch", ("registers", register.name), text)
     _check_read_biss_id(device, identity, report)
+
+
+def _documented_bits(register: Register, variant: Variant) -> tuple[int, int]:
+    """Return the documented values of a register as one number, and the mask of the bits that they give."""
+    number, mask = 0, 0
+    for placed_field in register.layout.place(variant.parameters).fields:
+        documented = placed_field.field.documented(variant.parameters)
+        if documented is not None and placed_field.low + placed_field.width <= 8 * register.length:
+            value = codec.number_of_text(documented) if isinstance(documented, str) else documented
+            number |= (value & placed_field.mask) << placed_field.low
+            mask |= placed_field.mask << placed_field.low
+    return number, mask
 
 
 def _check_read_biss_id(device: Device, identity: int, report: DocumentReport) -> None:
@@ -122,14 +128,15 @@ def _check_read_biss_id(device: Device, identity: int, report: DocumentReport) -
         if not isinstance(example, RegisterExample) or example.erratum:
             continue
         # Other rules report a register that is missing or wrong.
-        register = next((item for item in device.registers if item.name == example.register), None)
+        register = next((candidate for candidate in device.registers if candidate.name == example.register), None)
         if register is None or register.interface != Biss.name or register.bank is not None:
             continue
-        read = dict(enumerate(example.bytes, register.address))
-        if any(byte ^ identity >> _BISS_ID[place] & 0xFF for place, byte in read.items() if place in _BISS_ID):
-            shown = ", ".join(f"{byte:02X}" for place, byte in read.items() if place in _BISS_ID)
+        addressed_bytes = enumerate(example.bytes, register.address)
+        id_bytes = {address: byte for address, byte in addressed_bytes if address in _BISS_ID}
+        if any(byte ^ identity >> _BISS_ID[address] & 0xFF for address, byte in id_bytes.items()):
+            bytes_text = ", ".join(f"{byte:02X}" for byte in id_bytes.values())
             text = (
-                f"'{example.name}' has {shown} at 7Eh and 7Fh, but 'biss_id' in the manufacturer file is"
+                f"'{example.name}' has {bytes_text} at 7Eh and 7Fh, but 'biss_id' in the manufacturer file is"
                 f" {identity:#06x}; one of the two is wrong"
             )
             report.add("biss-id-mismatch", ("examples", example.name), text)
@@ -137,23 +144,25 @@ def _check_read_biss_id(device: Device, identity: int, report: DocumentReport) -
 
 def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
     """Check that counts and revolutions in the meaning of a value match a quantity of its order codes."""
-    interfaces = {item.name for item in device.interfaces}
+    interfaces = {interface.name for interface in device.interfaces}
     variants = [variant for variant in device.variants if variant.interface in interfaces]
     for index, part in enumerate(raw["order_code"]["parts"]):
         for text, value in part["values"].items():
             meaning = (value or {}).get("meaning", "")
-            found = [meaning] if _ALONE.fullmatch(meaning) else _COUNTED.findall(meaning)
-            named = [number for text_ in found if (number := int(text_.replace(",", ""))) >= _LEAST]
-            if not named or not (value or {}).get("sets"):
+            count_texts = [meaning] if _ALONE.fullmatch(meaning) else _COUNTED.findall(meaning)
+            numbers = [int(count_text.replace(",", "")) for count_text in count_texts]
+            named_counts = {number for number in numbers if number >= _LEAST}
+            if not named_counts or not (value or {}).get("sets"):
                 continue
             codes = [variant for variant in variants if variant.parts.get(part["name"]) == text]
-            if codes and not any(number in _quantities(device, variant) for variant in codes for number in named):
+            if codes and all(named_counts.isdisjoint(_quantities(device, variant)) for variant in codes):
                 sets = ", ".join(f"{name} = {number}" for name, number in value["sets"].items())
-                wrong = (
-                    f"the meaning of '{text}' contains {named[0]:,}, but with {sets}, its order codes do not have this"
-                    " number"
+                first_count = next(number for number in numbers if number >= _LEAST)
+                message = (
+                    f"the meaning of '{text}' contains {first_count:,}, but with {sets}, its order codes do not have"
+                    " this number"
                 )
-                report.add("meaning-mismatch", ("order_code", "parts", index, "values", text, "meaning"), wrong)
+                report.add("meaning-mismatch", ("order_code", "parts", index, "values", text, "meaning"), message)
 
 
 def _check_bits_named(raw: Raw, device: Device, report: DocumentReport) -> None:
@@ -164,23 +173,23 @@ def _check_bits_named(raw: Raw, device: Device, report: DocumentReport) -> None:
     units = {parameter.name: parameter.unit for parameter in device.parameters}
     for index, part in enumerate(raw["order_code"]["parts"]):
         for text, value in part["values"].items():
-            named = [int(number) for number in _BITS.findall((value or {}).get("meaning", ""))]
+            named_bits = [int(number) for number in _BITS.findall((value or {}).get("meaning", ""))]
             sets = (value or {}).get("sets", {})
             widths = {name: sets[name] for name in sets if units.get(name) in ("bit", "bits")}
-            if len(named) != 1 or not widths or named[0] in (*widths.values(), sum(widths.values())):
+            if len(named_bits) != 1 or not widths or named_bits[0] in (*widths.values(), sum(widths.values())):
                 continue
             variants = [variant for variant in device.variants if variant.parts.get(part["name"]) == text]
-            if any(named[0] in _widths(device, variant) for variant in variants):
+            if any(named_bits[0] in _widths(device, variant) for variant in variants):
                 continue
             name = next(iter(widths))
-            wrong = f"the meaning of '{text}' says {named[0]} bits, but '{name}' is {widths[name]}"
-            report.add("meaning-mismatch", ("order_code", "parts", index, "values", text, "sets", name), wrong)
+            message = f"the meaning of '{text}' says {named_bits[0]} bits, but '{name}' is {widths[name]}"
+            report.add("meaning-mismatch", ("order_code", "parts", index, "values", text, "sets", name), message)
 
 
 def _widths(device: Device, variant: Variant) -> set[int]:
     """Return the widths of the frames that an encoder with this order code sends, and of the positions in them."""
     measurement = device.measurement_of(variant.interface)
-    interface = next((item for item in device.interfaces if item.name == variant.interface), None)
+    interface = next((candidate for candidate in device.interfaces if candidate.name == variant.interface), None)
     widths: set[int] = set()
     if interface is None or measurement is None:
         return widths
@@ -195,10 +204,12 @@ def _widths(device: Device, variant: Variant) -> set[int]:
 def _quantities(device: Device, variant: Variant) -> set[int]:
     """Return the numbers of an order code: its parameters, their powers of two, and those of its measurement."""
     measurement = device.measurement_of(variant.interface)
-    parts = (measurement.counts_per_turn, measurement.turns, measurement.modulus) if measurement is not None else ()
-    found = {part.value(variant.parameters) for part in parts if part is not None}
-    found.update(variant.parameters.values())
-    return found | {1 << number for number in variant.parameters.values() if 0 <= number <= 64}
+    expressions = (
+        (measurement.counts_per_turn, measurement.turns, measurement.modulus) if measurement is not None else ()
+    )
+    quantities = {expression.value(variant.parameters) for expression in expressions if expression is not None}
+    quantities.update(variant.parameters.values())
+    return quantities | {1 << number for number in variant.parameters.values() if 0 <= number <= 64}
 
 
 def _check_selectors(device: Device, report: DocumentReport) -> None:
@@ -209,7 +220,7 @@ def _check_selectors(device: Device, report: DocumentReport) -> None:
             if not layout.selector:
                 continue
             path: Path = ("interfaces", interface.name, "layouts", layout.name, "when")
-            field = next((item for item in layout.fields if item.name == layout.selector), None)
+            field = next((candidate for candidate in layout.fields if candidate.name == layout.selector), None)
             if field is None:
                 continue  # Reported by the rule on references.
             if not field.pieces:
@@ -222,8 +233,8 @@ def _check_selectors(device: Device, report: DocumentReport) -> None:
                 continue
             name, pieces = first.setdefault(layout.sender, (layout.name, field.pieces))
             if pieces != field.pieces:
-                wrong = (
+                message = (
                     f"'{layout.selector}' is not at the same position as in '{name}'; the same bits must distinguish"
                     " all frames of a sender"
                 )
-                report.add("selector-place", path, wrong)
+                report.add("selector-place", path, message)

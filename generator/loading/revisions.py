@@ -91,8 +91,8 @@ def lay_out(place: Named, folder: Path) -> LaidOut:
     if not entries:
         raise RevisionError(f"there is no {visible(path) or 'file'} in {visible(place.revision)}")
     if path in entries:
-        beside = posixpath.join(posixpath.dirname(path), _BESIDE)
-        entries |= {} if path == beside else _entries(commit, beside)
+        manufacturer_path = posixpath.join(posixpath.dirname(path), _BESIDE)
+        entries |= {} if path == manufacturer_path else _entries(commit, manufacturer_path)
     specs = {name: blob for name, blob in entries.items() if name.endswith(SUFFIXES) or name == path}
     _refuse_bad_names(place.revision, specs)
     if path not in entries:
@@ -112,10 +112,10 @@ def lay_out(place: Named, folder: Path) -> LaidOut:
 
 def _refuse_bad_names(revision: str, names: Iterable[str]) -> None:
     for name in names:
-        bad = next(filter(_BAD_PART.fullmatch, name.split("/")), None)
-        if bad is not None:
-            where = f"{visible(revision)} holds a file '{visible(name)}'"
-            raise RevisionError(f"{where}; '{visible(bad)}' is not a safe name, so the revision is not read")
+        unsafe_part = next(filter(_BAD_PART.fullmatch, name.split("/")), None)
+        if unsafe_part is not None:
+            problem = f"{visible(revision)} holds a file '{visible(name)}'"
+            raise RevisionError(f"{problem}; '{visible(unsafe_part)}' is not a safe name, so the revision is not read")
 
 
 def _is_hidden(name: str) -> bool:
@@ -126,28 +126,28 @@ def _is_hidden(name: str) -> bool:
 def _neutral(names: Iterable[str], folder: Path) -> dict[str, Path]:
     """Return the path to write each file to. Files of one folder stay together."""
     folders: dict[str, Path] = {}
-    made: dict[str, Path] = {}
-    taken: set[str] = set()
+    paths: dict[str, Path] = {}
+    used_names: set[str] = set()
     for number, name in enumerate(names):
-        above, _, own = name.rpartition("/")
-        inside = folders.setdefault(above, folder / str(len(folders)))
-        is_kept = _PLAIN_NAME.fullmatch(own) and name.lower() not in taken
-        made[name] = inside / (own if is_kept else f"{number}.yaml")
-        taken.add(name.lower())
-    return made
+        parent, _, file_name = name.rpartition("/")
+        target_folder = folders.setdefault(parent, folder / str(len(folders)))
+        keeps_name = _PLAIN_NAME.fullmatch(file_name) and name.lower() not in used_names
+        paths[name] = target_folder / (file_name if keeps_name else f"{number}.yaml")
+        used_names.add(name.lower())
+    return paths
 
 
 def _commit(revision: str) -> str:
-    shown = visible(revision)
+    revision_text = visible(revision)
     if not revision or revision.startswith("-") or "\0" in revision:
-        raise RevisionError(f"'{shown}' is not a revision; write it like v1.0:specs/my_encoder.yaml")
+        raise RevisionError(f"'{revision_text}' is not a revision; write it like v1.0:specs/my_encoder.yaml")
     try:
-        found = _git(["rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}"])
+        commit = _git(["rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}"])
     except _Refused:
         names = _git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace").split("\n")
-        near = suggestion(revision, [name for name in names if name][:_MOST_FILES])
-        raise RevisionError(f"there is no revision '{shown}' in this repository{visible(near)}") from None
-    return found.decode().strip()
+        hint = suggestion(revision, [name for name in names if name][:_MOST_FILES])
+        raise RevisionError(f"there is no revision '{revision_text}' in this repository{visible(hint)}") from None
+    return commit.decode().strip()
 
 
 def _in_repository(place: Named) -> str:
@@ -164,44 +164,44 @@ def _in_repository(place: Named) -> str:
 
 def _entries(commit: str, path: str) -> dict[str, str]:
     """Return the regular files of a commit at or below a path, and the object of each."""
-    listed = _git(["ls-tree", "-r", "-z", "--full-tree", commit, *(["--", path] if path else [])])
-    found = {}
-    for entry in filter(None, listed.split(b"\0")):
-        head, _, name = entry.partition(b"\t")
+    listing = _git(["ls-tree", "-r", "-z", "--full-tree", commit, *(["--", path] if path else [])])
+    blobs = {}
+    for tree_line in filter(None, listing.split(b"\0")):
+        head, _, name = tree_line.partition(b"\t")
         mode, _, blob = head.decode().split(" ")
         text = os.fsdecode(name)
         if mode in (_FILE, _EXECUTABLE) and (path in ("", text) or text.startswith(f"{path}/")):
-            found[text] = blob
-    return found
+            blobs[text] = blob
+    return blobs
 
 
 def _refuse_large_files(place: Named, specs: Mapping[str, str]) -> None:
-    asked = ["cat-file", "--batch-check=%(objectname) %(objecttype) %(objectsize)"]
-    told = (line.split(" ") for line in _git(asked, specs.values()).decode().splitlines())
-    sizes = {line[0]: int(line[2]) for line in told if len(line) == 3 and line[1] == "blob"}
+    command = ["cat-file", "--batch-check=%(objectname) %(objecttype) %(objectsize)"]
+    replies = (line.split(" ") for line in _git(command, specs.values()).decode().splitlines())
+    sizes = {reply[0]: int(reply[2]) for reply in replies if len(reply) == 3 and reply[1] == "blob"}
     for name, blob in specs.items():
-        shown = f"{visible(place.revision)}:{visible(name)}"
+        file_text = f"{visible(place.revision)}:{visible(name)}"
         if blob not in sizes:
-            raise RevisionError(f"this repository lacks the content of {shown}; fetch it first")
+            raise RevisionError(f"this repository lacks the content of {file_text}; fetch it first")
         if sizes[blob] > MAX_BYTES:
-            wrong = f"{shown} is larger than {MAX_BYTES // 2**20} MB and cannot be a spec"
-            raise RevisionError(f"{wrong}; name the folder of the specs")
+            message = f"{file_text} is larger than {MAX_BYTES // 2**20} MB and cannot be a spec"
+            raise RevisionError(f"{message}; name the folder of the specs")
     if sum(sizes[blob] for blob in specs.values()) > _MOST_BYTES:
-        wrong = f"the YAML files of {visible(str(place))} exceed {_MOST_BYTES // 2**20} MB in total"
-        raise RevisionError(f"{wrong}; name the folder of the specs")
+        message = f"the YAML files of {visible(str(place))} exceed {_MOST_BYTES // 2**20} MB in total"
+        raise RevisionError(f"{message}; name the folder of the specs")
 
 
 def _contents(blobs: Iterable[str]) -> dict[str, bytes]:
     """Return the content of each blob. Their sizes have been checked."""
     printed = _git(["cat-file", "--batch"], blobs, most=2 * _MOST_BYTES)
-    found = {}
+    contents = {}
     start = 0
     while start < len(printed):
         head_end = printed.index(b"\n", start)
         blob, _, size = printed[start:head_end].decode().split(" ")
         start = head_end + 1 + int(size) + 1
-        found[blob] = printed[head_end + 1 : start - 1]
-    return found
+        contents[blob] = printed[head_end + 1 : start - 1]
+    return contents
 
 
 class _Refused(RevisionError):
@@ -215,15 +215,15 @@ def _git(arguments: Sequence[str], lines: Iterable[str] = (), most: int = _MOST_
         RevisionError: There is no git or no repository, or git takes too long or prints more than ``most`` bytes.
         _Refused: git fails.
     """
-    kept = {name: value for name, value in os.environ.items() if name != "GIT_LITERAL_PATHSPECS"}
+    environment = {name: value for name, value in os.environ.items() if name != "GIT_LITERAL_PATHSPECS"}
     command = ["git", "--no-pager", "--no-replace-objects", "--literal-pathspecs", *arguments]
     try:
-        with TemporaryFile() as given, TemporaryFile() as errors:
-            given.write("".join(f"{line}\n" for line in lines).encode())
-            given.seek(0)
-            code, printed = _run(command, given, errors, kept | _QUIET, most)
+        with TemporaryFile() as input_file, TemporaryFile() as errors:
+            input_file.write("".join(f"{line}\n" for line in lines).encode())
+            input_file.seek(0)
+            code, printed = _run(command, input_file, errors, environment | _QUIET, most)
             errors.seek(0)
-            said = visible(errors.read(4096).decode(errors="replace").strip().split("\n")[0])
+            error_text = visible(errors.read(4096).decode(errors="replace").strip().split("\n")[0])
     except RevisionError:
         raise
     except FileNotFoundError:
@@ -232,20 +232,20 @@ def _git(arguments: Sequence[str], lines: Iterable[str] = (), most: int = _MOST_
         raise RevisionError(f"cannot run git: {error}") from None
     if code == 0:
         return printed
-    if "not a git repository" in said:
+    if "not a git repository" in error_text:
         raise RevisionError("the current folder is not in a git repository, so there are no revisions to read")
-    raise _Refused(f"git failed: {said.removeprefix('fatal: ') or f'exit code {code}'}")
+    raise _Refused(f"git failed: {error_text.removeprefix('fatal: ') or f'exit code {code}'}")
 
 
 def _run(
-    command: Sequence[str], given: IO[bytes], errors: IO[bytes], environment: Mapping[str, str], most: int
+    command: Sequence[str], input_file: IO[bytes], errors: IO[bytes], environment: Mapping[str, str], most: int
 ) -> tuple[int, bytes]:
     """Run a command, and return its exit code and output.
 
     Raises:
         RevisionError: It takes too long, or prints more than ``most`` bytes.
     """
-    with subprocess.Popen(command, stdin=given, stdout=subprocess.PIPE, stderr=errors, env=environment) as running:
+    with subprocess.Popen(command, stdin=input_file, stdout=subprocess.PIPE, stderr=errors, env=environment) as running:
         late = Event()
         timer = Timer(_PATIENCE_S, _stop, (running, late))
         timer.start()

@@ -56,11 +56,11 @@ def _of_interface(device: Device, interface: Interface) -> Iterator[Sample]:
 
 def _most_shown(device: Device, interface: str) -> Variant | None:
     """Return the order code with the most examples that are used as printed, or the one with the finest resolution."""
-    examples = [item for item in device.examples if not isinstance(item, CrcExample)]
-    counted = Counter(example_variant(device, item).code for item in examples if not item.erratum)
+    examples = [example for example in device.examples if not isinstance(example, CrcExample)]
+    counted = Counter(example_variant(device, example).code for example in examples if not example.erratum)
     return max(
         device.variants_over(interface),
-        key=lambda item: (counted[item.code], sum(item.parameters.values())),
+        key=lambda variant: (counted[variant.code], sum(variant.parameters.values())),
         default=None,
     )
 
@@ -68,23 +68,24 @@ def _most_shown(device: Device, interface: str) -> Variant | None:
 def _sample(device: Device, variant: Variant, layout: Layout) -> Sample:
     """Return a frame with the position of a worked example if there is one, or else with made-up values only."""
     placed = layout.place(variant.parameters)
-    values = {item.name: _value(item.field, item.width, layout) for item in placed.fields if item.field.carries_data}
+    data_fields = [placed_field for placed_field in placed.fields if placed_field.field.carries_data]
+    values = {field.name: _value(field.field, field.width, layout) for field in data_fields}
     measurement = device.measurement_of(variant.interface)
-    worked = (item for item in device.examples if isinstance(item, MeasureExample))
-    measured = next((item for item in worked if example_variant(device, item) == variant), None)
+    worked = (example for example in device.examples if isinstance(example, MeasureExample))
+    measured = next((example for example in worked if example_variant(device, example) == variant), None)
     if measurement is not None and measured is not None and measurement.of in layout.member_names:
         parts = layout.names_in(measurement.of)
-        others = {name: value for name, value in values.items() if name not in parts}
+        other_values = {name: value for name, value in values.items() if name not in parts}
         with suppress(codec.EncodeError):  # a position that does not fit
-            return _encoded(device, placed, variant, {**others, measurement.of: measured.counts}, measured.source)
+            return _encoded(device, placed, variant, {**other_values, measurement.of: measured.counts}, measured.source)
     return _encoded(device, placed, variant, values)
 
 
-def _value(item: Field, width: int, layout: Layout) -> int | str | bool:
+def _value(field: Field, width: int, layout: Layout) -> int | str | bool:
     """Return an invented value for a field."""
-    if item.name == layout.selector:
+    if field.name == layout.selector:
         return layout.selects[0]
-    match item.kind:
+    match field.kind:
         case Number(power_of_two=True):
             return 1 << width // 2
         case Number(signed=signed, zero_means=zero_means):
@@ -99,7 +100,7 @@ def _value(item: Field, width: int, layout: Layout) -> int | str | bool:
         case Text():
             return "A" * (width // 8)
         case Constant() | Unused() | CrcValue() | Parity():
-            raise codec.EncodeError(f"'{item.name}' carries no data")
+            raise codec.EncodeError(f"'{field.name}' carries no data")
         case kind:
             assert_never(kind)
 
@@ -113,7 +114,7 @@ def _encoded(device: Device, placed: PlacedLayout, variant: Variant, values: Val
     number = codec.encode(device, placed, values)
     plain = codec.from_gray(placed, number)
     flags = placed.layout.spoiling_flags
-    fields = {item.name: values[item.name] for item in placed.fields if item.name in values}
+    fields = {field.name: values[field.name] for field in placed.fields if field.name in values}
     return Sample(
         order_code=variant.code,
         layout=placed.layout.name,

@@ -18,8 +18,5 @@ def packaged_masters() -> Path:
 
 def packaged_families() -> list[Path]:
     """Return the folders of the families that ship with the tool, one for each manufacturer."""
-    return sorted(
-        path
-        for path in packaged_specs().iterdir()
-        if path.is_dir() and path != packaged_masters() and any(path.glob("*.yaml"))
-    )
+    folders = [path for path in packaged_specs().iterdir() if path.is_dir() and path != packaged_masters()]
+    return sorted(folder for folder in folders if any(folder.glob("*.yaml")))

@@ -21,18 +21,18 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
     for register in device.registers_over(interface.name):
         for name, bits in _widths(device, interface, set(_frames(interface, register))):
             if (bits + 7) // 8 != register.length:
-                has = f"'{register.name}' has {counted(register.length, 'byte')}"
-                wrong = f"{has}, but '{_DATA}' in '{name}' has {counted(bits, 'bit')}"
-                way = "correct 'length', or describe each part as a register"
-                report.add("width-mismatch", ("registers", register.name, "length"), f"{wrong}; {way}")
+                register_text = f"'{register.name}' has {counted(register.length, 'byte')}"
+                message = f"{register_text}, but '{_DATA}' in '{name}' has {counted(bits, 'bit')}"
+                remedy = "correct 'length', or describe each part as a register"
+                report.add("width-mismatch", ("registers", register.name, "length"), f"{message}; {remedy}")
                 break
 
 
 def _frames(interface: Spi, register: Register) -> Iterator[str]:
     """Yield the names of the frames that carry the value of a register."""
-    for item in interface.exchanges:
-        if (item.purpose == "read" and register.readable) or (item.purpose == "write" and register.writable):
-            yield from (item.request, item.reply)
+    for exchange in interface.exchanges:
+        if (exchange.purpose == "read" and register.readable) or (exchange.purpose == "write" and register.writable):
+            yield from (exchange.request, exchange.reply)
 
 
 def _widths(device: Device, interface: Spi, frames: Collection[str]) -> Iterator[tuple[str, int]]:

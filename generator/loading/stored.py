@@ -39,20 +39,28 @@ _MODULES: tuple[ModuleType, ...] = (
     *(by_hand, device, examples, expressions, facts, kinds, layout, limits, measurement, only, scale, steps),
     *(biss, common, rs485, spi, ssi),
 )
-_CLASSES: tuple[type, ...] = tuple(
-    item
-    for module in _MODULES
-    for item in vars(module).values()
-    if isinstance(item, type) and item.__module__ == module.__name__ and dataclasses.is_dataclass(item)
-)
-_ENUMS: tuple[type[Enum], ...] = tuple(
-    item
-    for module in _MODULES
-    for item in vars(module).values()
-    if isinstance(item, type) and item.__module__ == module.__name__ and issubclass(item, Enum)
-)
-_NAMES = tuple(tuple(item.name for item in dataclasses.fields(kind)) for kind in _CLASSES)
-_BY_KEYWORD = tuple(any(item.kw_only for item in dataclasses.fields(kind)) for kind in _CLASSES)
+
+
+def _types_in(module: ModuleType) -> list[type]:
+    """Return the classes that a module defines itself."""
+    values = vars(module).values()
+    return [value for value in values if isinstance(value, type) and value.__module__ == module.__name__]
+
+
+def _member_names(kind: type) -> tuple[str, ...]:
+    return tuple(member.name for member in dataclasses.fields(kind))
+
+
+def _has_keywords(kind: type) -> bool:
+    """Return True if a class must be called with keywords."""
+    return any(member.kw_only for member in dataclasses.fields(kind))
+
+
+_TYPES = tuple(kind for module in _MODULES for kind in _types_in(module))
+_CLASSES: tuple[type, ...] = tuple(kind for kind in _TYPES if dataclasses.is_dataclass(kind))
+_ENUMS: tuple[type[Enum], ...] = tuple(kind for kind in _TYPES if issubclass(kind, Enum))
+_NAMES = tuple(map(_member_names, _CLASSES))
+_BY_KEYWORD = tuple(map(_has_keywords, _CLASSES))
 _INDEX = {kind: index for index, kind in enumerate(_CLASSES)}
 _MAP, _OBJECT, _ENUM, _BYTES = "m", "o", "e", "b"
 
@@ -64,9 +72,9 @@ class NotStorable(Exception):
 def kept(cache: Cache, content: Sequence[bytes | str]) -> tuple[model.Device, str] | None:
     """Return the device that ``keep`` stored for files with this content, and its digest, or None."""
     with suppress(NotStorable):
-        found = cache.get("family", content)
-        if isinstance(found, list) and len(found) == 2 and isinstance(found[0], str):
-            return from_data(found[1]), found[0]
+        stored = cache.get("family", content)
+        if isinstance(stored, list) and len(stored) == 2 and isinstance(stored[0], str):
+            return from_data(stored[1]), stored[0]
     return None
 
 
@@ -96,14 +104,14 @@ def _digest(rows: list[Any]) -> str:
     return hashlib.sha256(json.dumps(rows, separators=(",", ":")).encode()).hexdigest()
 
 
-def as_data(item: model.Device) -> list[Any]:
+def as_data(device: model.Device) -> list[Any]:
     """Return a device as data that JSON can express.
 
     Raises:
         NotStorable: A member has a type that models did not have so far.
     """
     rows: list[Any] = []
-    known: dict[int, int] = {}
+    row_by_id: dict[int, int] = {}
 
     def put(value: Any) -> Any:
         kind = type(value)
@@ -114,18 +122,18 @@ def as_data(item: model.Device) -> list[Any]:
         if kind is tuple:
             return [put(part) for part in value]
         if kind in _INDEX:
-            if id(value) not in known:
+            if id(value) not in row_by_id:
                 index = _INDEX[kind]
                 rows.append([index, *(put(getattr(value, name)) for name in _NAMES[index])])
-                known[id(value)] = len(rows) - 1
-            return {_OBJECT: known[id(value)]}
+                row_by_id[id(value)] = len(rows) - 1
+            return {_OBJECT: row_by_id[id(value)]}
         if isinstance(value, Enum) and kind in _ENUMS:
             return {_ENUM: [_ENUMS.index(kind), value.name]}
         if isinstance(value, Mapping):
-            return {_MAP: [[put(key), put(part)] for key, part in value.items()], "f": kind is MappingProxyType}
+            return {_MAP: [[put(key), put(member)] for key, member in value.items()], "f": kind is MappingProxyType}
         raise NotStorable(kind.__name__)
 
-    put(item)
+    put(device)
     return rows
 
 
@@ -136,33 +144,33 @@ def from_data(rows: Any) -> model.Device:
         NotStorable: The data does not describe a device.
     """
     built: list[Any] = []
-
-    def get(value: Any) -> Any:
-        if isinstance(value, list):
-            return tuple([get(part) for part in value])
-        if not isinstance(value, dict):
-            return value
-        if _OBJECT in value:
-            return built[value[_OBJECT]]
-        if _ENUM in value:
-            index, name = value[_ENUM]
-            return _ENUMS[index][name]
-        if _BYTES in value:
-            return bytes.fromhex(value[_BYTES])
-        found = {get(key): get(part) for key, part in value[_MAP]}
-        return MappingProxyType(found) if value["f"] else found
-
     try:
-        for row in rows:
-            index, *parts = row
-            kind, values = _CLASSES[index], [get(part) for part in parts]
+        for index, *parts in rows:
+            kind, values = _CLASSES[index], [_rebuilt(part, built) for part in parts]
             members = dict(zip(_NAMES[index], values, strict=True))
             if not members_fit(kind, values):
                 raise NotStorable(f"members of {kind.__name__}")
             built.append(kind(**members) if _BY_KEYWORD[index] else kind(*values))
-        found = built[-1]
+        device = built[-1]
     except (LookupError, TypeError, ValueError, AttributeError, RecursionError) as error:
         raise NotStorable(str(error)) from None
-    if not isinstance(found, model.Device):
-        raise NotStorable(type(found).__name__)
-    return found
+    if not isinstance(device, model.Device):
+        raise NotStorable(type(device).__name__)
+    return device
+
+
+def _rebuilt(value: Any, built: Sequence[Any]) -> Any:
+    """Return the value of a member, which may refer to objects that were built before."""
+    if isinstance(value, list):
+        return tuple([_rebuilt(member, built) for member in value])
+    if not isinstance(value, dict):
+        return value
+    if _OBJECT in value:
+        return built[value[_OBJECT]]
+    if _ENUM in value:
+        index, name = value[_ENUM]
+        return _ENUMS[index][name]
+    if _BYTES in value:
+        return bytes.fromhex(value[_BYTES])
+    mapping = {_rebuilt(key, built): _rebuilt(member, built) for key, member in value[_MAP]}
+    return MappingProxyType(mapping) if value["f"] else mapping

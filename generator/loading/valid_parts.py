@@ -54,16 +54,16 @@ class Sound:
             case CrcExample():
                 return self.is_sound("crcs", example.crc)
             case FrameExample():
-                found = self.is_sound("layouts", example.layout) if example.bits else self.has_frames
+                is_valid = self.is_sound("layouts", example.layout) if example.bits else self.has_frames
             case RegisterExample():
-                found = self.is_sound("registers", example.register)
+                is_valid = self.is_sound("registers", example.register)
             case ProcedureExample():
-                found = self.is_sound("procedures", example.procedure)
+                is_valid = self.is_sound("procedures", example.procedure)
             case MeasureExample():
-                found = "measurement" not in {step for place in self.places for step in place}
+                is_valid = "measurement" not in {step for place in self.places for step in place}
             case _:
                 assert_never(example)
-        return found and self.has_codes
+        return is_valid and self.has_codes
 
 
 def sound_so_far(report: DocumentReport) -> Sound:
@@ -75,37 +75,37 @@ def sound_so_far(report: DocumentReport) -> Sound:
 def sound(data: Spec, faults: Iterable[Path]) -> Sound:
     """Return the validity of the parts of a spec as read, given its faulty places."""
     places = frozenset(fault[:end] for fault in faults for end in range(1, len(fault) + 1))
-    found: set[Item] = set()
+    faulty: set[Item] = set()
     for kind in ("crcs", "examples"):
-        found |= {(kind, _name(item)) for path, item in items(data, kind) if path in places}
+        faulty |= {(kind, _name(owner)) for path, owner in items(data, kind) if path in places}
     for fields in field_lists(data):  # Groups come first, because the others may use them.
-        used = ((kind, _text(field, key)) for _, field in fields for key, kind in _MADE_OF)
-        if fields.path in places or any(item in found for item in used):
-            found.add((fields.kind.value, _name(fields.owner)))
-    found |= {("registers", _name(item)) for path, item in items(data, "registers") if path in places}
+        references = ((kind, _text(field, key)) for _, field in fields for key, kind in _MADE_OF)
+        if fields.path in places or any(reference in faulty for reference in references):
+            faulty.add((fields.kind.value, _name(fields.owner)))
+    faulty |= {("registers", _name(register)) for path, register in items(data, "registers") if path in places}
     for interface in mapping(data, "interfaces"):
-        listed = items(data, "interfaces", interface, "data_ids")
-        found |= {("data_ids", _name(item)) for path, item in listed if path in places}
-    for path, item in items(data, "procedures"):
-        if path in places or _rests_on(item, found):
-            found.add(("procedures", _name(item)))
-    return Sound(places, frozenset(found))
+        data_ids = items(data, "interfaces", interface, "data_ids")
+        faulty |= {("data_ids", _name(data_id)) for path, data_id in data_ids if path in places}
+    for path, procedure in items(data, "procedures"):
+        if path in places or _rests_on(procedure, faulty):
+            faulty.add(("procedures", _name(procedure)))
+    return Sound(places, frozenset(faulty))
 
 
 _MADE_OF = (("use", "field_groups"), ("crc", "crcs"))
 
 
-def _rests_on(procedure: Spec, found: set[Item]) -> bool:
-    used = [("registers", _text(step, "register")) for _, step in items(procedure, "steps")]
-    used += [("data_ids", _text(step, "data_id")) for _, step in items(procedure, "steps")]
-    used += [("registers", _text(argument, "of")) for _, argument in items(procedure, "arguments")]
-    return any(item in found for item in used)
+def _rests_on(procedure: Spec, faulty: set[Item]) -> bool:
+    references = [("registers", _text(step, "register")) for _, step in items(procedure, "steps")]
+    references += [("data_ids", _text(step, "data_id")) for _, step in items(procedure, "steps")]
+    references += [("registers", _text(argument, "of")) for _, argument in items(procedure, "arguments")]
+    return any(reference in faulty for reference in references)
 
 
-def _name(item: Spec) -> str:
-    return _text(item, "name") or "?"  # No name, so nothing refers to it.
+def _name(definition: Spec) -> str:
+    return _text(definition, "name") or "?"  # No name, so nothing refers to it.
 
 
-def _text(item: Spec, key: str) -> str:
-    found = item.get(key)
-    return found if isinstance(found, str) else ""
+def _text(definition: Spec, key: str) -> str:
+    text = definition.get(key)
+    return text if isinstance(text, str) else ""

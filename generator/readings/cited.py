@@ -30,30 +30,31 @@ _COMMA = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
 
 def numbers_in(text: str) -> str:
     """Return the numbers in a text, each with its unit, in their order. Empty if there is none."""
-    found = (item.rstrip(".,-").replace(" ", "").lstrip("+") for item in _NUMBER.findall(_COMMA.sub("", text)))
-    return " ".join(found).replace("−", "-")
+    numbers = (match.rstrip(".,-").replace(" ", "").lstrip("+") for match in _NUMBER.findall(_COMMA.sub("", text)))
+    return " ".join(numbers).replace("−", "-")
 
 
 def contents(reading: Reading) -> Iterator[Fact]:
     """Yield the page of every section and entry in the table of contents."""
-    for section, item in reading.document.data["manual"].get("contents", {}).items():
+    for section, section_contents in reading.document.data["manual"].get("contents", {}).items():
         place: Path = ("manual", "contents", section)
-        pages = {(*place, "page"): item.get("page")} | {
-            (*place, "entries", name): page for name, page in item.get("entries", {}).items()
-        }
-        for where, page in pages.items():
+        pages = {(*place, "page"): section_contents.get("page")}
+        pages |= {(*place, "entries", name): page for name, page in section_contents.get("entries", {}).items()}
+        for path, page in pages.items():
             if page is not None:
-                what = f"page of {'.'.join(map(str, where[2:]))} in the contents"
-                yield Fact(Sort.CONTENTS, ("contents", *where), str(page), what, where)
+                description = f"page of {'.'.join(map(str, path[2:]))} in the contents"
+                yield Fact(Sort.CONTENTS, ("contents", *path), str(page), description, path)
 
 
 def texts(reading: Reading) -> Iterator[Fact]:
     """Yield the numbers in every text, and the sections that every source cites."""
     for place, text in _texts((), reading.document.data):
         if value := _compared(place[-1], text):
-            is_source, where = _is_source(place[-1]), ".".join(map(str, place))
-            key, what = (CITED, "section cited at") if is_source else (NUMBERS, "numbers in")
-            yield Fact(Sort.SECTION if is_source else Sort.TEXT, (key, *place), value, f"{what} {where}", place)
+            is_source, path_text = _is_source(place[-1]), ".".join(map(str, place))
+            key, description = (CITED, "section cited at") if is_source else (NUMBERS, "numbers in")
+            yield Fact(
+                Sort.SECTION if is_source else Sort.TEXT, (key, *place), value, f"{description} {path_text}", place
+            )
 
 
 def _is_source(key: str | int) -> bool:
@@ -64,32 +65,32 @@ def _compared(key: str | int, text: str) -> str:
     """Return what is compared of a text: its numbers, or the sections of the manual itself that a source cites."""
     if not _is_source(key):
         return numbers_in(text)
-    return ", ".join(sorted({item.section for item in parse_sources(text) if not item.document and item.section}))
+    return ", ".join(sorted({cited.section for cited in parse_sources(text) if not cited.document and cited.section}))
 
 
 def by_path(reading: Reading) -> dict[str, tuple[str, Path]]:
     """Return what a second reading gives for texts and sources by their paths, with the places there."""
-    found = reading.document.data.get("found", {})
-    return {path: (_compared(path.rpartition(".")[2], text), ("found", path)) for path, text in found.items()}
+    texts_by_path = reading.document.data.get("found", {})
+    return {path: (_compared(path.rpartition(".")[2], text), ("found", path)) for path, text in texts_by_path.items()}
 
 
 def sections_by_path(reading: Reading) -> dict[str, list[str]]:
     """Return the sections that a second reading gives for everything under a path."""
-    found: dict[str, list[str]] = {}
+    cited_sections: dict[str, list[str]] = {}
     for section, paths in reading.document.data.get("sections", {}).items():
         for path in paths:
-            found.setdefault(path, []).append(section)
-    return found
+            cited_sections.setdefault(path, []).append(section)
+    return cited_sections
 
 
 def _texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
     """Yield every text and source, with its place by names."""
     if isinstance(node, dict):
-        for key, item in node.items():
+        for key, value in node.items():
             if (*place, key) not in _WITHOUT:
-                yield from _texts((*place, key), item)
+                yield from _texts((*place, key), value)
     elif isinstance(node, list):
-        for index, item in enumerate(node):
-            yield from _texts((*place, label_of(item) or index), item)
+        for index, value in enumerate(node):
+            yield from _texts((*place, label_of(value) or index), value)
     elif isinstance(node, str) and (place[-1] in _TEXTS or (place[0], place[-1]) == ("characteristics", "value")):
         yield place, node

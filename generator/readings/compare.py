@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import partial
@@ -67,44 +67,48 @@ class Comparison:
         key = sort, place
         self.read[key] = max(read, self.read.get(key, Read.TWICE))
 
-    def differ(self, found: Disagreement) -> None:
+    def differ(self, disagreement: Disagreement) -> None:
         """Add a disagreement, once."""
-        if found.place:
-            self.note(found.sort, found.place, Read.OTHERWISE)
-        if found not in self.disagreements:
-            self.disagreements.append(found)
+        if disagreement.place:
+            self.note(disagreement.sort, disagreement.place, Read.OTHERWISE)
+        if disagreement not in self.disagreements:
+            self.disagreements.append(disagreement)
 
 
 def compare(spec: Facts, second: Facts) -> Comparison:
     """Compare the facts of a spec with those of its second reading."""
-    made = Comparison(settled=are_settled(spec, second))
-    near = partial(_near, made, spec, second)
-    facts = _compare_facts(made, spec.facts, second.facts | dict(_by_path(spec, second)), near)
-    for found in chain(facts, _codes_differ(spec, second), _compare_names(made, spec.names, second.names)):
-        made.differ(found)
+    comparison = Comparison(settled=are_settled(spec, second))
+    near = partial(_near, comparison, spec, second)
+    differences = _compare_facts(comparison, spec.facts, second.facts | dict(_by_path(spec, second)), near)
+    for disagreement in chain(
+        differences, _codes_differ(spec, second), _compare_names(comparison, spec.names, second.names)
+    ):
+        comparison.differ(disagreement)
     for key, word in spec.words.items():
-        orders = {str(fact.value) for each in (spec, second) if (fact := each.facts.get((*key, "order")))}
+        facts_on_order = [facts.get((*key, "order")) for facts in (spec.facts, second.facts)]
+        orders = {str(fact.value) for fact in facts_on_order if fact is not None}
         # Of frames with different byte orders, only that is reported.
         if len(orders) < 2:
-            _compare_words(made, word, second.words.get(key))
-    _mark(made, spec, second)
-    return made
+            _compare_words(comparison, word, second.words.get(key))
+    _mark(comparison, spec, second)
+    return comparison
 
 
-def _near(made: Comparison, spec: Facts, second: Facts, fact: Fact) -> Path | None:
+def _near(comparison: Comparison, spec: Facts, second: Facts, fact: Fact) -> Path | None:
     """Return the place where the spec would state a fact of the second reading, or None if the spec may lack it.
 
     This is its subject, or the only item of the same kind that the second reading lacks, or the list of such items.
     """
     # Missing order codes are reported together.
-    if fact.key[0] == "code" or (fact.mild and not (made.settled and fact.key[0] in _OWN)):
+    if fact.key[0] == "code" or (fact.mild and not (comparison.settled and fact.key[0] in _OWN)):
         return None
     if fact.under:
         # If the subject is missing, only that is reported.
         return spec.facts[fact.under].place if fact.under in spec.facts else None
-    alike = (item for key, item in spec.facts.items() if item.sort is fact.sort and key[:2] == fact.key[:2])
-    alone = [item for item in alike if not item.under and item.key not in second.facts]
-    return alone[0].place if len(alone) == 1 else _container(fact.place)
+    same_kind = (candidate for key, candidate in spec.facts.items() if key[:2] == fact.key[:2])
+    similar = (candidate for candidate in same_kind if candidate.sort is fact.sort)
+    candidates = [candidate for candidate in similar if not candidate.under and candidate.key not in second.facts]
+    return candidates[0].place if len(candidates) == 1 else _container(fact.place)
 
 
 def _container(place: Path) -> Path:
@@ -118,12 +122,12 @@ def _by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
     """Yield the facts that the second reading gives by paths: numbers in texts, and sections."""
     paths = {_dotted(fact.place): fact for fact in spec.facts.values() if fact.sort in _WORDS}
     for path, (value, place) in second.found.items():
-        own = paths.get(path) or Fact(Sort.TEXT, (NUMBERS, path), "", f"numbers in {path}", ())
-        yield own.key, replace(own, value=value, place=place)
+        spec_fact = paths.get(path) or Fact(Sort.TEXT, (NUMBERS, path), "", f"numbers in {path}", ())
+        yield spec_fact.key, replace(spec_fact, value=value, place=place)
     for key, fact in spec.facts.items():
         if fact.sort is Sort.SECTION and _dotted(fact.place) not in second.found:
-            around = (_dotted(fact.place[:end]) for end in range(len(fact.place), 0, -1))
-            if sections := next((second.sections[path] for path in around if path in second.sections), None):
+            enclosing_paths = (_dotted(fact.place[:end]) for end in range(len(fact.place), 0, -1))
+            if sections := next((second.sections[path] for path in enclosing_paths if path in second.sections), None):
                 yield key, replace(fact, value=", ".join(sorted(sections)), place=("sections", sections[0]))
 
 
@@ -131,33 +135,40 @@ def _dotted(place: Path) -> str:
     return ".".join(map(str, place))
 
 
-def _mark(made: Comparison, spec: Facts, second: Facts) -> None:
+def _mark(comparison: Comparison, spec: Facts, second: Facts) -> None:
     """Count facts that no manual prints as decided, and texts of which only a name was compared as read once."""
-    for (sort, place), read in made.read.items():
+    for (sort, place), read in comparison.read.items():
         path = _dotted(place)
         if read is not Read.TWICE:
             continue
         is_name = sort is Sort.CHARACTERISTIC and len(place) == 2 and (NUMBERS, *place, "value") not in spec.facts
         if is_name or (sort in _WORDS and path in second.found):
-            made.read[sort, place] = Read.ONCE
-        elif sort not in _WORDS and any(
-            sort.value == item or f"{path}.".startswith(f"{item}.") for item in second.decided
-        ):
-            made.read[sort, place] = Read.DECIDED
+            comparison.read[sort, place] = Read.ONCE
+        elif sort not in _WORDS and _is_decided(sort, path, second.decided):
+            comparison.read[sort, place] = Read.DECIDED
+
+
+def _is_decided(sort: Sort, path: str, decided: Sequence[str]) -> bool:
+    """Return True if ``decided`` contains the class of a fact, its path or a path above it."""
+    return sort.value in decided or any(f"{path}.".startswith(f"{decided_path}.") for decided_path in decided)
+
+
+def _codes_of(facts: Facts) -> dict[Key, Fact]:
+    return {key: fact for key, fact in facts.facts.items() if key[0] == "code"}
 
 
 def _codes_differ(spec: Facts, second: Facts) -> Iterator[Disagreement]:
     """Yield one disagreement for all order codes that only the spec has, and one for those that it lacks."""
-    own, other = ({key: item for key, item in each.facts.items() if key[0] == "code"} for each in (spec, second))
-    for mine, theirs in ((own, other), (other, own)):
-        alone = [fact for key, fact in mine.items() if key not in theirs]
-        if alone and theirs:
-            fact, known = alone[0], next(iter(theirs.values()))
-            what = fact.what + (f" and of {len(alone) - 1} more" if len(alone) > 1 else "")
-            if mine is own:
-                yield Disagreement(fact.sort, what, _shown(fact.value), NOTHING, fact.place, known.place)
+    spec_codes, second_codes = _codes_of(spec), _codes_of(second)
+    for codes, other_codes in ((spec_codes, second_codes), (second_codes, spec_codes)):
+        missing = [fact for key, fact in codes.items() if key not in other_codes]
+        if missing and other_codes:
+            fact, known_fact = missing[0], next(iter(other_codes.values()))
+            description = fact.what + (f" and of {len(missing) - 1} more" if len(missing) > 1 else "")
+            if codes is spec_codes:
+                yield Disagreement(fact.sort, description, _shown(fact.value), NOTHING, fact.place, known_fact.place)
             else:
-                yield _lacking(replace(fact, what=what), known.place)
+                yield _lacking(replace(fact, what=description), known_fact.place)
 
 
 def _lacking(fact: Fact, near: Path) -> Disagreement:
@@ -165,10 +176,19 @@ def _lacking(fact: Fact, near: Path) -> Disagreement:
     return Disagreement(fact.sort, fact.what, NOTHING, _shown(fact.value), (), fact.place, near)
 
 
-def _compare_names(made: Comparison, spec: Mapping[Key, Names], second: Mapping[Key, Names]) -> Iterator[Disagreement]:
+def _compare_names(
+    comparison: Comparison, spec: Mapping[Key, Names], second: Mapping[Key, Names]
+) -> Iterator[Disagreement]:
     for kind, names in spec.items():
-        for own, other in mistaken(names, second.get(kind, {}), made.settled):
-            yield Disagreement(own.sort, own.what, f"'{own.value}'", f"'{other.value}'", own.place, other.place)
+        for own_name, other_name in mistaken(names, second.get(kind, {}), comparison.settled):
+            yield Disagreement(
+                own_name.sort,
+                own_name.what,
+                f"'{own_name.value}'",
+                f"'{other_name.value}'",
+                own_name.place,
+                other_name.place,
+            )
 
 
 def _shown(value: Value) -> str:
@@ -177,120 +197,139 @@ def _shown(value: Value) -> str:
 
 def _everywhere(value: Value) -> Value:
     """Return the common value if all cases have the same one, otherwise all values."""
-    found = {value} if isinstance(value, str) else set(value.values())
-    return found.pop() if len(found) == 1 else value
+    distinct = {value} if isinstance(value, str) else set(value.values())
+    return distinct.pop() if len(distinct) == 1 else value
 
 
 def _compare_facts(
-    made: Comparison, own: Mapping[Key, Fact], other: Mapping[Key, Fact], near: Callable[[Fact], Path | None]
+    comparison: Comparison,
+    own_facts: Mapping[Key, Fact],
+    other_facts: Mapping[Key, Fact],
+    near: Callable[[Fact], Path | None],
 ) -> Iterator[Disagreement]:
     """Compare facts by their keys. ``near`` returns the place of one that the spec lacks, or None if it may do so."""
-    for key, theirs, fact in by_key(other, own):
+    for key, other_fact, fact in by_key(other_facts, own_facts):
         if fact is not None and not fact.implied:
-            if theirs is not None:
-                yield from _compare_values(made, fact, theirs)
+            if other_fact is not None:
+                yield from _compare_values(comparison, fact, other_fact)
             elif key[0] not in _OWN:
-                made.note(fact.sort, fact.place, Read.ONCE)
-        elif theirs is not None and not theirs.implied:
-            place = near(theirs) if fact is None else fact.place
+                comparison.note(fact.sort, fact.place, Read.ONCE)
+        elif other_fact is not None and not other_fact.implied:
+            place = near(other_fact) if fact is None else fact.place
             if place is not None:
-                yield _lacking(theirs, place)
+                yield _lacking(other_fact, place)
 
 
-def _compare_values(made: Comparison, fact: Fact, other: Fact) -> Iterator[Disagreement]:
-    own, theirs = _everywhere(fact.value), _everywhere(other.value)
-    places = fact.place, other.place
-    if isinstance(own, str) or isinstance(theirs, str):
-        values = _shown(own), _shown(theirs)
-        if own == theirs or (fact.sort is Sort.PRINTED and same_name(*values)):
-            made.note(fact.sort, fact.place, Read.TWICE)
+def _compare_values(comparison: Comparison, fact: Fact, other_fact: Fact) -> Iterator[Disagreement]:
+    own_value, other_value = _everywhere(fact.value), _everywhere(other_fact.value)
+    places = fact.place, other_fact.place
+    if isinstance(own_value, str) or isinstance(other_value, str):
+        values = _shown(own_value), _shown(other_value)
+        if own_value == other_value or (fact.sort is Sort.PRINTED and same_name(*values)):
+            comparison.note(fact.sort, fact.place, Read.TWICE)
         else:
             yield Disagreement(fact.sort, fact.what, *values, *places)
         return
-    common = [case for case in own if case in theirs]
-    missing = [case for case in own if case not in theirs and not (case[1] and own[case] == own.get((case[0], "")))]
-    wrong = [case for case in common if own[case] != theirs[case]]
-    if wrong:
-        values = own[wrong[0]], theirs[wrong[0]]
-        yield Disagreement(fact.sort, fact.what + _with(wrong), *values, *places)
-    made.note(fact.sort, fact.place, Read.ONCE if missing else Read.TWICE)
+    common = [case for case in own_value if case in other_value]
+    missing = [case for case in own_value if case not in other_value and not _is_default(own_value, case)]
+    differing = [case for case in common if own_value[case] != other_value[case]]
+    if differing:
+        values = own_value[differing[0]], other_value[differing[0]]
+        yield Disagreement(fact.sort, fact.what + _with(differing), *values, *places)
+    comparison.note(fact.sort, fact.place, Read.ONCE if missing else Read.TWICE)
+
+
+def _is_default(value: Mapping[Case, str], case: Case) -> bool:
+    """Return True if a fact has the same value in a state of the registers as with the factory defaults."""
+    code, state = case
+    return state != "" and value[case] == value.get((code, ""))
 
 
 def _with(cases: list[Case]) -> str:
     """Return the text on the order codes and the state of the registers."""
     state = cases[0][1]
-    held = f" while {state}" if state else ""
+    while_text = f" while {state}" if state else ""
     codes = dict.fromkeys(code for code, _ in cases)
-    return f", for {first_of([*codes], 1)}{held}"
+    return f", for {first_of([*codes], 1)}{while_text}"
 
 
-def _compare_words(made: Comparison, word: Word, other: Word | None) -> None:
+def _compare_words(comparison: Comparison, word: Word, other_word: Word | None) -> None:
     """Compare a frame or register in every case. Each difference is reported for the first case that shows it."""
-    others = other.cases if other is not None else {}
-    whole = other.everywhere if other is not None and word.everywhere is not None else None
-    alike: dict[tuple[int, int], list[Disagreement]] = {}
+    other_cases = other_word.cases if other_word is not None else {}
+    placed_everywhere = other_word.everywhere if other_word is not None and word.everywhere is not None else None
+    disagreements_by_pair: dict[tuple[int, int], list[Disagreement]] = {}
     # A disagreement is the same in other cases if it has the same places, class, and number among those with these.
-    told: dict[tuple[Path, Path, Sort, int], tuple[Disagreement, list[Case]]] = {}
+    first_cases: dict[tuple[Path, Path, Sort, int], tuple[Disagreement, list[Case]]] = {}
     for case, placed in word.cases.items():
-        theirs = whole or others.get(case)
-        if theirs is None:
+        other_placed = placed_everywhere or other_cases.get(case)
+        if other_placed is None:
             if not case[1] or placed is not word.cases.get((case[0], "")):
-                _note_all(made, placed)
+                _note_all(comparison, placed)
             continue
-        same = id(placed), id(theirs)
-        if same not in alike:
-            alike[same] = list(_in_case(made, word, placed, theirs))
+        pair = id(placed), id(other_placed)
+        if pair not in disagreements_by_pair:
+            disagreements_by_pair[pair] = list(_in_case(comparison, word, placed, other_placed))
         counts: Counter[tuple[Path, Path, Sort]] = Counter()
-        for found in alike[same]:
-            kind = found.place, found.second, found.sort
+        for disagreement in disagreements_by_pair[pair]:
+            kind = disagreement.place, disagreement.second, disagreement.sort
             counts[kind] += 1
-            told.setdefault((*kind, counts[kind]), (found, []))[1].append(case)
-    for found, cases in told.values():
+            first_cases.setdefault((*kind, counts[kind]), (disagreement, []))[1].append(case)
+    for disagreement, cases in first_cases.values():
         is_everywhere = len(cases) == len(word.cases)
-        made.differ(found if is_everywhere else replace(found, what=found.what + _with(cases)))
+        comparison.differ(
+            disagreement if is_everywhere else replace(disagreement, what=disagreement.what + _with(cases))
+        )
 
 
-def _note_all(made: Comparison, placed: Placed) -> None:
+def _note_all(comparison: Comparison, placed: Placed) -> None:
     for bit in placed.bits:
-        made.note(Sort.POSITION, bit.place, Read.ONCE)
+        comparison.note(Sort.POSITION, bit.place, Read.ONCE)
     for properties in placed.fields.values():
         for fact in properties.values():
-            made.note(fact.sort, fact.place, Read.ONCE)
+            comparison.note(fact.sort, fact.place, Read.ONCE)
 
 
-def _in_case(made: Comparison, word: Word, own: Placed, other: Placed) -> Iterator[Disagreement]:
+def _in_case(comparison: Comparison, word: Word, own_placed: Placed, other_placed: Placed) -> Iterator[Disagreement]:
     """Yield the differences in one case. Different lengths are reported with the other facts."""
-    if len(own.bits) != len(other.bits):
+    if len(own_placed.bits) != len(other_placed.bits):
         return
-    for high, low in _runs(own.bits, other.bits):
-        mine, theirs = own.bits[low : high + 1][::-1], other.bits[low : high + 1][::-1]
-        what = f"{bits(high, low)} of {word.what}"
-        yield Disagreement(Sort.POSITION, what, run(mine), run(theirs), mine[0].place, theirs[0].place)
-    for one, two in zip(own.bits, other.bits, strict=True):
-        if _alike(one, two):
-            made.note(Sort.POSITION, one.place, Read.TWICE)
-    for span, properties in own.fields.items():
+    for high, low in _runs(own_placed.bits, other_placed.bits):
+        own_bits, other_bits = own_placed.bits[low : high + 1][::-1], other_placed.bits[low : high + 1][::-1]
+        description = f"{bits(high, low)} of {word.what}"
+        yield Disagreement(
+            Sort.POSITION, description, run(own_bits), run(other_bits), own_bits[0].place, other_bits[0].place
+        )
+    for own_bit, other_bit in zip(own_placed.bits, other_placed.bits, strict=True):
+        if _alike(own_bit, other_bit):
+            comparison.note(Sort.POSITION, own_bit.place, Read.TWICE)
+    for span, properties in own_placed.fields.items():
         near = next((fact.place for fact in properties.values()), word.place)
-        yield from _compare_facts(made, properties, other.fields.get(span, {}), partial(_unless_mild, near))
-    yield from _compare_names(made, own.names, other.names)
+        yield from _compare_facts(
+            comparison, properties, other_placed.fields.get(span, {}), partial(_unless_mild, near)
+        )
+    yield from _compare_names(comparison, own_placed.names, other_placed.names)
 
 
 def _unless_mild(near: Path, fact: Fact) -> Path | None:
     return None if fact.mild else near
 
 
-def _alike(one: Bit, other: Bit) -> bool:
-    return (one.part, one.weight, one.fixed) == (other.part, other.weight, other.fixed)
+def _alike(bit: Bit, other_bit: Bit) -> bool:
+    return (bit.part, bit.weight, bit.fixed) == (other_bit.part, other_bit.weight, other_bit.fixed)
 
 
-def _runs(own: tuple[Bit, ...], other: tuple[Bit, ...]) -> list[tuple[int, int]]:
+def _runs(own_bits: tuple[Bit, ...], other_bits: tuple[Bit, ...]) -> list[tuple[int, int]]:
     """Return ranges of different bits, grouped if they differ in the same way."""
-    found: list[tuple[int, int]] = []
-    for index in range(len(own) - 1, -1, -1):
-        if _alike(own[index], other[index]):
+    ranges: list[tuple[int, int]] = []
+    for index in range(len(own_bits) - 1, -1, -1):
+        if _alike(own_bits[index], other_bits[index]):
             continue
-        if found and found[-1][1] == index + 1 and all(continues(*side[index : index + 2]) for side in (own, other)):
-            found[-1] = found[-1][0], index
+        if (
+            ranges
+            and ranges[-1][1] == index + 1
+            and all(continues(*side[index : index + 2]) for side in (own_bits, other_bits))
+        ):
+            ranges[-1] = ranges[-1][0], index
         else:
-            found.append((index, index))
-    return found
+            ranges.append((index, index))
+    return ranges

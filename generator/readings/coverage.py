@@ -33,8 +33,8 @@ class Coverage:
         return {sort: self._count(sort) for sort in Sort}
 
     def _count(self, sort: Sort) -> TimesRead:
-        found = [read for (other, _), read in self.outcome.read.items() if other is sort]
-        twice, explained, decided, once = map(found.count, (Read.TWICE, Read.EXPLAINED, Read.DECIDED, Read.ONCE))
+        readings = [read for (counted_sort, _), read in self.outcome.read.items() if counted_sort is sort]
+        twice, explained, decided, once = map(readings.count, (Read.TWICE, Read.EXPLAINED, Read.DECIDED, Read.ONCE))
         return TimesRead(twice, explained, decided, once, self.derived.get(sort, 0))
 
     @property
@@ -45,13 +45,13 @@ class Coverage:
     @cached_property
     def once(self) -> Sequence[tuple[Sort, Path]]:
         """Facts that were read once, in the order of the file."""
-        found = [item for item, read in self.outcome.read.items() if read is Read.ONCE]
-        return sorted(found, key=lambda item: (self.spec.position(item[1]), item[0].value))
+        read_once = [key for key, read in self.outcome.read.items() if read is Read.ONCE]
+        return sorted(read_once, key=lambda key: (self.spec.position(key[1]), key[0].value))
 
     @property
     def lacking(self) -> list[tuple[Sort, Path]]:
         """Facts that must be read twice but were read once."""
-        return [item for item in self.once if item[0].is_needed]
+        return [key for key in self.once if key[0].is_needed]
 
 
 def added(counts: Iterable[TimesRead]) -> TimesRead:

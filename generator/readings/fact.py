@@ -120,8 +120,8 @@ class Word:
     @property
     def everywhere(self) -> Placed | None:
         """The word if it is the same in every case, so that it can be compared independently of the order codes."""
-        found = {id(placed): placed for placed in self.cases.values()}
-        return next(iter(found.values())) if len(found) == 1 else None
+        distinct = {id(placed): placed for placed in self.cases.values()}
+        return next(iter(distinct.values())) if len(distinct) == 1 else None
 
 
 @dataclass(slots=True)
@@ -141,19 +141,19 @@ class Facts:
     sections: Mapping[str, Sequence[str]] = field(default_factory=dict)
     decided: Sequence[str] = ()
 
-    def add(self, found: Iterator[Fact]) -> None:
+    def add(self, facts: Iterator[Fact]) -> None:
         """Add facts. A repeated key gets the next number of its kind."""
-        for item in found:
-            key, again = item.key, 1
+        for fact in facts:
+            key, count = fact.key, 1
             while key in self.facts:
-                again += 1
-                key = (*item.key, again)
-            self.facts[key] = item
-            if item.name:
-                owner = item.place[: item.place.index(item.name) + 1]
+                count += 1
+                key = (*fact.key, count)
+            self.facts[key] = fact
+            if fact.name:
+                owner = fact.place[: fact.place.index(fact.name) + 1]
                 self.call(
                     key[: 2 if key[0] in _BY_INTERFACE else 1],
-                    Fact(item.sort, key, item.name, f"name of {item.what}", (*owner, "name")),
+                    Fact(fact.sort, key, fact.name, f"name of {fact.what}", (*owner, "name")),
                 )
 
     def call(self, kind: Key, name: Fact) -> None:

@@ -12,29 +12,33 @@ from .reading import Parameters, as_delivered, in_hex, over
 from .stated import Subject
 
 
-def add_names(subject: Subject, item: PlacedField, owner: str | int, facts: Facts) -> None:
+def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, facts: Facts) -> None:
     """Add the names of a field of the frame or register ``owner``, and of the field's values."""
-    name, place, where = item.name, subject.place, f"{bits(item.high, item.low)} of '{owner}'"
-    span = item.low, item.width
+    name, place, bits_text = (
+        placed_field.name,
+        subject.place,
+        f"{bits(placed_field.high, placed_field.low)} of '{owner}'",
+    )
+    span = placed_field.low, placed_field.width
     if place[-2:] == ("fields", name):
-        facts.call(("field",), Fact(Sort.POSITION, span, name, f"name of {where}", (*place, "name")))
-    for value in item.field.values:
-        what, at = f"name of value {in_hex(value.value)} of {where}", (*place, "values", value.name)
-        fact = Fact(Sort.VALUE, (value.value,), value.name, what, subject.reading.first(at, place))
+        facts.call(("field",), Fact(Sort.POSITION, span, name, f"name of {bits_text}", (*place, "name")))
+    for value in placed_field.field.values:
+        description, path = f"name of value {in_hex(value.value)} of {bits_text}", (*place, "values", value.name)
+        fact = Fact(Sort.VALUE, (value.value,), value.name, description, subject.reading.first(path, place))
         facts.call(("value", *span), fact)
 
 
 def properties(
-    subject: Subject, item: PlacedField, parameters: Parameters, register: Register | None
+    subject: Subject, placed_field: PlacedField, parameters: Parameters, register: Register | None
 ) -> Iterator[Fact]:
     """Yield all properties of a field for these parameters, and of the ``register`` that may contain it."""
-    field = item.field
+    field = placed_field.field
     yield from _of_kind(subject, field)
     if field.equals is not None:
         number = field.documented(parameters)
         value = in_hex(number) if isinstance(number, int) else str(number)
         yield subject.fact(Sort.VALUE, "equals", value, "fixed value")
-    default, is_implied = (field.default, False) if register is None else _default(item, register)
+    default, is_implied = (field.default, False) if register is None else _default(placed_field, register)
     if default is not None:
         yield replace(subject.fact(Sort.DEFAULT, "default", in_hex(default), "default"), implied=is_implied)
     yield from subject.stated(field)
@@ -50,18 +54,24 @@ def _of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
     if isinstance(field.kind, CrcValue):
         crc = Subject(reading, ("crc",), ("crcs", field.kind.crc), f"the CRC over {over(subject.interface)}")
         yield from crc.stated(reading.device.crc(field.kind.crc))
-    for item in field.values:
-        place = reading.first((*subject.place, "values", item.name), subject.place)
-        value = Subject(reading, ("value", item.value), place, f"value {in_hex(item.value)} of {subject.what}")
-        yield value.first(Sort.VALUE, "named")
-        yield from value.stated(item)
+    for named_value in field.values:
+        place = reading.first((*subject.place, "values", named_value.name), subject.place)
+        value_subject = Subject(
+            reading, ("value", named_value.value), place, f"value {in_hex(named_value.value)} of {subject.what}"
+        )
+        yield value_subject.first(Sort.VALUE, "named")
+        yield from value_subject.stated(named_value)
 
 
-def _default(item: PlacedField, register: Register) -> tuple[int | None, bool]:
+def _default(placed_field: PlacedField, register: Register) -> tuple[int | None, bool]:
     """Return the default of a field, and True if the register's default implies it. None if both are the same."""
-    own, whole = item.field.default, as_delivered(register)
-    if whole is None:
-        return own, False
-    if item.width == 8 * register.length or not item.field.carries_data:
+    own_default, register_default = placed_field.field.default, as_delivered(register)
+    if register_default is None:
+        return own_default, False
+    if placed_field.width == 8 * register.length or not placed_field.field.carries_data:
         return None, False
-    return (own, False) if own is not None else (whole >> item.low & (1 << item.width) - 1, True)
+    return (
+        (own_default, False)
+        if own_default is not None
+        else (register_default >> placed_field.low & (1 << placed_field.width) - 1, True)
+    )

@@ -33,40 +33,43 @@ from .stated import Subject
 
 def word(owner: Subject, layout: Layout, register: Register | None = None) -> Word:
     """Return a frame or register, which ``owner`` describes, in each case of its interface."""
-    made: dict[tuple[int, ...], Placed] = {}
-    sources = deciding_parameters(layout)
+    placed_by_values: dict[tuple[int, ...], Placed] = {}
+    deciding = deciding_parameters(layout)
     cases: dict[Case, Placed] = {}
     for case, parameters in owner.reading.cases(owner.interface).items():
-        same = tuple(parameters[name] for name in sources)
-        if same not in made:
-            made[same] = _placed(owner, layout.place(parameters), parameters, register)
-        cases[case] = made[same]
+        values = tuple(parameters[name] for name in deciding)
+        if values not in placed_by_values:
+            placed_by_values[values] = _placed(owner, layout.place(parameters), parameters, register)
+        cases[case] = placed_by_values[values]
     return Word(owner.what, owner.place, cases)
 
 
 def _placed(owner: Subject, placed: PlacedLayout, parameters: Parameters, register: Register | None) -> Placed:
-    found = [Bit("unspecified", None, None, (*owner.place, "other_bits"))] * placed.bits
+    placed_bits = [Bit("unspecified", None, None, (*owner.place, "other_bits"))] * placed.bits
     fields = {}
     names = Facts()
-    for item in placed.fields:
-        place, what = owner.reading.field_place(owner.place, item.field), f"{bits(item.high, item.low)} of {owner.what}"
-        for index, bit in enumerate(_bits(item, placed, place), item.low):
-            found[index] = bit
-        subject = Subject(owner.reading, (), place, what, owner.interface)
-        facts = properties(subject, item, parameters, register)
-        fields[item.low, item.width] = {fact.key: fact for fact in facts}
-        add_names(subject, item, owner.place[-1], names)
-    return Placed(tuple(found), fields, names.names)
+    for placed_field in placed.fields:
+        place, description = (
+            owner.reading.field_place(owner.place, placed_field.field),
+            f"{bits(placed_field.high, placed_field.low)} of {owner.what}",
+        )
+        for index, bit in enumerate(_bits(placed_field, placed, place), placed_field.low):
+            placed_bits[index] = bit
+        subject = Subject(owner.reading, (), place, description, owner.interface)
+        facts = properties(subject, placed_field, parameters, register)
+        fields[placed_field.low, placed_field.width] = {fact.key: fact for fact in facts}
+        add_names(subject, placed_field, owner.place[-1], names)
+    return Placed(tuple(placed_bits), fields, names.names)
 
 
-def _bits(item: PlacedField, placed: PlacedLayout, place: Path) -> Iterator[Bit]:
+def _bits(placed_field: PlacedField, placed: PlacedLayout, place: Path) -> Iterator[Bit]:
     """Yield each bit of a field, lowest first."""
-    kind = item.field.kind
-    part, offset = _part(kind, item, placed), 0
-    joined = _joined(item, placed)
+    kind = placed_field.field.kind
+    part, offset = _part(kind, placed_field, placed), 0
+    joined = _joined(placed_field, placed)
     if joined is not None and isinstance(kind, (Number, Choice, Decimal, Flag)):
         offset = joined
-    for index in range(item.width):
+    for index in range(placed_field.width):
         match kind:
             case Constant(value) | Unused(value):
                 yield Bit(part, None, value >> index & 1, place)
@@ -78,53 +81,56 @@ def _bits(item: PlacedField, placed: PlacedLayout, place: Path) -> Iterator[Bit]
                 yield Bit(part, offset + index, None, place)
 
 
-def _part(kind: Kind, item: PlacedField, placed: PlacedLayout) -> str:
+def _part(kind: Kind, placed_field: PlacedField, placed: PlacedLayout) -> str:
     """Return the owner of the bits of a field."""
     match kind:
         case Number(signed=True):
-            return "a signed number" + _gray(item, placed)
+            return "a signed number" + _gray(placed_field, placed)
         case Number() | Choice() | Decimal():
-            return "a number" + _gray(item, placed)
+            return "a number" + _gray(placed_field, placed)
         case Flag():
             return "a flag"
         case Constant():
             return "constant"
         case Unused():
             return "unused"
-        case CrcValue(_, of):
+        case CrcValue(_, covered):
             low, count = placed.crc_covers
-            return f"the CRC of {bits(low + count - 1, low)}" if of else "the CRC"
-        case Parity(of, odd, over):
-            others = ((name, placed.field(name)) for name in of)
-            where = [bits(other.high, other.low) if other is not None else name for name, other in others]
+            return f"the CRC of {bits(low + count - 1, low)}" if covered else "the CRC"
+        case Parity(covered, odd, over):
+            covered_bits = [_bits_of(placed.field(name)) or name for name in covered]
             counted = f"the {over.replace('_', ' ')} of " if over else ""
-            return f"{'odd' if odd else 'even'} parity of {counted}{listed(where)}"
+            return f"{'odd' if odd else 'even'} parity of {counted}{listed(covered_bits)}"
         case Text():
             return "a character"
         case _:
             assert_never(kind)
 
 
-def _gray(item: PlacedField, placed: PlacedLayout) -> str:
-    return " in Gray code" if placed.gray and item.name in placed.layout.names_in(placed.layout.gray_of) else ""
+def _bits_of(placed_field: PlacedField | None) -> str:
+    return bits(placed_field.high, placed_field.low) if placed_field is not None else ""
 
 
-def _joined(item: PlacedField, placed: PlacedLayout) -> int | None:
+def _gray(placed_field: PlacedField, placed: PlacedLayout) -> str:
+    return " in Gray code" if placed.gray and placed_field.name in placed.layout.names_in(placed.layout.gray_of) else ""
+
+
+def _joined(placed_field: PlacedField, placed: PlacedLayout) -> int | None:
     """Return the weight of the field's lowest bit in the longest joined number that contains it, or None."""
-    found: list[tuple[int, int | None]] = [(0, None)]
+    weights: list[tuple[int, int | None]] = [(0, None)]
     for join in placed.layout.joins:
-        if item.name in join.fields:
+        if placed_field.name in join.fields:
             parts = [part for part in map(placed.field, join.fields) if part is not None]
-            below = parts[[part.name for part in parts].index(item.name) + 1 :]
-            found.append((sum(part.width for part in parts), sum(part.width for part in below)))
-    return max(found, key=itemgetter(0))[1]
+            below = parts[[part.name for part in parts].index(placed_field.name) + 1 :]
+            weights.append((sum(part.width for part in parts), sum(part.width for part in below)))
+    return max(weights, key=itemgetter(0))[1]
 
 
-def run(found: Sequence[Bit]) -> str:
+def run(adjacent_bits: Sequence[Bit]) -> str:
     """Describe adjacent bits, highest first: ``bits 7:0 of a number``, ``constant 0010``."""
-    first, last = found[0], found[-1]
+    first, last = adjacent_bits[0], adjacent_bits[-1]
     if first.fixed is not None:
-        return f"{first.part} {''.join(str(bit.fixed) for bit in found)}"
+        return f"{first.part} {''.join(str(bit.fixed) for bit in adjacent_bits)}"
     if first.weight is None or last.weight is None:
         return first.part
     return f"{bits(first.weight, last.weight)} of {first.part}"

@@ -28,9 +28,9 @@ _PARTS = {
 def add_interfaces(reading: Reading, facts: Facts) -> None:
     """Add the facts of all interfaces, and the timings of the device."""
     for interface in reading.device.interfaces:
-        marks = _marks(interface)
+        request_constants = _marks(interface)
         for layout in interface.layouts:
-            _add_frames(reading, interface, layout, marks.get(layout.name, -1), facts)
+            _add_frames(reading, interface, layout, request_constants.get(layout.name, -1), facts)
             facts.derived[Sort.POSITION] += len(layout.joins)
         facts.add(_of_interface(reading, interface))
         facts.add(timings(interface.timings, interface.name, ("interfaces", interface.name, "timings")))
@@ -39,30 +39,32 @@ def add_interfaces(reading: Reading, facts: Facts) -> None:
 
 def _marks(interface: Interface) -> dict[str, str]:
     """Return what identifies the frames of exchanges, by their names: the constants of the request."""
-    found: dict[str, str] = {}
-    layouts = {item.name: item for item in interface.layouts}
-    for item in interface.exchanges if isinstance(interface, (Rs485, Spi)) else ():
-        fields = layouts[item.request].fields
+    request_constants: dict[str, str] = {}
+    layouts = {layout.name: layout for layout in interface.layouts}
+    for exchange in interface.exchanges if isinstance(interface, (Rs485, Spi)) else ():
+        fields = layouts[exchange.request].fields
         constants = [(field.low, field.kind.value) for field in fields if isinstance(field.kind, Constant)]
-        mark = ", ".join(f"{in_hex(value)} from bit {low.render()}" for low, value in constants)
-        found[item.request] = mark
-        found.setdefault(item.reply, mark)
-    return found
+        constants_text = ", ".join(f"{in_hex(value)} from bit {low.render()}" for low, value in constants)
+        request_constants[exchange.request] = constants_text
+        request_constants.setdefault(exchange.reply, constants_text)
+    return request_constants
 
 
-def _add_frames(reading: Reading, interface: Interface, layout: Layout, mark: str | int, facts: Facts) -> None:
-    """Add each frame with this layout. ``mark`` identifies it if it has no selector."""
+def _add_frames(reading: Reading, interface: Interface, layout: Layout, identity: str | int, facts: Facts) -> None:
+    """Add each frame with this layout. ``identity`` identifies it if it has no selector."""
     owner: Path = ("interfaces", interface.name, "layouts", layout.name)
-    for value in layout.selects or (mark,):
+    for value in layout.selects or (identity,):
         key: Key = ("frame", interface.name, layout.sender, layout.channel or 0, value)
         frame = Subject(reading, key, owner, f"'{layout.name}'", interface.name)
         facts.add(_of_frame(frame, layout))
         facts.words[key] = word(frame, layout)
-        for item in layout.fields:
-            if item.group:
-                bits = reading.bits_of(interface.name, item)
-                what, place = f"group of {bits} of {frame.what}", reading.field_place(owner, item)
-                facts.call(("group", interface.name), Fact(Sort.POSITION, (*key, bits), item.group, what, place))
+        for field in layout.fields:
+            if field.group:
+                bits = reading.bits_of(interface.name, field)
+                description, place = f"group of {bits} of {frame.what}", reading.field_place(owner, field)
+                facts.call(
+                    ("group", interface.name), Fact(Sort.POSITION, (*key, bits), field.group, description, place)
+                )
 
 
 def _of_frame(frame: Subject, layout: Layout) -> Iterator[Fact]:
@@ -70,11 +72,11 @@ def _of_frame(frame: Subject, layout: Layout) -> Iterator[Fact]:
     yield from frame.present(Sort.POSITION, layout, f"sent by the {layout.sender}", at="name")
     place = reading.first((*owner, "carried_as"), owner)
     yield frame.fact(Sort.POSITION, "carried", layout.carried_as, "units", place)
-    several, is_stated = layout.widest > _BYTE, reading.document.has((*owner, "byte_order"))
-    if layout.in_bytes and (several or is_stated):
+    has_several_bytes, is_stated = layout.widest > _BYTE, reading.document.has((*owner, "byte_order"))
+    if layout.in_bytes and (has_several_bytes or is_stated):
         place = (*owner, "byte_order") if is_stated else owner
-        yield frame.fact(Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", place, mild=not several)
-    lengths = {case: str(layout.bits.value(each)) for case, each in reading.cases(frame.interface).items()}
+        yield frame.fact(Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", place, mild=not has_several_bytes)
+    lengths = {case: str(layout.bits.value(parameters)) for case, parameters in reading.cases(frame.interface).items()}
     yield frame.fact(Sort.POSITION, "length", lengths, "bits", owner)
     yield from _combinations(frame, layout)
 
@@ -83,14 +85,18 @@ def _combinations(frame: Subject, layout: Layout) -> Iterator[Fact]:
     """Yield the verdicts of combinations of values, which are identified by their bits."""
     signs = {sign.flag.name: sign for sign in layout.signs}
     parameters = next(iter(frame.reading.cases(frame.interface).values()), {})
-    placed = {item.name: item for item in layout.place(parameters).fields} if layout.combinations else {}
-    for item in layout.combinations:
-        conditions = ((placed[name], value) for name, value in signs[item.name].conditions)
+    placed = (
+        {placed_field.name: placed_field for placed_field in layout.place(parameters).fields}
+        if layout.combinations
+        else {}
+    )
+    for combination in layout.combinations:
+        conditions = ((placed[name], value) for name, value in signs[combination.name].conditions)
         values = ", ".join(sorted(_condition(field, value) for field, value in conditions))
-        path = ("combinations", item.name)
+        path = ("combinations", combination.name)
         subject = frame.inside(("combination", values), path, f"the combination of {values} in {frame.what}")
-        yield subject.first(Sort.VERDICT, item.makes_position.value, "makes_position")
-        yield from subject.stated(item)
+        yield subject.first(Sort.VERDICT, combination.makes_position.value, "makes_position")
+        yield from subject.stated(combination)
 
 
 def _condition(field: PlacedField, value: int) -> str:
@@ -109,14 +115,16 @@ def _of_interface(reading: Reading, interface: Interface) -> Iterator[Fact]:
     match interface:
         case Ssi():
             for index, cable in enumerate(interface.cable_lengths):
-                what = f"clock for a cable shorter than {cable.shorter_than_m} m"
+                description = f"clock for a cable shorter than {cable.shorter_than_m} m"
                 place, key = (*owner, "cable_lengths", index, "below_hz"), ("cable", "ssi", cable.shorter_than_m)
-                yield Fact(Sort.CLOCK, key, f"below {cable.below_hz} Hz", what, place)
+                yield Fact(Sort.CLOCK, key, f"below {cable.below_hz} Hz", description, place)
         case Biss():
-            for index, item in enumerate(interface.timeout.printed if interface.timeout is not None else ()):
-                place, key = (*owner, "timeout", "printed", index, "timeout_ns"), ("timeout", "at", item.clock_hz)
-                yield Fact(Sort.TIME, key, f"{item.timeout_ns} ns", f"time-out over BiSS at {item.clock_hz} Hz", place)
-            offsets = accumulate((item.bits for item in interface.control_data), initial=0)
+            for index, printed in enumerate(interface.timeout.printed if interface.timeout is not None else ()):
+                place, key = (*owner, "timeout", "printed", index, "timeout_ns"), ("timeout", "at", printed.clock_hz)
+                yield Fact(
+                    Sort.TIME, key, f"{printed.timeout_ns} ns", f"time-out over BiSS at {printed.clock_hz} Hz", place
+                )
+            offsets = accumulate((control_field.bits for control_field in interface.control_data), initial=0)
             for field, offset in zip(interface.control_data, offsets, strict=False):
                 yield from _control(reading, field, offset)
         case Rs485():
@@ -126,53 +134,63 @@ def _of_interface(reading: Reading, interface: Interface) -> Iterator[Fact]:
             yield from _exchanges(interface)
 
 
-def _control(reading: Reading, item: ControlField, offset: int) -> Iterator[Fact]:
+def _control(reading: Reading, control_field: ControlField, offset: int) -> Iterator[Fact]:
     """Yield the facts of a field of the control frame, starting at a bit of the frame."""
-    place: Path = ("interfaces", "biss", "control_data", "fields", item.name)
-    field = Subject(reading, ("control", offset), place, f"field of the control frame from bit {offset + 1}")
-    yield from field.present(Sort.POSITION, item, f"{item.bits} bits")
-    for each in item.values:
-        what = f"value {in_hex(each.value)} of {field.what}"
-        value = field.inside(("value", each.value), ("values", each.name), what)
-        yield from value.present(Sort.VALUE, each, "named")
-    if item.crc:
-        crc = replace(field.inside(("crc",), (), "the control frame's CRC over BiSS"), place=("crcs", item.crc))
-        yield from crc.stated(reading.device.crc(item.crc))
+    place: Path = ("interfaces", "biss", "control_data", "fields", control_field.name)
+    subject = Subject(reading, ("control", offset), place, f"field of the control frame from bit {offset + 1}")
+    yield from subject.present(Sort.POSITION, control_field, f"{control_field.bits} bits")
+    for named_value in control_field.values:
+        description = f"value {in_hex(named_value.value)} of {subject.what}"
+        value_subject = subject.inside(("value", named_value.value), ("values", named_value.name), description)
+        yield from value_subject.present(Sort.VALUE, named_value, "named")
+    if control_field.crc:
+        crc = replace(
+            subject.inside(("crc",), (), "the control frame's CRC over BiSS"), place=("crcs", control_field.crc)
+        )
+        yield from crc.stated(reading.device.crc(control_field.crc))
 
 
 def _rs485(reading: Reading, interface: Rs485) -> Iterator[Fact]:
     owner: Path = ("interfaces", interface.name)
-    for item in interface.data_ids:
-        subject = Subject(reading, ("data id", item.id), (*owner, "data_ids", item.name), f"data ID {item.id:X}")
-        yield from subject.present(Sort.VALUE, item, f"control field {in_hex(item.control)}", at="control")
+    for data_id in interface.data_ids:
+        subject = Subject(
+            reading, ("data id", data_id.id), (*owner, "data_ids", data_id.name), f"data ID {data_id.id:X}"
+        )
+        yield from subject.present(Sort.VALUE, data_id, f"control field {in_hex(data_id.control)}", at="control")
     for index, access in enumerate(interface.memory_access):
-        what = f"reply to a {access.access} while the busy flag is {access.busy}"
+        description = f"reply to a {access.access} while the busy flag is {access.busy}"
         value = f"address {plain(access.address)}, data {plain(access.data)}"
-        yield Fact(Sort.SETTING, ("memory", access.access, access.busy), value, what, (*owner, "memory_access", index))
+        yield Fact(
+            Sort.SETTING, ("memory", access.access, access.busy), value, description, (*owner, "memory_access", index)
+        )
 
 
 def _exchanges(interface: Rs485 | Spi) -> Iterator[Fact]:
-    marks = _marks(interface)
-    for index, item in enumerate(interface.exchanges):
-        key: Key = ("exchange", interface.name, marks[item.request])
-        value = f"{item.purpose}, {'with' if item.reply else 'without'} a reply"
-        value += f", words of {item.word_bits.render()} bits" if item.word_bits is not None else ""
+    request_constants = _marks(interface)
+    for index, exchange in enumerate(interface.exchanges):
+        key: Key = ("exchange", interface.name, request_constants[exchange.request])
+        value = f"{exchange.purpose}, {'with' if exchange.reply else 'without'} a reply"
+        value += f", words of {exchange.word_bits.render()} bits" if exchange.word_bits is not None else ""
         place = ("interfaces", interface.name, "exchanges", index)
-        yield Fact(Sort.SETTING, key, value, f"request with {marks[item.request] or 'no constant'}", place)
+        yield Fact(
+            Sort.SETTING, key, value, f"request with {request_constants[exchange.request] or 'no constant'}", place
+        )
 
 
-def timings(found: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[Fact]:
+def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[Fact]:
     """Yield timings, identified by their printed symbols, or by their numbers if they have none."""
-    through = f" over {over(interface)}" if interface else ""
-    for item in found:
-        bounds = {name: getattr(item, name) for name in ("at_least_us", "typical_us", "at_most_us")}
-        given = {name: f"{value} µs" for name, value in bounds.items() if value is not None}
-        place = (*owner, item.name)
-        if item.symbol:
-            symbol = plain(item.symbol).replace(" ", "")
-            for name, value in given.items():
-                what = f"time {item.symbol}{through}, '{name}'"
-                yield Fact(Sort.TIME, ("time", interface, symbol, name), value, what, (*place, name), name=item.name)
+    interface_text = f" over {over(interface)}" if interface else ""
+    for timing in printed_timings:
+        bounds = {name: getattr(timing, name) for name in ("at_least_us", "typical_us", "at_most_us")}
+        times = {name: f"{value} µs" for name, value in bounds.items() if value is not None}
+        place = (*owner, timing.name)
+        if timing.symbol:
+            symbol = plain(timing.symbol).replace(" ", "")
+            for name, value in times.items():
+                description = f"time {timing.symbol}{interface_text}, '{name}'"
+                yield Fact(
+                    Sort.TIME, ("time", interface, symbol, name), value, description, (*place, name), name=timing.name
+                )
         else:
-            text = ", ".join(f"{name.removesuffix('_us').replace('_', ' ')} {value}" for name, value in given.items())
-            yield Fact(Sort.TIME, ("time", interface, text), text, f"a time{through}", place, name=item.name)
+            text = ", ".join(f"{name.removesuffix('_us').replace('_', ' ')} {value}" for name, value in times.items())
+            yield Fact(Sort.TIME, ("time", interface, text), text, f"a time{interface_text}", place, name=timing.name)

@@ -12,10 +12,12 @@ _SETTLED = 0.9
 
 def are_settled(spec: Facts, second: Facts) -> bool:
     """Return True if the second reading uses the names of the spec, so that any different name is a mistake."""
-    pairs = [
-        (own[key].value, theirs[key].value) for own, theirs in _both(spec, second) for key in own.keys() & theirs.keys()
-    ]
-    return sum(one == other for one, other in pairs) >= _SETTLED * len(pairs)
+    count, equal_count = 0, 0
+    for own_names, other_names in _both(spec, second):
+        for key in own_names.keys() & other_names.keys():
+            count += 1
+            equal_count += own_names[key].value == other_names[key].value
+    return equal_count >= _SETTLED * count
 
 
 def _both(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
@@ -23,33 +25,33 @@ def _both(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
     for kind in spec.names.keys() & second.names.keys():
         yield spec.names[kind], second.names[kind]
     for key in spec.words.keys() & second.words.keys():
-        own, theirs = spec.words[key].cases, second.words[key].cases
-        case = next((case for case in own if case in theirs), None)
+        own_cases, other_cases = spec.words[key].cases, second.words[key].cases
+        case = next((case for case in own_cases if case in other_cases), None)
         if case is not None:
-            kinds = own[case].names.keys() & theirs[case].names.keys()
-            yield from ((own[case].names[kind], theirs[case].names[kind]) for kind in kinds)
+            kinds = own_cases[case].names.keys() & other_cases[case].names.keys()
+            yield from ((own_cases[case].names[kind], other_cases[case].names[kind]) for kind in kinds)
 
 
-def mistaken(own: Names, theirs: Names, settled: bool) -> Iterator[tuple[Fact, Fact]]:
+def mistaken(own_names: Names, other_names: Names, settled: bool) -> Iterator[tuple[Fact, Fact]]:
     """Yield pairs of different names of one item if one must be a mistake.
 
     This is the case if the other reader uses the name for another item, if the two differ in one letter, or if all
     names are ``settled``.
     """
-    used = {item.value for item in theirs.values()}
-    for key, mine in own.items():
-        other = theirs.get(key)
-        if other is None or other.value == mine.value:
+    used_names = {name.value for name in other_names.values()}
+    for key, own_name in own_names.items():
+        other_name = other_names.get(key)
+        if other_name is None or other_name.value == own_name.value:
             continue
-        if settled or mine.value in used or _is_slip(str(mine.value), str(other.value)):
-            yield mine, other
+        if settled or own_name.value in used_names or _is_slip(str(own_name.value), str(other_name.value)):
+            yield own_name, other_name
 
 
-def _is_slip(one: str, other: str) -> bool:
+def _is_slip(name: str, other_name: str) -> bool:
     """Return True if two different names differ by one extra, missing or wrong letter, or two swapped ones."""
-    short, long = sorted((one, other), key=len)
+    short, long = sorted((name, other_name), key=len)
     if len(short) < len(long):
         return any(long[:index] + long[index + 1 :] == short for index in range(len(long)))
-    differing = [index for index, letters in enumerate(zip(one, other, strict=True)) if letters[0] != letters[1]]
+    differing = [index for index, letters in enumerate(zip(name, other_name, strict=True)) if letters[0] != letters[1]]
     first, end = differing[0], differing[-1] + 1
-    return end - first == 1 or (end - first == 2 and one[first:end] == other[first:end][::-1])
+    return end - first == 1 or (end - first == 2 and name[first:end] == other_name[first:end][::-1])

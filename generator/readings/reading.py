@@ -43,20 +43,22 @@ class Reading:
 
     @cached_property
     def _cases(self) -> Mapping[str, Mapping[Case, Parameters]]:
-        changes = {name: list(self._changes(name)) for name in {item.interface for item in self.device.variants}}
-        found: dict[str, dict[Case, Parameters]] = {name: {} for name in changes}
+        interfaces = {variant.interface for variant in self.device.variants}
+        changes = {name: list(self._changes(name)) for name in interfaces}
+        cases_by_interface: dict[str, dict[Case, Parameters]] = {name: {} for name in changes}
         for variant in self.device.variants:
-            cases = found[variant.interface]
+            cases = cases_by_interface[variant.interface]
             cases[variant.code, ""] = variant.parameters
             for state, changed in changes[variant.interface]:
                 cases[variant.code, state] = with_changed(self.device, variant, changed)
-        return found
+        return cases_by_interface
 
     def _changes(self, interface: str) -> Iterator[tuple[str, Parameters]]:
-        for item in self.device.run_time_parameters:
-            if item.interface in ("", interface):
-                bounds = (bound for bound in (item.min, item.max) if bound is not None)
-                yield from ((f"{self.bits_at(item.read_from)} = {bound}", {item.name: bound}) for bound in bounds)
+        for parameter in self.device.run_time_parameters:
+            if parameter.interface in ("", interface):
+                for bound in (parameter.min, parameter.max):
+                    if bound is not None:
+                        yield f"{self.bits_at(parameter.read_from)} = {bound}", {parameter.name: bound}
         for number, alternative in enumerate(self.device.alternatives, 1):
             for index, answer in enumerate(alternative.answers[1:], 2):
                 yield f"answer {index} of alternative {number}", answer.sets
@@ -79,7 +81,7 @@ class Reading:
         name, _, inner = path.partition(".")
         register = self.register(name)
         fields = register.layout.fields if register is not None else ()
-        return register, next((item for item in fields if item.name == inner), None)
+        return register, next((field for field in fields if field.name == inner), None)
 
     def bits_of(self, interface: str, field: Field) -> str:
         """Return text such as ``bits 7:4`` for a field of a register or frame, for the first order code."""
@@ -89,21 +91,21 @@ class Reading:
 
     def _first_of(self, interface: str) -> Parameters:
         """Return the parameters of the first order code of an interface by name, as readers list codes differently."""
-        codes = (item for item in self.device.variants if item.interface == interface)
-        found = min(codes, key=lambda item: item.code, default=None)
-        return found.parameters if found is not None else {}
+        codes = (variant for variant in self.device.variants if variant.interface == interface)
+        first_variant = min(codes, key=lambda variant: variant.code, default=None)
+        return first_variant.parameters if first_variant is not None else {}
 
     def register(self, name: str) -> Register | None:
-        return next((item for item in self.device.registers if item.name == name), None)
+        return next((candidate for candidate in self.device.registers if candidate.name == name), None)
 
     def field_place(self, owner: Path, field: Field) -> Path:
         """Return the place of a field in the spec: in its group, in the layout, or at another key of the layout."""
         if field.group:
             owner = ("field_groups", field.group)
-        own: Path = (*owner, "fields", field.padding_of or field.name)
-        if field.name.startswith(_ZEROS) and not self.document.has(own):
+        own_place: Path = (*owner, "fields", field.padding_of or field.name)
+        if field.name.startswith(_ZEROS) and not self.document.has(own_place):
             return (*owner, "other_bits")
-        return self.first(own, owner)
+        return self.first(own_place, owner)
 
     def bits_in_frames(self, interface: str, layout: Layout, field: Field) -> Iterator[str]:
         """Yield a bit of each frame with a layout, in words without names, for the first order code."""
@@ -112,12 +114,12 @@ class Reading:
         if not layout.selects:
             yield frame
 
-    def printed_names(self, item: Any) -> Mapping[str, str]:
+    def printed_names(self, part: Any) -> Mapping[str, str]:
         """Return the names of an item as printed, by language. Several in one language are alternatives."""
-        found = {language: [plain(text)] for language, text in getattr(item, "names", {}).items()}
-        if name := getattr(item, "printed_name", ""):
-            found.setdefault(self.device.manual.language, []).append(plain(name))
-        return {language: _OR.join(texts) for language, texts in found.items()}
+        texts_by_language = {language: [plain(text)] for language, text in getattr(part, "names", {}).items()}
+        if name := getattr(part, "printed_name", ""):
+            texts_by_language.setdefault(self.device.manual.language, []).append(plain(name))
+        return {language: _OR.join(texts) for language, texts in texts_by_language.items()}
 
     def first(self, *paths: Path) -> Path:
         """Return the first of these places that exists in the file, otherwise the last."""
@@ -125,14 +127,12 @@ class Reading:
 
     def key_of(self, register: Register) -> Key:
         """Return the key of a register: interface, bank, address, and readability if several share the address."""
-        same = [
-            item
-            for item in self.device.registers
-            if (item.interface, item.bank, item.address) == (register.interface, register.bank, register.address)
-        ]
         bank = -1 if register.bank is None else register.bank
-        told = () if len(same) < 2 else ("read" if register.readable else "write",)
-        return ("register", register.interface, bank, register.address, *told)
+        key = ("register", register.interface, bank, register.address)
+        addresses = [(peer.interface, peer.bank, peer.address) for peer in self.device.registers]
+        if addresses.count((register.interface, register.bank, register.address)) < 2:
+            return key
+        return (*key, "read" if register.readable else "write")
 
 
 def at(register: Register) -> str:
@@ -160,20 +160,20 @@ def as_delivered(register: Register) -> int | None:
     """Return the factory default of the register, as stated or from the documented values of all its fields."""
     if register.default is not None:
         return register.default
-    found = 0
-    for item in register.layout.fields:
-        number = int.from_bytes(item.equals.encode("ascii"), "big") if isinstance(item.equals, str) else item.equals
+    default = 0
+    for field in register.layout.fields:
+        number = int.from_bytes(field.equals.encode("ascii"), "big") if isinstance(field.equals, str) else field.equals
         if isinstance(number, Expression):
             number = number.constant if number.is_constant else None
-        if number is None or not item.carries_data or not item.low.is_constant:
+        if number is None or not field.carries_data or not field.low.is_constant:
             return None
-        found |= number << item.low.constant
-    return found
+        default |= number << field.low.constant
+    return default
 
 
-def same_name(one: str, other: str) -> bool:
+def same_name(texts: str, other_texts: str) -> bool:
     """Return True if two readers have a printed name in common. Alternatives are as from ``printed_names``."""
-    return not set(one.split(_OR)).isdisjoint(other.split(_OR))
+    return not set(texts.split(_OR)).isdisjoint(other_texts.split(_OR))
 
 
 def plain(text: str) -> str:

@@ -26,12 +26,12 @@ def add_registers(reading: Reading, facts: Facts) -> None:
 
 def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
     """Add the names that a register refers to: the field with limits, and the field that opens it."""
-    what, place = f"field that the limits of {subject.what} apply to", (*subject.place, "limits_of")
-    facts.call(("bounded",), Fact(Sort.LIMIT, subject.key, register.limits_of, what, place))
+    description, place = f"field that the limits of {subject.what} apply to", (*subject.place, "limits_of")
+    facts.call(("bounded",), Fact(Sort.LIMIT, subject.key, register.limits_of, description, place))
     if register.opened_by:
-        name, what = register.opened_by_field or NOTHING, f"field that opens {subject.what}"
+        name, description = register.opened_by_field or NOTHING, f"field that opens {subject.what}"
         place = (*subject.place, "opened_by")
-        facts.call(("opener",), Fact(Sort.BEHAVIOUR, subject.key, name, what, place))
+        facts.call(("opener",), Fact(Sort.BEHAVIOUR, subject.key, name, description, place))
 
 
 def _facts(subject: Subject, register: Register) -> Iterator[Fact]:
@@ -51,27 +51,31 @@ def _opened_by(reading: Reading, register: Register) -> str:
     opener = reading.register(register.opened_by)
     if opener is None:
         return register.opened_by
-    for item, value in ((field, value) for field in opener.layout.fields for value in field.values):
-        if register.opened_by_field in ("", item.name) and value.name == register.opened_by_value:
-            return f"{in_hex(value.value)} in {at(opener)} {reading.bits_of(opener.interface, item)}"
+    for field in opener.layout.fields:
+        value = next((value for value in field.values if value.name == register.opened_by_value), None)
+        if value is not None and register.opened_by_field in ("", field.name):
+            return f"{in_hex(value.value)} in {at(opener)} {reading.bits_of(opener.interface, field)}"
     return at(opener)
 
 
 def _limits(subject: Subject, register: Register) -> Iterator[Fact]:
     """Yield the limits of each meaning, and the bits that they apply to."""
     reading = subject.reading
-    limited: list[Register | RegisterMeaning] = [register, *register.meanings]
-    if any(item.min is not None or item.max is not None for item in limited):
+    limited_parts: list[Register | RegisterMeaning] = [register, *register.meanings]
+    if any(limited_part.min is not None or limited_part.max is not None for limited_part in limited_parts):
         place = reading.first((*subject.place, "limits_of"), subject.place)
-        what = f"bits that the limits of {subject.what} apply to"
-        value = {case: _bounded(register, each) for case, each in reading.cases(register.interface).items()}
-        yield Fact(Sort.LIMIT, (*subject.key, "bounded"), value, what, place, subject.key)
-    for item in register.meanings:
-        held = f"{subject.what} while {reading.state(item.when, item.value)}"
-        yield from subject.inside((held,), ("meanings", item.name), held).stated(item)
+        description = f"bits that the limits of {subject.what} apply to"
+        value = {case: _bounded(register, parameters) for case, parameters in reading.cases(register.interface).items()}
+        yield Fact(Sort.LIMIT, (*subject.key, "bounded"), value, description, place, subject.key)
+    for meaning in register.meanings:
+        description = f"{subject.what} while {reading.state(meaning.when, meaning.value)}"
+        yield from subject.inside((description,), ("meanings", meaning.name), description).stated(meaning)
 
 
 def _bounded(register: Register, parameters: Mapping[str, int]) -> str:
     """Return the bits of a register that its limits apply to."""
     placed = map(register.layout.place(parameters).field, register.layout.names_in(bounded(register)))
-    return " and ".join(bits(item.low + item.width - 1, item.low) for item in placed if item is not None) or "all bits"
+    return (
+        " and ".join(bits(field.low + field.width - 1, field.low) for field in placed if field is not None)
+        or "all bits"
+    )

@@ -18,7 +18,7 @@ from ..loading.library import Family
 from ..model import Manufacturer
 from ..model.record import dataclass
 from .collect import facts_of
-from .compare import Comparison, Read, compare
+from .compare import Comparison, Disagreement, Read, compare
 from .coverage import Coverage
 from .fact import NOTHING, Facts, Sort
 from .reading import Reading
@@ -44,25 +44,24 @@ Reader = Callable[[Family, Report], Second | None]
 
 def read_beside(family: Family, report: Report, cache: Cache = NOTHING_KEPT) -> Second | None:
     """Read the second reading next to the spec of a family."""
-    place = second_reading_path(File(family.document.file))
-    document = read_document(place, report, cache=cache) if place.is_file() else None
+    file = second_reading_path(File(family.document.file))
+    document = read_document(file, report, cache=cache) if file.is_file() else None
     return second_of(document, family.device.manufacturer, report) if document is not None else None
 
 
 def second_of(document: Document, manufacturer: Manufacturer, report: Report) -> Second:
     """Return the second reading in a document, and add its problems to ``report``."""
-    before = len(report)
+    problems_before = len(report)
     data = check_second(document, report)
     device = build_device(data, manufacturer, report.for_document(document)) if data is not None else None
-    sound = device is not None and len(report) == before
-    return Second(document, facts_of(Reading(device, document)) if device is not None and sound else None)
+    is_valid = device is not None and len(report) == problems_before
+    return Second(document, facts_of(Reading(device, document)) if device is not None and is_valid else None)
 
 
 def sound_specs(families: Iterable[Family], report: Report) -> frozenset[str]:
     """Return the files of the families without problems in their facts so far, which can be compared."""
-    return frozenset(
-        family.document.file for family in families if not report.faults((family.plain or family).document)
-    )
+    valid_families = (family for family in families if not report.faults((family.plain or family).document))
+    return frozenset(family.document.file for family in valid_families)
 
 
 def compare_readings(
@@ -73,18 +72,18 @@ def compare_readings(
     Families without a second reading are left out. So are those in which one of the two files has problems, but a
     second reading is checked even if its spec is not ``sound``.
     """
-    found = []
-    for made in families:
+    coverages = []
+    for loaded_family in families:
         # A reader reads only the manual, so the family is compared without overlays.
-        family = made.plain or made
+        family = loaded_family.plain or loaded_family
         second = read(family, report) if not family.device.base else None
         if second is None or second.facts is None or family.document.file not in sound:
             continue
         facts = facts_of(Reading(family.device, family.document))
         outcome = compare(facts, second.facts)
         explain(family.document, second.document, outcome, report)
-        found.append(Coverage(family, outcome, facts.derived))
-    return found
+        coverages.append(Coverage(family, outcome, facts.derived))
+    return coverages
 
 
 def explain(spec: Document, second: Document, outcome: Comparison, report: Report) -> None:
@@ -92,45 +91,64 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Repor
 
     An erratum that affects the place of a disagreement explains it by exactly its two values.
     """
-    said, used = list(_explanations(spec)), set[Path]()
-    for item in outcome.disagreements:
-        place, values = item.place or item.near, (item.other, item.used)
-        alike = (each for each in said if each[2:] == values)
-        found = {at for at, affected, *_ in alike if any(touches(path, place) for path in affected)}
-        used |= found
-        if found:
-            outcome.read[item.sort, item.place or ("second", *item.second)] = Read.EXPLAINED
-            continue
-        line, _ = second.position(item.second)
-        here = f"{item.what}: {item.used} here, {item.other} in {File(second.file).name}:{line}; {_MEND}"
-        report.add(RULE, spec, place, here)
-        if item.sort is Sort.ORDER_CODE and NOTHING in (item.used, item.other):
-            continue  # Order codes that one reading lacks are one problem.
-        line, _ = spec.position(place)
-        there = f"{item.what}: {item.other} here, {item.used} in {File(spec.file).name}:{line}; {_MEND}"
-        report.add(RULE, second, item.second, there)
-    for at, _, other, own in said:
-        if at not in used:
-            wrong = f"no fact affected by this erratum is {quoted(other)} in the second reading and {quoted(own)} here"
-            report.add("readings-unused", spec, at, f"{wrong}; correct or remove it")
-        elif _lacks(spec.data["errata"][at[1]]["printed"], other):
-            wrong = f"the printed text has other values than {other}, which the second reading has; correct it"
-            report.add("readings-unused", spec, (*at[:2], "printed"), wrong)
+    explanations, used = list(_explanations(spec)), set[Path]()
+    for disagreement in outcome.disagreements:
+        place, values = disagreement.place or disagreement.near, (disagreement.other, disagreement.used)
+        matching = [explanation for explanation in explanations if explanation[2:] == values]
+        explaining = {erratum_path for erratum_path, affected, *_ in matching if _touches_any(affected, place)}
+        used |= explaining
+        if explaining:
+            outcome.read[disagreement.sort, disagreement.place or ("second", *disagreement.second)] = Read.EXPLAINED
+        else:
+            _report_disagreement(disagreement, place, spec, second, report)
+    _check_explanations(explanations, used, spec, report)
+
+
+def _touches_any(affected: Sequence[str], place: Path) -> bool:
+    return any(touches(path, place) for path in affected)
+
+
+def _report_disagreement(
+    disagreement: Disagreement, place: Path, spec: Document, second: Document, report: Report
+) -> None:
+    """Report a disagreement at its places in the spec and in the second reading."""
+    fact, used, second_value = disagreement.what, disagreement.used, disagreement.other
+    line, _ = second.position(disagreement.second)
+    report.add(RULE, spec, place, f"{fact}: {used} here, {second_value} in {File(second.file).name}:{line}; {_MEND}")
+    if disagreement.sort is Sort.ORDER_CODE and NOTHING in (used, second_value):
+        return  # Order codes that one reading lacks are one problem.
+    line, _ = spec.position(place)
+    message = f"{fact}: {second_value} here, {used} in {File(spec.file).name}:{line}; {_MEND}"
+    report.add(RULE, second, disagreement.second, message)
+
+
+def _check_explanations(
+    explanations: Sequence[tuple[Path, Sequence[str], str, str]], used: set[Path], spec: Document, report: Report
+) -> None:
+    """Report errata that explain no disagreement, or whose printed text has other values."""
+    for path, _, second_value, used_value in explanations:
+        values = f"{quoted(second_value)} in the second reading and {quoted(used_value)} here"
+        if path not in used:
+            message = f"no fact affected by this erratum is {values}; correct or remove it"
+            report.add("readings-unused", spec, path, message)
+        elif _lacks(spec.data["errata"][path[1]]["printed"], second_value):
+            message = f"the printed text has other values than {second_value}, which the second reading has; correct it"
+            report.add("readings-unused", spec, (*path[:2], "printed"), message)
 
 
 def _explanations(spec: Document) -> Iterator[tuple[Path, Sequence[str], str, str]]:
     """Yield the two values that each erratum of a spec explains, after their place and the affected paths."""
-    for number, item in enumerate(spec.data.get("errata", ())):
-        for index, pair in enumerate(item.get("readings", ())):
-            yield ("errata", number, "readings", index), item.get("affects", ()), pair["second"], pair["used"]
+    for number, erratum in enumerate(spec.data.get("errata", ())):
+        for index, pair in enumerate(erratum.get("readings", ())):
+            yield ("errata", number, "readings", index), erratum.get("affects", ()), pair["second"], pair["used"]
 
 
 def _lacks(text: str, value: str) -> bool:
     """Return True if a value has a unit, and a text has a value with this unit, but the number nowhere."""
-    found = _QUANTITY.fullmatch(value)
-    if found is None or found[2] not in {unit for _, unit in _QUANTITY.findall(text)}:
+    quantity = _QUANTITY.fullmatch(value)
+    if quantity is None or quantity[2] not in {unit for _, unit in _QUANTITY.findall(text)}:
         return False
-    return _number(found[1]) not in map(_number, _NUMBER.findall(text))
+    return _number(quantity[1]) not in map(_number, _NUMBER.findall(text))
 
 
 def _number(text: str) -> Decimal:

@@ -13,6 +13,7 @@ from ..model import (
     Decimal,
     Device,
     Fault,
+    Field,
     Flag,
     Join,
     Number,
@@ -92,7 +93,7 @@ class Decoded:
 
     @property
     def values(self) -> dict[str, int | str | bool]:
-        return {item.name: item.value for item in self.fields}
+        return {field.name: field.value for field in self.fields}
 
 
 def number_of_text(text: str) -> int:
@@ -104,7 +105,7 @@ def select(
     device: Device, variant: Variant, sender: str, data: bytes
 ) -> tuple[PlacedLayout | None, tuple[Problem, ...]]:
     """Return the layout of ``data``, identified by the selector field, or the reason why there is none."""
-    candidates = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
+    candidates = [layout for layout in device.interface(variant.interface).layouts if layout.sender == sender]
     if not candidates:
         return None, (Problem(Fault.RANGE, "", f"the {sender} sends no frames on this interface"),)
     allowed: list[int] = []
@@ -116,12 +117,12 @@ def select(
         if _selected(placed, data) in layout.selects:
             return placed, ()
     layout = candidates[0]
-    found = _selected(layout.place(variant.parameters), data)
-    if found is None:
+    selected_value = _selected(layout.place(variant.parameters), data)
+    if selected_value is None:
         return None, (Problem(Fault.LENGTH, "", fault.too_few_bytes(counted(len(data), "byte"))),)
     choices = ", ".join(f"{value:X}" for value in sorted(allowed))
-    wrong = fault.no_frame(layout.selector, f"{found:X}", choices)
-    return None, (Problem(Fault.RANGE, layout.selector, wrong),)
+    message = fault.no_frame(layout.selector, f"{selected_value:X}", choices)
+    return None, (Problem(Fault.RANGE, layout.selector, message),)
 
 
 def _selected(placed: PlacedLayout, data: bytes) -> int | None:
@@ -158,9 +159,9 @@ def decode_bits(device: Device, placed: PlacedLayout, number: int, bits: int) ->
     return decode(device, placed, number)
 
 
-def _other_length(placed: PlacedLayout, number: int, needed: str, found: int) -> Decoded:
-    wrong = fault.length(placed.name, needed, f"{found}")
-    return Decoded(placed, number, (), None, (Problem(Fault.LENGTH, "", wrong),))
+def _other_length(placed: PlacedLayout, number: int, needed: str, length_text: int) -> Decoded:
+    message = fault.length(placed.name, needed, f"{length_text}")
+    return Decoded(placed, number, (), None, (Problem(Fault.LENGTH, "", message),))
 
 
 def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
@@ -170,22 +171,26 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
     problems: list[Problem] = []
     fields = []
     plain = from_gray(placed, number)
-    for item in placed.fields:
-        raw = number >> item.low & item.mask
-        fields += _decode_field(item, raw, plain >> item.low & item.mask, problems)
-        if isinstance(item.field.kind, Parity):
-            expected = parity_bit(placed, item.field.kind, number)
+    for placed_field in placed.fields:
+        raw = number >> placed_field.low & placed_field.mask
+        fields += _decode_field(placed_field, raw, plain >> placed_field.low & placed_field.mask, problems)
+        if isinstance(placed_field.field.kind, Parity):
+            expected = parity_bit(placed, placed_field.field.kind, number)
             if raw != expected:
-                wrong = fault.parity(item.name, f"{raw}", ", ".join(item.field.kind.of), f"{expected}")
-                problems.append(Problem(Fault.CONSTANT, item.name, wrong))
-        elif item.name == placed.layout.selector and raw not in placed.layout.selects:
-            problems.append(Problem(Fault.RANGE, item.name, fault.of_other_frame(item.name, f"{raw:X}")))
+                message = fault.parity(
+                    placed_field.name, f"{raw}", ", ".join(placed_field.field.kind.of), f"{expected}"
+                )
+                problems.append(Problem(Fault.CONSTANT, placed_field.name, message))
+        elif placed_field.name == placed.layout.selector and raw not in placed.layout.selects:
+            problems.append(
+                Problem(Fault.RANGE, placed_field.name, fault.of_other_frame(placed_field.name, f"{raw:X}"))
+            )
     valid = device.range_in(placed.layout)
     limited = placed.field(valid.field.name) if valid is not None else None
     if valid is not None and limited is not None:
-        wrong = _outside(valid, limited, plain >> limited.low & limited.mask, placed)
-        if wrong:
-            problems.append(Problem(Fault.RANGE, limited.name, wrong))
+        message = _outside(valid, limited, plain >> limited.low & limited.mask, placed)
+        if message:
+            problems.append(Problem(Fault.RANGE, limited.name, message))
     crc = _decode_crc(device, placed, number, problems)
     fields += [_decode_join(placed, join, number, plain) for join in placed.layout.joins]
     if placed.layout.has_unused:
@@ -196,26 +201,26 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
     return Decoded(placed, number, tuple(fields), crc, tuple(problems))
 
 
-def _outside(valid: PositionRange, item: PlacedField, raw: int, placed: PlacedLayout) -> str:
+def _outside(valid: PositionRange, placed_field: PlacedField, raw: int, placed: PlacedLayout) -> str:
     """Return the error if the encoder does not have this position, or an empty string."""
     lowest, highest = valid.lowest.value(placed.parameters), valid.highest.value(placed.parameters)
-    found = _number_of(item.field.number, raw, item.width)
-    if lowest <= found <= highest:
+    position = _number_of(placed_field.field.number, raw, placed_field.width)
+    if lowest <= position <= highest:
         return ""
-    if item.field.number.signed:
-        return fault.outside(f"{item.name} {found}", f"{lowest}", f"{highest}")
-    return fault.too_high(item.name, f"{found}", f"{highest}")
+    if placed_field.field.number.signed:
+        return fault.outside(f"{placed_field.name} {position}", f"{lowest}", f"{highest}")
+    return fault.too_high(placed_field.name, f"{position}", f"{highest}")
 
 
 def _decode_crc(device: Device, placed: PlacedLayout, number: int, problems: list[Problem]) -> CrcResult | None:
-    item = placed.crc_field
-    if item is None or not isinstance(item.field.kind, CrcValue):
+    placed_field = placed.crc_field
+    if placed_field is None or not isinstance(placed_field.field.kind, CrcValue):
         return None
-    crc = device.crc(item.field.kind.crc)
-    result = CrcResult(crc.name, number >> item.low & item.mask, compute(crc, placed, number))
+    crc = device.crc(placed_field.field.kind.crc)
+    result = CrcResult(crc.name, number >> placed_field.low & placed_field.mask, compute(crc, placed, number))
     if not result.ok:
-        wrong = fault.crc(f"{result.received:#04x}", f"{result.computed:#04x}")
-        problems.append(Problem(Fault.CRC, item.name, wrong))
+        message = fault.crc(f"{result.received:#04x}", f"{result.computed:#04x}")
+        problems.append(Problem(Fault.CRC, placed_field.name, message))
     return result
 
 
@@ -229,21 +234,22 @@ def _decode_join(placed: PlacedLayout, join: Join, number: int, plain: int) -> D
 
 def unused_bits(placed: PlacedLayout, number: int) -> int:
     """Return the unused bits of a frame as one number. A bit is 1 if it differs from the manual."""
-    found = 0
-    for item, place in placed.unused:
-        found |= (number >> item.low & item.mask ^ _documented(item)) << place
-    return found
+    bits = 0
+    for placed_field, low_bit in placed.unused:
+        bits |= (number >> placed_field.low & placed_field.mask ^ _documented(placed_field)) << low_bit
+    return bits
 
 
-def _documented(item: PlacedField) -> int:
+def _documented(placed_field: PlacedField) -> int:
     """Return the documented value of an unused field, cut to the width of the field for this order code."""
-    return item.field.kind.value & item.mask if isinstance(item.field.kind, Unused) else 0
+    return placed_field.field.kind.value & placed_field.mask if isinstance(placed_field.field.kind, Unused) else 0
 
 
 def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
     """Return the parity bit that matches the other bits of ``number``."""
     fields = (placed.field(name) for name in parity.of)
-    ones = sum((number >> of.low & of.mask & parity.mask).bit_count() for of in fields if of is not None)
+    present = (field for field in fields if field is not None)
+    ones = sum((number >> field.low & field.mask & parity.mask).bit_count() for field in present)
     return (ones + parity.odd) & 1
 
 
@@ -288,44 +294,55 @@ def _with_part(placed: PlacedLayout, number: int, change: Callable[[int], int]) 
     return number & ~(mask << low) | change(number >> low & mask) << low
 
 
-def _decode_field(item: PlacedField, wire: int, raw: int, problems: list[Problem]) -> list[DecodedField]:
+def _decode_field(placed_field: PlacedField, wire: int, raw: int, problems: list[Problem]) -> list[DecodedField]:
     """Decode a field for the user. ``wire`` is the number as sent, ``raw`` the same number converted from Gray code."""
-    field, name = item.field, item.name
-    value: int | str | bool = raw
-    meaning = field.meaning
-    match field.kind:
-        case Number() as number:
-            value = _number_of(number, raw, item.width)
-        case Flag() as flag:
-            value = bool(raw) != flag.active_low
-            meaning = (flag.when_active if value else flag.when_inactive) or meaning
-        case Choice(values):
-            named = next((entry for entry in values if entry.value == raw), None)
-            if named is not None:
-                value, meaning = named.name, named.meaning or meaning
-            else:
-                problems.append(Problem(Fault.RANGE, name, fault.no_value(name, f"{raw:#x}")))
-        case Constant(constant):
-            if raw != constant:
-                wrong = fault.constant(name, f"{raw:#x}", f"{constant:#x}")
-                problems.append(Problem(Fault.CONSTANT, name, wrong))
-        case Text():
-            value = raw.to_bytes(item.width // 8, "big").decode("latin-1")
-        case Decimal() as decimal:
-            if raw >= decimal.limit:
-                wrong = fault.digits(name, f"{raw}", f"{decimal.digits}")
-                problems.append(Problem(Fault.RANGE, name, wrong))
-        case Unused():
-            pass  # any value is valid
-        case CrcValue() | Parity():
-            pass  # checked later, when the other fields are known
-        case _ as kind:
-            assert_never(kind)
-    found = [DecodedField(name, wire, value, field.unit, meaning, item.high, item.low, field.scale)]
+    field, high, low = placed_field.field, placed_field.high, placed_field.low
+    problem = _value_problem(field, raw)
+    if problem is not None:
+        problems.append(problem)
+    value, meaning = _value_and_meaning(field, raw, placed_field.width)
+    decoded_fields = [DecodedField(field.name, wire, value, field.unit, meaning, high, low, field.scale)]
     for run in field.runs:
         part = raw // run.divisor % run.modulus
-        found.append(DecodedField(run.name, part, part, "", run.meaning, item.high, item.low))
-    return found
+        decoded_fields.append(DecodedField(run.name, part, part, "", run.meaning, high, low))
+    return decoded_fields
+
+
+def _value_and_meaning(field: Field, raw: int, width: int) -> tuple[int | str | bool, str]:
+    """Return what a number in a field stands for. Numbers that are not valid stand for themselves."""
+    match field.kind:
+        case Number() as number:
+            return _number_of(number, raw, width), field.meaning
+        case Flag() as flag:
+            is_active = bool(raw) != flag.active_low
+            return is_active, (flag.when_active if is_active else flag.when_inactive) or field.meaning
+        case Choice(values):
+            named_value = next((candidate for candidate in values if candidate.value == raw), None)
+            return (
+                (raw, field.meaning)
+                if named_value is None
+                else (named_value.name, named_value.meaning or field.meaning)
+            )
+        case Text():
+            return raw.to_bytes(width // 8, "big").decode("latin-1"), field.meaning
+        case Constant() | Decimal() | Unused() | CrcValue() | Parity():
+            return raw, field.meaning
+        case _ as kind:
+            assert_never(kind)
+
+
+def _value_problem(field: Field, raw: int) -> Problem | None:
+    """Return the error if a number is not valid in a field. CRC and parity are checked when all fields are known."""
+    name = field.name
+    match field.kind:
+        case Choice(values) if all(candidate.value != raw for candidate in values):
+            return Problem(Fault.RANGE, name, fault.no_value(name, f"{raw:#x}"))
+        case Constant(constant) if raw != constant:
+            return Problem(Fault.CONSTANT, name, fault.constant(name, f"{raw:#x}", f"{constant:#x}"))
+        case Decimal() as decimal if raw >= decimal.limit:
+            return Problem(Fault.RANGE, name, fault.digits(name, f"{raw}", f"{decimal.digits}"))
+        case _:
+            return None
 
 
 def _number_of(number: Number, raw: int, width: int) -> int:
@@ -357,36 +374,46 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     Raises:
         EncodeError: A value is missing, unknown, or does not fit.
     """
-    given = dict(values)
+    remaining = dict(values)
     for join in placed.layout.joins:
-        if join.name in given:
-            given |= _split(placed, join, _number(given.pop(join.name)), given)
-    number, valid = 0, device.range_in(placed.layout)
-    for item in placed.fields:
-        raw = _raw(placed, item, given)
-        wrong = _outside(valid, item, raw, placed) if valid is not None and item.name == valid.field.name else ""
-        if wrong:
-            raise EncodeError(wrong)
-        number |= raw << item.low
+        if join.name in remaining:
+            remaining |= _split(placed, join, _number(remaining.pop(join.name)), remaining)
+    number = _encode_fields(device, placed, remaining)
     if placed.layout.unused:
-        number |= _unused(placed, _number(given.pop(UNUSED, 0)))
-    used = _used(placed)
-    left = [name for name in given if name not in used]
-    if left:
-        raise EncodeError(f"there is no field '{left[0]}' in {placed.name}")
-    absent = next(
-        (field.name for field in placed.layout.fields if given.get(field.name) and placed.field(field.name) is None), ""
-    )
-    if absent:
-        raise EncodeError(f"{absent} {given[absent]} does not fit: this order code has no such field")
-    for item in placed.fields:
-        if isinstance(item.field.kind, Parity):
-            number |= parity_bit(placed, item.field.kind, number) << item.low
+        number |= _unused(placed, _number(remaining.pop(UNUSED, 0)))
+    _check_names(placed, remaining)
+    for placed_field in placed.fields:
+        if isinstance(placed_field.field.kind, Parity):
+            number |= parity_bit(placed, placed_field.field.kind, number) << placed_field.low
     number = to_gray(placed, number)
-    for item in placed.fields:
-        if isinstance(item.field.kind, CrcValue):
-            number |= compute(device.crc(item.field.kind.crc), placed, number) << item.low
+    for placed_field in placed.fields:
+        if isinstance(placed_field.field.kind, CrcValue):
+            number |= compute(device.crc(placed_field.field.kind.crc), placed, number) << placed_field.low
     return number
+
+
+def _encode_fields(device: Device, placed: PlacedLayout, values: Values) -> int:
+    """Return the bits of all fields except parity, CRC and unused ones."""
+    number, valid = 0, device.range_in(placed.layout)
+    for placed_field in placed.fields:
+        raw = _raw(placed, placed_field, values)
+        if valid is not None and placed_field.name == valid.field.name:
+            problem = _outside(valid, placed_field, raw, placed)
+            if problem:
+                raise EncodeError(problem)
+        number |= raw << placed_field.low
+    return number
+
+
+def _check_names(placed: PlacedLayout, values: Values) -> None:
+    """Check that each value belongs to a field, and that the fields that this order code lacks have none."""
+    used_names = _used(placed)
+    for name in values:
+        if name not in used_names:
+            raise EncodeError(f"there is no field '{name}' in {placed.name}")
+    for field in placed.layout.fields:
+        if values.get(field.name) and placed.field(field.name) is None:
+            raise EncodeError(f"{field.name} {values[field.name]} does not fit: this order code has no such field")
 
 
 def _used(placed: PlacedLayout) -> set[str]:
@@ -394,14 +421,14 @@ def _used(placed: PlacedLayout) -> set[str]:
     return names | {run.name for field in placed.layout.fields for run in field.runs}
 
 
-def _unused(placed: PlacedLayout, turned: int) -> int:
-    """Return the unused bits at their positions in the frame: the manual's values, with ``turned`` inverted."""
+def _unused(placed: PlacedLayout, inverted: int) -> int:
+    """Return the unused bits at their positions in the frame: the manual's values, except those ``inverted``."""
     number = 0
-    for item, place in placed.unused:
-        number |= (turned >> place & item.mask ^ _documented(item)) << item.low
-        turned &= ~(item.mask << place)
-    if turned:
-        raise EncodeError(f"'{UNUSED}' has the bits {turned:#x}, which are not unused bits of {placed.name}")
+    for placed_field, low_bit in placed.unused:
+        number |= (inverted >> low_bit & placed_field.mask ^ _documented(placed_field)) << placed_field.low
+        inverted &= ~(placed_field.mask << low_bit)
+    if inverted:
+        raise EncodeError(f"'{UNUSED}' has the bits {inverted:#x}, which are not unused bits of {placed.name}")
     return number
 
 
@@ -411,73 +438,79 @@ def _number(value: int | str | bool) -> int:
     return int(value)
 
 
-def _split(placed: PlacedLayout, join: Join, value: int, given: Values) -> dict[str, int]:
+def _split(placed: PlacedLayout, join: Join, value: int, values: Values) -> dict[str, int]:
     parts: dict[str, int] = {}
-    rest = value
+    remaining_bits = value
     for name in reversed(join.fields):
-        item = placed.field(name)
-        width = item.width if item is not None else 0
-        parts[name] = rest & ((1 << width) - 1)
-        rest >>= width
-    if rest or value < 0:
+        placed_field = placed.field(name)
+        width = placed_field.width if placed_field is not None else 0
+        parts[name] = remaining_bits & ((1 << width) - 1)
+        remaining_bits >>= width
+    if remaining_bits or value < 0:
         raise EncodeError(f"{join.name} {value} does not fit")
-    if any(name in given and given[name] != parts[name] for name in parts):
+    if any(name in values and values[name] != parts[name] for name in parts):
         raise EncodeError(f"{join.name} and its fields disagree")
     return parts
 
 
-def _raw(placed: PlacedLayout, item: PlacedField, given: Values) -> int:
+def _raw(placed: PlacedLayout, placed_field: PlacedField, values: Values) -> int:
     """Return the bits of one field. CRC and parity are computed later from the others."""
-    name, kind = item.name, item.field.kind
+    name, kind = placed_field.name, placed_field.field.kind
     if isinstance(kind, Constant):
         return kind.value
     if isinstance(kind, (Unused, CrcValue, Parity)):
         return 0
-    if isinstance(kind, Decimal) and name not in given:
-        return sum(_parts(kind, given))
-    if name not in given:
+    if isinstance(kind, Decimal) and name not in values:
+        return sum(_parts(kind, values))
+    if name not in values:
         if name == placed.layout.selector and len(placed.layout.selects) == 1:
             return placed.layout.selects[0]
         raise EncodeError(f"'{name}' is missing")
-    value = given[name]
-    match kind:
-        case Number():
-            raw = _bits_of(kind, item, _number(value))
-        case Flag():
-            raw = int(bool(value) != kind.active_low)
-        case Choice(values):
-            raw = _chosen(name, values, value) if isinstance(value, str) else _number(value)
-        case Text():
-            raw = number_of_text(value) if isinstance(value, str) else _number(value)
-        case Decimal():
-            raw = _number(value)
-        case _:
-            assert_never(kind)
-    if raw < 0 or raw > item.mask:
-        raise EncodeError(fault.too_wide(name, f"{raw}", f"{item.width}"))
+    raw = _raw_value(kind, placed_field, values[name])
+    if raw < 0 or raw > placed_field.mask:
+        raise EncodeError(fault.too_wide(name, f"{raw}", f"{placed_field.width}"))
     return raw
 
 
-def _bits_of(number: Number, item: PlacedField, value: int) -> int:
-    raw = 0 if value == number.zero_means else value & item.mask
-    if _number_of(number, raw, item.width) != value:
-        raise EncodeError(fault.too_wide(item.name, f"{value}", f"{item.width}"))
+def _raw_value(
+    kind: Number | Flag | Choice | Text | Decimal, placed_field: PlacedField, value: int | str | bool
+) -> int:
+    """Return the number that stands for a value of a field."""
+    match kind:
+        case Number():
+            return _bits_of(kind, placed_field, _number(value))
+        case Flag():
+            return int(bool(value) != kind.active_low)
+        case Choice(named_values):
+            return _chosen(placed_field.name, named_values, value) if isinstance(value, str) else _number(value)
+        case Text():
+            return number_of_text(value) if isinstance(value, str) else _number(value)
+        case Decimal():
+            return _number(value)
+        case _:
+            assert_never(kind)
+
+
+def _bits_of(number: Number, placed_field: PlacedField, value: int) -> int:
+    raw = 0 if value == number.zero_means else value & placed_field.mask
+    if _number_of(number, raw, placed_field.width) != value:
+        raise EncodeError(fault.too_wide(placed_field.name, f"{value}", f"{placed_field.width}"))
     if number.power_of_two and value.bit_count() != 1:
-        raise EncodeError(fault.no_power_of_two(item.name, f"{value}"))
+        raise EncodeError(fault.no_power_of_two(placed_field.name, f"{value}"))
     return raw
 
 
 def _chosen(name: str, values: Sequence[Value], value: str) -> int:
-    named = next((item for item in values if item.name == value), None)
-    if named is None:
+    named_value = next((candidate for candidate in values if candidate.name == value), None)
+    if named_value is None:
         raise EncodeError(f"{name} has no value '{value}'")
-    return named.value
+    return named_value.value
 
 
-def _parts(decimal: Decimal, given: Values) -> Iterator[int]:
+def _parts(decimal: Decimal, values: Values) -> Iterator[int]:
     """Yield the value of each run of digits, multiplied by its divisor."""
     for run in decimal.runs:
-        value = _number(given.get(run.name, 0))
+        value = _number(values.get(run.name, 0))
         if not 0 <= value < run.modulus:
             raise EncodeError(f"{run.name} {value} has more than {run.digits} digits")
         yield value * run.divisor

@@ -19,51 +19,54 @@ def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
         return
     register = decoded.layout.name
     for revision, test in tests_of(device, register):
-        found = next((item.raw for item in decoded.fields if item.name == test.run), None)
-        if found is not None and not test.min <= found <= test.max:
+        raw = next((field.raw for field in decoded.fields if field.name == test.run), None)
+        if raw is not None and not test.min <= raw <= test.max:
             bounds = f"{test.min} to {test.max}"
-            before = edition_before(device, revision)
-            message = of_older_edition(test.run, f"{found}", bounds, revision, register, before)
-            yield Difference(test.run, found, bounds, message, True)
+            older_edition = edition_before(device, revision)
+            message = of_older_edition(test.run, f"{raw}", bounds, revision, register, older_edition)
+            yield Difference(test.run, raw, bounds, message, True)
 
 
-def told_by_registers(device: Device, match: Match, held: Mapping[int, int]) -> str:
+def told_by_registers(device: Device, match: Match, bytes_by_address: Mapping[int, int]) -> str:
     """Return the latest edition with which the registers of an encoder are compatible.
 
     Raises:
-        ValueError: ``held`` has no complete register that identifies the edition.
+        ValueError: ``bytes_by_address`` has no complete register that identifies the edition.
     """
-    given = False
+    has_register = False
     for edition in device.editions:
         for test in edition.tests:
             register = device.register(test.register)
             addresses = range(register.address, register.last_address + 1)
-            if not all(address in held for address in addresses):
+            if not all(address in bytes_by_address for address in addresses):
                 continue
-            given = True
-            number = number_from_bytes(register.layout, bytes(held[address] for address in addresses))
+            has_register = True
+            number = number_from_bytes(register.layout, bytes(bytes_by_address[address] for address in addresses))
             decoded = decode_word(device, register.layout.place(match.variant.parameters), number)
-            found = next(item.raw for item in decoded.fields if item.name == test.run)
-            if not test.min <= found <= test.max:
+            raw = next(field.raw for field in decoded.fields if field.name == test.run)
+            if not test.min <= raw <= test.max:
                 return edition_before(device, edition.revision)
-    if not given:
+    if not has_register:
         raise ValueError(_needed(device))
     return device.manual.revision
 
 
-def without_tests(device: Device, held: Mapping[int, int]) -> dict[int, int]:
+def without_tests(device: Device, bytes_by_address: Mapping[int, int]) -> dict[int, int]:
     """Return the registers except those that identify the edition."""
-    registers = [device.register(test.register) for item in device.editions for test in item.tests]
-    telling = {address for item in registers for address in range(item.address, item.last_address + 1)}
-    return {address: value for address, value in held.items() if address not in telling}
+    registers = [device.register(test.register) for edition in device.editions for test in edition.tests]
+    identifying: set[int] = set()
+    for register in registers:
+        identifying.update(range(register.address, register.last_address + 1))
+    return {address: value for address, value in bytes_by_address.items() if address not in identifying}
 
 
 def _needed(device: Device) -> str:
-    names = dict.fromkeys(test.register for item in device.editions for test in item.tests)
+    names = dict.fromkeys(test.register for edition in device.editions for test in edition.tests)
     if not names:
         return f"no register of {device.name} identifies the edition"
-    asked = []
+    options = []
     for name in names:
-        item = device.register(name)
-        asked.append(" ".join(f"--register 0x{at:02X}=0x.." for at in range(item.address, item.last_address + 1)))
-    return f"to infer the edition, give all of {' or '.join(names)}: {'; or '.join(asked)}"
+        register = device.register(name)
+        addresses = range(register.address, register.last_address + 1)
+        options.append(" ".join(f"--register 0x{address:02X}=0x.." for address in addresses))
+    return f"to infer the edition, give all of {' or '.join(names)}: {'; or '.join(options)}"

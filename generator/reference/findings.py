@@ -67,50 +67,53 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
     if decoded.problems or decoded.layout is None or decoded.layout.layout.sender == "master":
         return Findings()
     layout = decoded.layout.layout
-    values = {item.name: item for item in decoded.fields}
-    active = [item.field for item in decoded.layout.fields if _speaks(item, values[item.name])]
+    values = {field.name: field for field in decoded.fields}
+    placed_fields = decoded.layout.fields
+    active = [placed_field.field for placed_field in placed_fields if _speaks(placed_field, values[placed_field.name])]
     if layout.sender == "encoder":
         active += [sign.flag for sign in layout.signs if _is_active(sign, layout, values)]
     register = "" if layout.sender == "encoder" else decoded.layout.name
-    found = {item.name: alarm_of(device, item, register) for item in active}
-    alarms = {
-        name: item if item is not None and fits(item.only, variant.code) else None for name, item in found.items()
-    }
+    alarms = {field.name: _alarm_for(device, variant, field, register) for field in active}
     # A flag in a register may mean anything, such as "ready". Only flags that the manual lists as alarms are reported.
-    told = [
-        item
-        for item in active
-        if (alarms[item.name] is not None if register else _worth(item.kind) is not Verdict.USABLE)
-    ]
+    if register:
+        reported = [field for field in active if alarms[field.name] is not None]
+    else:
+        reported = [field for field in active if _worth(field.kind) is not Verdict.USABLE]
     differences = tuple(_differences(variant, decoded, values, bool(register)))
     verdict = _verdict(layout, active) if device.tells_position(variant.interface, layout) else None
-    return Findings(tuple(_report(item, alarms[item.name]) for item in told), verdict, differences)
+    return Findings(tuple(_report(field, alarms[field.name]) for field in reported), verdict, differences)
 
 
-def _speaks(item: PlacedField, found: DecodedField) -> bool:
+def _alarm_for(device: Device, variant: Variant, field: Field, register: str) -> Alarm | None:
+    """Return the alarm of a flag if it applies to the order code."""
+    alarm = alarm_of(device, field, register)
+    return alarm if alarm is not None and fits(alarm.only, variant.code) else None
+
+
+def _speaks(placed_field: PlacedField, decoded_field: DecodedField) -> bool:
     """Return whether a flag is active or unused bits differ from the manual."""
-    match item.field.kind:
+    match placed_field.field.kind:
         case Flag():
-            return bool(found.value)
+            return bool(decoded_field.value)
         case Unused(value):
-            return found.raw != value & item.mask
+            return decoded_field.raw != value & placed_field.mask
         case _:
             return False
 
 
 def _is_active(sign: Sign, layout: Layout, values: Mapping[str, DecodedField]) -> bool:
     """Return whether all fields of a sign have their values."""
-    return all(
-        name in values and values[name].value == _decoded(layout.field(name), number)
-        for name, number in sign.conditions
-    )
+    for name, number in sign.conditions:
+        if name not in values or values[name].value != _decoded(layout.field(name), number):
+            return False
+    return True
 
 
 def _decoded(field: Field, number: int) -> str | bool:
     """Return the decoded value of a flag or of a field with named values."""
     if isinstance(field.kind, Flag):
         return bool(number)
-    return next(item.name for item in field.values if item.value == number)
+    return next(named_value.name for named_value in field.values if named_value.value == number)
 
 
 def _worth(kind: Kind) -> Verdict | None:
@@ -130,34 +133,35 @@ def _report(field: Field, alarm: Alarm | None) -> Report:
 
 def _verdict(layout: Layout, active: Sequence[Field]) -> Verdict:
     """Return the verdict on the position of a valid frame."""
-    names = {item.name for item in active}
+    names = {field.name for field in active}
     # A flag that combines others adds no information if one of them is active.
-    silent = {item.name for item in active if isinstance(item.kind, Flag) and not names.isdisjoint(item.kind.sums_up)}
-    speaking = [_worth(item.kind) for item in active if item.name not in silent]
-    speaking.append(Verdict.USABLE if layout.tells_validity else Verdict.UNKNOWN)
-    return next(verdict for verdict in Verdict if verdict in speaking)
+    flags = {field.name: field.kind for field in active if isinstance(field.kind, Flag)}
+    silent_names = {name for name, flag in flags.items() if not names.isdisjoint(flag.sums_up)}
+    verdicts = [_worth(field.kind) for field in active if field.name not in silent_names]
+    verdicts.append(Verdict.USABLE if layout.tells_validity else Verdict.UNKNOWN)
+    return next(verdict for verdict in Verdict if verdict in verdicts)
 
 
 def _differences(
     variant: Variant, decoded: Decoded, values: Mapping[str, DecodedField], of_register: bool
 ) -> Iterator[Difference]:
     assert decoded.layout is not None
-    for item in decoded.layout.fields:
-        documented = item.field.documented(variant.parameters)
+    for placed_field in decoded.layout.fields:
+        documented = placed_field.field.documented(variant.parameters)
         if documented is None:
             continue
-        found = values[item.name].value if isinstance(documented, str) else values[item.name].raw
-        if found != documented:
-            name = item.field.printed_name or item.name
-            message = _message(name, variant, found, documented, of_register)
-            yield Difference(item.name, found, documented, message, of_register)
+        actual = values[placed_field.name].value if isinstance(documented, str) else values[placed_field.name].raw
+        if actual != documented:
+            name = placed_field.field.printed_name or placed_field.name
+            message = _message(name, variant, actual, documented, of_register)
+            yield Difference(placed_field.name, actual, documented, message, of_register)
 
 
-def _message(name: str, variant: Variant, found: int | str, documented: int | str, of_register: bool) -> str:
-    has, wanted = _shown(found), _shown(documented)
+def _message(name: str, variant: Variant, actual: int | str, documented: int | str, of_register: bool) -> str:
+    actual_text, documented_text = _shown(actual), _shown(documented)
     if of_register:
-        return fault.other_content(name, has, variant.code, wanted)
-    return fault.other_value(name, has, wanted)
+        return fault.other_content(name, actual_text, variant.code, documented_text)
+    return fault.other_value(name, actual_text, documented_text)
 
 
 def _shown(value: int | str) -> str:
@@ -167,44 +171,54 @@ def _shown(value: int | str) -> str:
 def _fixed(device: Device, variant: Variant) -> Iterator[Register]:
     """Yield the registers that identify this order code, except those in banks, whose addresses are not unique."""
     names = {register.name for register, _ in device.identity if register.bank is None}
-    return (item for item in device.registers_over(variant.interface) if item.name in names)
+    return (register for register in device.registers_over(variant.interface) if register.name in names)
 
 
 def fixed_addresses(device: Device, variant: Variant) -> frozenset[int]:
     """Return the addresses of the registers that identify this order code."""
-    registers = _fixed(device, variant)
-    return frozenset(address for item in registers for address in range(item.address, item.last_address + 1))
+    addresses: set[int] = set()
+    for register in _fixed(device, variant):
+        addresses.update(range(register.address, register.last_address + 1))
+    return frozenset(addresses)
 
 
-def compare_held(device: Device, variant: Variant, held: Mapping[int, int]) -> tuple[Difference, ...]:
-    """Return the registers whose contents contradict this order code. Addresses not in ``held`` are unknown."""
-    return tuple(item for register in _fixed(device, variant) for item in _compare_register(variant, register, held))
+def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int, int]) -> tuple[Difference, ...]:
+    """Return the registers whose contents contradict this order code. Other addresses are unknown."""
+    differences: list[Difference] = []
+    for register in _fixed(device, variant):
+        differences += _compare_register(variant, register, bytes_by_address)
+    return tuple(differences)
 
 
-def _compare_register(variant: Variant, register: Register, held: Mapping[int, int]) -> Iterator[Difference]:
+def _compare_register(
+    variant: Variant, register: Register, bytes_by_address: Mapping[int, int]
+) -> Iterator[Difference]:
     placed = register.layout.place(variant.parameters)
     addresses = range(register.address, register.last_address + 1)
-    number = number_from_bytes(register.layout, bytes(held.get(address, 0) for address in addresses))
-    given = number_from_bytes(register.layout, bytes(0xFF * (address in held) for address in addresses))
-    for item in placed.fields:
-        documented = item.field.documented(variant.parameters)
+    number = number_from_bytes(register.layout, bytes(bytes_by_address.get(address, 0) for address in addresses))
+    read_bits = number_from_bytes(register.layout, bytes(0xFF * (address in bytes_by_address) for address in addresses))
+    for placed_field in placed.fields:
+        documented = placed_field.field.documented(variant.parameters)
         if documented is None:
             continue
-        wanted = documented
-        if isinstance(wanted, str):
-            wanted = number_of_text(wanted)
-        known = given >> item.low & item.mask
-        found = number >> item.low & known
-        if found != wanted & known:
-            where = f"{register.name}.{item.name}" if len(placed.fields) > 1 else register.name
-            given_digits, wanted_digits = _digits(found, known, item), _digits(wanted, known, item)
-            wrong = f"{where}: the given part is {given_digits}, {variant.code} has {wanted_digits}"
-            if known == item.mask:
-                wrong = fault.other_content(where, f"{found:#04x}", variant.code, f"{wanted:#04x}")
-            yield Difference(where, found, wanted, wrong, True)
+        documented_bits = documented
+        if isinstance(documented_bits, str):
+            documented_bits = number_of_text(documented_bits)
+        known_bits = read_bits >> placed_field.low & placed_field.mask
+        actual_bits = number >> placed_field.low & known_bits
+        if actual_bits != documented_bits & known_bits:
+            place = f"{register.name}.{placed_field.name}" if len(placed.fields) > 1 else register.name
+            actual_digits, documented_digits = (
+                _digits(actual_bits, known_bits, placed_field),
+                _digits(documented_bits, known_bits, placed_field),
+            )
+            message = f"{place}: the given part is {actual_digits}, {variant.code} has {documented_digits}"
+            if known_bits == placed_field.mask:
+                message = fault.other_content(place, f"{actual_bits:#04x}", variant.code, f"{documented_bits:#04x}")
+            yield Difference(place, actual_bits, documented_bits, message, True)
 
 
-def _digits(value: int, known: int, item: PlacedField) -> str:
+def _digits(value: int, known_bits: int, placed_field: PlacedField) -> str:
     """Return the hexadecimal digits of a field, with dots for unknown digits."""
-    shifts = range((item.width - 1) // 4 * 4, -1, -4)
-    return "".join(f"{value >> shift & 15:X}" if known >> shift & 15 else "." for shift in shifts) + "h"
+    shifts = range((placed_field.width - 1) // 4 * 4, -1, -4)
+    return "".join(f"{value >> shift & 15:X}" if known_bits >> shift & 15 else "." for shift in shifts) + "h"

@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..model import Device, ModifyStep, Number, Procedure, Register, Variant, Write, WriteStep, number_to_bytes
+from ..model import (
+    Device,
+    ModifyStep,
+    Number,
+    PlacedLayout,
+    Procedure,
+    Register,
+    Variant,
+    Write,
+    WriteStep,
+    number_to_bytes,
+)
 from ..model.expressions import Expression
 from ..model.limits import bounded, bounds
 from ..order_codes.run_time import after_write
@@ -26,20 +37,20 @@ def register_writes(
     """
     writes: list[Write] = []
     # The current value of a register: its default, then the value written by the procedure.
-    held: dict[str, int] = {}
+    numbers: dict[str, int] = {}
     for step in procedure.steps:
         if isinstance(step, (WriteStep, ModifyStep)):
             register = device.register(step.register)
-            argument = next((item for item in procedure.arguments if item.name == step.value_name), None)
+            argument = next((candidate for candidate in procedure.arguments if candidate.name == step.value_name), None)
             limits = device.limits(register, argument.meant_as if argument is not None else "")
-            held[step.register] = _number(
-                register, step, variant, arguments, device, limits, held.get(step.register, register.default or 0)
+            numbers[step.register] = _number(
+                register, step, variant, arguments, device, limits, numbers.get(step.register, register.default or 0)
             )
-            variant = after_write(device, variant, register, held[step.register])
+            variant = after_write(device, variant, register, numbers[step.register])
             if register.is_accessed_whole:
-                writes.append(Write(register.address, held[step.register]))
+                writes.append(Write(register.address, numbers[step.register]))
                 continue
-            data = number_to_bytes(register.layout, held[step.register], 8 * register.length)
+            data = number_to_bytes(register.layout, numbers[step.register], 8 * register.length)
             writes += [Write(register.address + index, byte) for index, byte in enumerate(data)]
     return tuple(writes)
 
@@ -51,28 +62,21 @@ def _number(
     arguments: Mapping[str, int],
     device: Device,
     limits: Limits,
-    before: int,
+    old_number: int,
 ) -> int:
-    """Return the value that the step writes to the register, which held ``before``."""
+    """Return the value that the step writes to the register, which held ``old_number``."""
     placed = register.layout.place(variant.parameters)
     if step.value is None and step.value_name not in arguments:
         raise codec.EncodeError(f"the argument '{step.value_name}' is missing")
     value = step.value if step.value is not None else arguments[step.value_name]
     name = step.field if isinstance(step, ModifyStep) else bounded(register)
     if step.value is None:
-        known = [choice.value for field in register.layout.fields if field.name == name for choice in field.values]
-        if known and value not in known:
-            raise codec.EncodeError(f"{value} is not a value of '{name}'")
-        low, high = bounds(register, placed, limits, variant.parameters)
-        # The limits of a meaning apply to the field or register to which the argument is written.
-        has_meaning = limits != (register.min, register.max)
-        if (has_meaning or name == bounded(register)) and not low <= value <= high:
-            raise codec.EncodeError(fault.outside(f"{value}", f"{low}", f"{high}"))
+        _check_argument(register, name, value, placed, limits)
     if isinstance(step, ModifyStep):
-        item = placed.field(step.field)
-        if item is None or value & ~item.mask:
+        placed_field = placed.field(step.field)
+        if placed_field is None or value & ~placed_field.mask:
             raise codec.EncodeError(f"{value} does not fit '{step.field}'")
-        return before & ~(item.mask << item.low) | value << item.low
+        return old_number & ~(placed_field.mask << placed_field.low) | value << placed_field.low
     if step.value is not None:
         return value
     numbers = {field.name for field in register.layout.fields if isinstance(field.kind, Number)}
@@ -83,3 +87,16 @@ def _number(
     for problem in codec.decode(device, placed, value).problems:
         raise codec.EncodeError(f"{value:#x} is not a value of '{register.name}': {problem.message}")
     return value
+
+
+def _check_argument(register: Register, name: str, value: int, placed: PlacedLayout, limits: Limits) -> None:
+    """Check that an argument is a value of the field, and within the limits of the register."""
+    fields = (field for field in register.layout.fields if field.name == name)
+    allowed_values = [choice.value for field in fields for choice in field.values]
+    if allowed_values and value not in allowed_values:
+        raise codec.EncodeError(f"{value} is not a value of '{name}'")
+    low, high = bounds(register, placed, limits, placed.parameters)
+    # The limits of a meaning apply to the field or register to which the argument is written.
+    has_meaning = limits != (register.min, register.max)
+    if (has_meaning or name == bounded(register)) and not low <= value <= high:
+        raise codec.EncodeError(fault.outside(f"{value}", f"{low}", f"{high}"))

@@ -15,23 +15,27 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
     Raises:
         RegisterError: This interface has no such register, or the register has a different length.
     """
-    registers = {item.name: item for item in device.registers_over(variant.interface)}
+    registers = {register.name: register for register in device.registers_over(variant.interface)}
     register = registers.get(name.lower())
     if register is None:
-        told = next(filter(None, (_not_known(device, item, name.lower()) for item in device.errata)), "")
-        if told:
-            raise RegisterError(told)
-        known = f"it has: {', '.join(registers)}" if registers else "it has none"
-        raise RegisterError(f"{variant.code} has no register '{name}'; {known}")
+        problem = next(filter(None, (_not_known(device, erratum, name.lower()) for erratum in device.errata)), "")
+        if problem:
+            raise RegisterError(problem)
+        available = f"it has: {', '.join(registers)}" if registers else "it has none"
+        raise RegisterError(f"{variant.code} has no register '{name}'; {available}")
     if len(data) != register.length:
-        needed, given = counted(register.length, "byte"), counted(len(data), "byte")
-        raise RegisterError(register_length(register.name, needed, given))
+        needed, actual = counted(register.length, "byte"), counted(len(data), "byte")
+        raise RegisterError(register_length(register.name, needed, actual))
     return codec.decode(device, register.layout.place(variant.parameters), number_from_bytes(register.layout, data))
 
 
-def _not_known(device: Device, item: Erratum, name: str) -> str:
+def _not_known(device: Device, erratum: Erratum, name: str) -> str:
     """Return the message that this edition or overlay does not define a register, or an empty string if it does."""
-    where = f"in edition {device.edition} of the manual" if item.edition else f"according to the overlay {item.overlay}"
-    if item.used != NOT_KNOWN or not (item.overlay or device.edition) or name not in item.printed.split(", "):
+    scope = (
+        f"in edition {device.edition} of the manual"
+        if erratum.edition
+        else f"according to the overlay {erratum.overlay}"
+    )
+    if erratum.used != NOT_KNOWN or not (erratum.overlay or device.edition) or name not in erratum.printed.split(", "):
         return ""
-    return f"'{name}' is unknown {where}: {item.why} [{cite(item.source)}]"
+    return f"'{name}' is unknown {scope}: {erratum.why} [{cite(erratum.source)}]"

@@ -77,7 +77,7 @@ class Citing:
 
 def _ends(words: Iterable[str]) -> set[str]:
     """Return the two digits at the end of each order code among words."""
-    return {found[1] for word in words if (found := _ORDER_CODE.fullmatch(word)) is not None}
+    return {match[1] for word in words if (match := _ORDER_CODE.fullmatch(word)) is not None}
 
 
 def _here(file: str) -> str:
@@ -106,9 +106,10 @@ def _with_top_bit(poly: object) -> frozenset[str]:
     if not isinstance(poly, int):
         return frozenset()
     numbers = [poly | 1 << width for width in range(max(poly.bit_length(), 3), 33)]
-    return frozenset(
-        text for number in numbers for text in (f"{number:x}", f"{number:x}h", f"0x{number:x}", f"{number:b}")
-    )
+    texts: set[str] = set()
+    for number in numbers:
+        texts |= {f"{number:x}", f"{number:x}h", f"0x{number:x}", f"{number:b}"}
+    return frozenset(texts)
 
 
 def citing(document: Document) -> list[Citing]:
@@ -126,23 +127,23 @@ def _below(
         in_languages = data.get("names")
         labels += in_languages.values() if isinstance(in_languages, dict) else ()
         names = (*names, *(label for label in labels if isinstance(label, str)))
-        for key, item in data.items():
-            own = data.get(f"{key}_source")
-            cited = parse_sources(own) if isinstance(own, str) else source
+        for key, member in data.items():
+            own_source = data.get(f"{key}_source")
+            cited = parse_sources(own_source) if isinstance(own_source, str) else source
             if key not in _NO_FACTS and not str(key).endswith("_source"):
-                yield from _below(document, item, (*path, key), cited, (*names, str(key)))
+                yield from _below(document, member, (*path, key), cited, (*names, str(key)))
     elif isinstance(data, list):
-        for index, item in enumerate(data):
-            yield from _below(document, item, (*path, index), source, names)
+        for index, member in enumerate(data):
+            yield from _below(document, member, (*path, index), source, names)
     elif source:
-        own_manual = [item for item in source if not item.document]
+        own_manual = [cited_source for cited_source in source if not cited_source.document]
         yield Citing(
             document.file,
             document.position(path)[0],
             document.name_path(path),
             data,
-            frozenset(item.section for item in own_manual if item.section),
-            frozenset(item.page for item in own_manual if item.page is not None),
+            frozenset(cited_source.section for cited_source in own_manual if cited_source.section),
+            frozenset(cited_source.page for cited_source in own_manual if cited_source.page is not None),
             names,
         )
 
@@ -160,23 +161,23 @@ def ranked(facts: Sequence[Citing], passage: Passage) -> list[Citing]:
     for fact in facts:
         changed = sum(1 / frequent[word] for word in fact.words & differ)
         changed += sum(1 / frequent[word] for word in fact.named & differ) / 2
-        named, valued = _share(fact.named, near, section, frequent), _share(fact.words, near, section, frequent)
-        if changed or valued or fact.named & section <= near:
-            here = _share(fact.named, close, section, frequent)
+        named, value_share = _share(fact.named, near, section, frequent), _share(fact.words, near, section, frequent)
+        if changed or value_share or fact.named & section <= near:
+            close_share = _share(fact.named, close, section, frequent)
             if fact.words & differ:
-                changed += here
-            here += _share(fact.words, close, section, frequent)
-            scores[id(fact)] = weight * changed + _CLOSE * here + named + valued
-    found = [fact for fact in facts if scores.get(id(fact), 0) > 0]
-    return sorted(found, key=lambda fact: (-scores[id(fact)], fact.line))
+                changed += close_share
+            close_share += _share(fact.words, close, section, frequent)
+            scores[id(fact)] = weight * changed + _CLOSE * close_share + named + value_share
+    likely_facts = [fact for fact in facts if scores.get(id(fact), 0) > 0]
+    return sorted(likely_facts, key=lambda fact: (-scores[id(fact)], fact.line))
 
 
 def _compared(words: Iterable[str]) -> set[str]:
     """Return printed words as they are compared: with a decimal point, and numbers also without their unit."""
-    found = {word.casefold() for word in words}
-    found |= {word.replace(",", ".") for word in found}
+    folded = {word.casefold() for word in words}
+    folded |= {word.replace(",", ".") for word in folded}
     patterns = (_WITH_UNIT, _ORDER_CODE)
-    return found | {match[1] for word in found for each in patterns if (match := each.fullmatch(word))}
+    return folded | {match[1] for word in folded for pattern in patterns if (match := pattern.fullmatch(word))}
 
 
 def _share(words: frozenset[str], near: set[str], section: set[str], frequent: Mapping[str, int]) -> float:

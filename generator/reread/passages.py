@@ -39,7 +39,7 @@ class Passage:
 
 def same_language(old: Manual, new: Manual) -> bool:
     """Return whether two texts have enough words in common to be compared word by word."""
-    first, second = (Counter(word for word in item.words.elements() if word.isalpha()) for item in (old, new))
+    first, second = (Counter(filter(str.isalpha, manual.words.elements())) for manual in (old, new))
     return (first & second).total() >= _SAME_LANGUAGE * min(first.total(), second.total())
 
 
@@ -50,27 +50,27 @@ def changed(old: Manual, new: Manual) -> Iterator[Passage]:
     cover of both, so text that only one edition has is skipped if it is a running head.
     """
     heads = old.heads | new.heads
-    for before, after in aligned(old, new):
-        if before is None or after is None:
-            section = before or after
+    for old_section, new_section in aligned(old, new):
+        if old_section is None or new_section is None:
+            section = old_section or new_section
             assert section is not None
             words = section.words
-            gone = before is not None
+            is_gone = old_section is not None
             shown = f"section {section.shown}, {len(words)} words"
             yield Passage(
                 section,
-                words if gone else (),
-                () if gone else words,
+                words if is_gone else (),
+                () if is_gone else words,
                 words,
                 words,
-                (shown if gone else "", "" if gone else shown),
+                (shown if is_gone else "", "" if is_gone else shown),
             )
         else:
             for first, second in (
-                (WORD.findall(before.title), WORD.findall(after.title)),
-                (before.words, after.words),
+                (WORD.findall(old_section.title), WORD.findall(new_section.title)),
+                (old_section.words, new_section.words),
             ):
-                yield from _in_section(before, first, second, heads)
+                yield from _in_section(old_section, first, second, heads)
 
 
 def _in_section(section: Section, old: Sequence[str], new: Sequence[str], heads: Collection[str]) -> Iterator[Passage]:
@@ -81,12 +81,19 @@ def _in_section(section: Section, old: Sequence[str], new: Sequence[str], heads:
             continue  # the same letters, divided otherwise at the end of a line
         if (low == high or new_low == new_high) and letters((*old[low:high], *new[new_low:new_high])) in heads:
             continue
-        close, near = (
-            (*old[max(low - before, 0) : high + after], *new[max(new_low - before, 0) : new_high + after])
-            for before, after in ((_CLOSE, _CLOSE), (_BEFORE, _AFTER))
+        yield Passage(
+            section=section,
+            old=tuple(old[low:high]),
+            new=tuple(new[new_low:new_high]),
+            close=(*_near(old, low, high, _CLOSE, _CLOSE), *_near(new, new_low, new_high, _CLOSE, _CLOSE)),
+            around=(*_near(old, low, high, _BEFORE, _AFTER), *_near(new, new_low, new_high, _BEFORE, _AFTER)),
+            shown=(_text(old, low, high), _text(new, new_low, new_high)),
         )
-        shown = (_text(old, low, high), _text(new, new_low, new_high))
-        yield Passage(section, tuple(old[low:high]), tuple(new[new_low:new_high]), close, near, shown)
+
+
+def _near(words: Sequence[str], low: int, high: int, count_before: int, count_after: int) -> Sequence[str]:
+    """Return a range of words with some words before and after it."""
+    return words[max(low - count_before, 0) : high + count_after]
 
 
 def _groups(old: Sequence[str], new: Sequence[str]) -> Iterator[tuple[int, int, int, int]]:
@@ -106,23 +113,27 @@ def _groups(old: Sequence[str], new: Sequence[str]) -> Iterator[tuple[int, int, 
 
 
 def _text(words: Sequence[str], low: int, high: int) -> str:
-    before, after = words[max(low - _SHOWN, 0) : low], words[high : high + _SHOWN]
-    return " ".join([*before, "[", *words[low:high], "]", *after]).replace("[ ]", "[]")
+    words_before, words_after = words[max(low - _SHOWN, 0) : low], words[high : high + _SHOWN]
+    return " ".join([*words_before, "[", *words[low:high], "]", *words_after]).replace("[ ]", "[]")
 
 
 def numbers_changed(old: Manual, new: Manual) -> Iterator[Passage]:
     """Yield a passage for each section in which other numbers occur, for editions in two languages."""
-    for before, after in aligned(old, new):
-        if before is None or after is None:
+    for old_section, new_section in aligned(old, new):
+        if old_section is None or new_section is None:
             continue
-        # The decimal sign depends on the language.
-        first, second = (
-            Counter(word.replace(",", ".") for word in item.words if _is_number(word)) for item in (before, after)
-        )
-        gone, added = (tuple((a - b).elements()) for a, b in ((first, second), (second, first)))
-        if gone or added:
-            both = (*gone, *added)
-            yield Passage(before, gone, added, both, both, (", ".join(gone), ", ".join(added)))
+        old_numbers, new_numbers = _numbers(old_section), _numbers(new_section)
+        removed, added = tuple((old_numbers - new_numbers).elements()), tuple((new_numbers - old_numbers).elements())
+        if removed or added:
+            changed_numbers = (*removed, *added)
+            yield Passage(
+                old_section, removed, added, changed_numbers, changed_numbers, (", ".join(removed), ", ".join(added))
+            )
+
+
+def _numbers(section: Section) -> Counter[str]:
+    """Return the numbers in a section, with a decimal point in every language."""
+    return Counter(word.replace(",", ".") for word in section.words if _is_number(word))
 
 
 def _is_number(word: str) -> bool:

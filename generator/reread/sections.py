@@ -90,7 +90,7 @@ class Manual:
             return set()
         following = order[order.index(number) + 1 : order.index(number) + 2]
         end = _key(following[0]) if following else (999,)
-        return {item for item in self.missing if _key(number) < _key(item) < end}
+        return {missing_number for missing_number in self.missing if _key(number) < _key(missing_number) < end}
 
 
 def read(path: Path) -> Manual:
@@ -131,12 +131,12 @@ def _of_pdf(path: Path) -> str:
 
 def divide(text: str) -> Manual:
     """Divide a text into its sections."""
-    text = _LINK.sub(lambda found: found["shown"], text)
-    pages = [[line for line in map(plain, page.split("\n")) if line.strip()] for page in text.split("\f")]
+    text = _LINK.sub(lambda match: match["shown"], text)
+    pages = [_plain_lines(page) for page in text.split("\f")]
     has_pages = len(pages) >= _RUNNING
     edges = _heads_at_edges(pages) if has_pages else set()
     lines = _joined([line for page in (_without_edges(pages, edges) if has_pages else pages) for line in page])
-    numbered = {index: found for index, line in enumerate(lines) if (found := _numbered(line)) is not None}
+    numbered = {index: heading for index, line in enumerate(lines) if (heading := _numbered(line)) is not None}
     listed = _contents(lines, numbered)
     titles = {numbered[index][0]: numbered[index][1] for index in sorted(listed, reverse=True)}
     headings, page_of = _headings(lines, numbered, listed, titles)
@@ -144,24 +144,29 @@ def divide(text: str) -> Manual:
     left_out = running if has_pages else running | _page_numbers(lines)
     bodies: list[tuple[str, str, list[str]]] = [(COVER, COVER, [])]
     start = min((index for index, (number, _) in headings.items() if number[0].isdigit()), default=0)
-    rest: list[str] = []
+    title_rest: list[str] = []
     for index, line in enumerate(lines):
         words = _folded(line)
         if index in headings:
             title = headings[index][1]
             bodies.append((*headings[index], []))
-            rest = _folded(title)[len(_folded(_without_number(line))) :]
-        elif words and words == rest[: len(words)]:
-            rest = rest[len(words) :]  # The heading continues on this line.
+            title_rest = _folded(title)[len(_folded(_without_number(line))) :]
+        elif words and words == title_rest[: len(words)]:
+            title_rest = title_rest[len(words) :]  # The heading continues on this line.
         elif not (index < start and (index in listed or _IN_CONTENTS.search(line))) and index not in left_out:
             bodies[-1][2].append(line)
-    sections = (
-        Section(number, title, tuple(_words(body, titles)), page_of.get(number)) for number, title, body in bodies
-    )
-    have = {number for number, _ in headings.values()}
-    missing = {number: title for number, title in titles.items() if number[0] != "0" and number not in have}
-    heads = {letters([head]) for head in (*edges, *(lines[at] for at in running))}
+    sections: list[Section] = []
+    for number, title, body in bodies:
+        sections.append(Section(number, title, tuple(_words(body, titles)), page_of.get(number)))
+    found_numbers = {number for number, _ in headings.values()}
+    missing = {number: title for number, title in titles.items() if number[0] != "0" and number not in found_numbers}
+    head_lines = [*edges, *(lines[index] for index in running)]
+    heads = {letters([line]) for line in head_lines}
     return Manual(tuple(sections), missing, frozenset(heads - {""}))
+
+
+def _plain_lines(page: str) -> list[str]:
+    return [line for line in map(plain, page.split("\n")) if line.strip()]
 
 
 def plain(line: str) -> str:
@@ -177,23 +182,23 @@ def _joined(lines: Sequence[str]) -> list[str]:
 
     A running head between two rows of a table can look like one, but occurs often.
     """
-    often = Counter(map(_head, lines))
-    found: list[str] = []
+    counts = Counter(map(_head, lines))
+    joined_lines: list[str] = []
     for line in lines:
-        before = found[-2:]
+        last_lines = joined_lines[-2:]
         if (
-            len(before) == 2
+            len(last_lines) == 2
             and _IN_CONTENTS.search(line)
             and _numbered(line) is None
-            and _numbered(before[1]) is not None
-            and _IN_CONTENTS.search(before[0])
-            and not _IN_CONTENTS.search(before[1])
-            and often[_head(before[1])] < _RUNNING
+            and _numbered(last_lines[1]) is not None
+            and _IN_CONTENTS.search(last_lines[0])
+            and not _IN_CONTENTS.search(last_lines[1])
+            and counts[_head(last_lines[1])] < _RUNNING
         ):
-            found[-1] = f"{before[1]} {line}"
+            joined_lines[-1] = f"{last_lines[1]} {line}"
         else:
-            found.append(line)
-    return found
+            joined_lines.append(line)
+    return joined_lines
 
 
 def _words(lines: Iterable[str], titles: Mapping[str, str]) -> list[str]:
@@ -202,8 +207,8 @@ def _words(lines: Iterable[str], titles: Mapping[str, str]) -> list[str]:
     A word that is hyphenated at the end of a line is one word.
     """
 
-    def reference(found: re.Match[str]) -> str:
-        return '"' if _same_start(titles.get(found["number"], ""), found["title"]) else found[0]
+    def reference(match: re.Match[str]) -> str:
+        return '"' if _same_start(titles.get(match["number"], ""), match["title"]) else match[0]
 
     text = re.sub(r"(?<=[a-zà-ÿ])-\n(?=[a-zà-ÿ])", "", "\n".join(lines))
     return WORD.findall(_SECTION_REFERENCE.sub(reference, _PAGE_REFERENCE.sub("", text)))
@@ -221,11 +226,11 @@ def _head(line: str) -> str:
 def _page_numbers(lines: Sequence[str]) -> set[int]:
     """Return the lines that contain only a page number: the longest series of numbers that increase in small steps."""
     series: dict[int, list[int]] = {}
-    for at, line in enumerate(lines):
+    for index, line in enumerate(lines):
         if _PAGE.fullmatch(line) and (number := re.search(r"\d{1,4}", line)):
             page = int(number[0])
-            before = max((series.get(page - step, []) for step in range(1, _PAGE_STEP + 1)), key=len)
-            series[page] = max(series.get(page, []), [*before, at], key=len)
+            previous = max((series.get(page - step, []) for step in range(1, _PAGE_STEP + 1)), key=len)
+            series[page] = max(series.get(page, []), [*previous, index], key=len)
     longest = max(series.values(), key=len, default=[])
     return set(longest) if len(longest) >= _RUNNING else set()
 
@@ -236,30 +241,29 @@ def _running_heads(lines: Sequence[str], headings: set[int]) -> set[int]:
     A row of a table can also occur often. Its numbers do not increase each time, or the rows are close together.
     """
     places: dict[str, list[int]] = {}
-    for at, line in enumerate(lines):
-        if len(line) <= _LONGEST and at not in headings:
-            places.setdefault(_head(line), []).append(at)
-    often = {head: found for head, found in places.items() if len(found) >= _RUNNING}
-    spread = {head: found for head, found in often.items() if found[-1] - found[0] >= _SPREAD * len(lines)}
-    counting = {
-        head
-        for head, found in spread.items()
-        if _counts_pages([[int(number) for number in re.findall(r"\d{1,4}", lines[at])] for at in found])
-    }
+    for index, line in enumerate(lines):
+        if len(line) <= _LONGEST and index not in headings:
+            places.setdefault(_head(line), []).append(index)
+    frequent = {head: indexes for head, indexes in places.items() if len(indexes) >= _RUNNING}
+    spread = {head: indexes for head, indexes in frequent.items() if indexes[-1] - indexes[0] >= _SPREAD * len(lines)}
+    counting: set[str] = set()
+    for head, indexes in spread.items():
+        if _counts_pages([lines[index] for index in indexes]):
+            counting.add(head)
     edges: list[int] = []
-    for at in sorted(at for head in counting for at in often[head]):
-        if not edges or at - edges[-1] > _EDGE:  # One page has only one, or the lines near it would count twice.
-            edges.append(at)
-    at_edges = Counter(
-        head for at in edges for head in {_head(line) for line in lines[max(at - _EDGE, 0) : at + _EDGE + 1]}
-    )
-    heads = {head for head, found in spread.items() if _is_regular(found)}
-    heads |= counting | {head for head, found in often.items() if at_edges[head] >= _MOSTLY * len(found)}
-    return {at for head in heads for at in often[head]}
+    for index in sorted(index for head in counting for index in frequent[head]):
+        if not edges or index - edges[-1] > _EDGE:  # One page has only one, or the lines near it would count twice.
+            edges.append(index)
+    at_edges: Counter[str] = Counter()
+    for edge in edges:
+        at_edges.update({_head(line) for line in lines[max(edge - _EDGE, 0) : edge + _EDGE + 1]})
+    heads = {head for head, indexes in spread.items() if _is_regular(indexes)}
+    heads |= counting | {head for head, indexes in frequent.items() if at_edges[head] >= _MOSTLY * len(indexes)}
+    return {index for head in heads for index in frequent[head]}
 
 
 def _is_regular(places: Sequence[int]) -> bool:
-    lengths = sorted(after - before for before, after in pairwise(places))
+    lengths = sorted(following - previous for previous, following in pairwise(places))
     usual = lengths[len(lengths) // 2]
     near = sum(usual <= _FACTOR * length <= _FACTOR**2 * usual for length in lengths)
     return usual >= _SHORT_PAGE and near >= _MOSTLY * len(lengths)
@@ -267,25 +271,32 @@ def _is_regular(places: Sequence[int]) -> bool:
 
 def _heads_at_edges(pages: Sequence[Sequence[str]]) -> set[str]:
     """Return the lines, with # for numbers, that occur often and mostly at the edges of pages."""
-    often = Counter(_head(line) for page in pages for line in page)
+    counts = Counter(_head(line) for page in pages for line in page)
     edges = Counter(_head(line) for page in pages for line in (*page[:_PAGE_EDGE], *page[_PAGE_EDGE:][-_PAGE_EDGE:]))
-    return {head for head, found in edges.items() if found >= max(_RUNNING, _MOSTLY * often[head])}
+    return {head for head, count in edges.items() if count >= max(_RUNNING, _MOSTLY * counts[head])}
 
 
 def _without_edges(pages: Sequence[Sequence[str]], heads: Collection[str]) -> Iterator[Sequence[str]]:
     """Yield the pages without page numbers and running heads."""
     for page in pages:
         last = len(page) - _PAGE_EDGE
-        yield [
-            line
-            for at, line in enumerate(page)
-            if _PAGE_EDGE <= at < last or (_head(line) not in heads and not _PAGE.fullmatch(line))
-        ]
+        lines: list[str] = []
+        for index, line in enumerate(page):
+            is_at_edge = not _PAGE_EDGE <= index < last
+            if not is_at_edge or (_head(line) not in heads and not _PAGE.fullmatch(line)):
+                lines.append(line)
+        yield lines
 
 
-def _counts_pages(found: Sequence[Sequence[int]]) -> bool:
-    columns = [column for column in zip(*found, strict=False) if len(set(column)) > 1]
-    return bool(columns) and all(all(a < b for a, b in pairwise(column)) for column in columns)
+def _counts_pages(lines: Sequence[str]) -> bool:
+    """Return whether the numbers in lines increase from line to line, except those that are always the same."""
+    numbers = [list(map(int, re.findall(r"\d{1,4}", line))) for line in lines]
+    columns = [column for column in zip(*numbers, strict=False) if len(set(column)) > 1]
+    return bool(columns) and all(map(_increases, columns))
+
+
+def _increases(numbers: Sequence[int]) -> bool:
+    return all(number < following for number, following in pairwise(numbers))
 
 
 def _headings(
@@ -326,16 +337,16 @@ def _contents(lines: Sequence[str], numbered: Mapping[int, tuple[str, str]]) -> 
     if len(with_page) >= _FEW:
         return with_page
     first = min(with_page or numbered, default=len(lines))
-    found: set[int] = set()
+    indexes: set[int] = set()
     last: tuple[int, ...] = ()
     for index, (number, _) in numbered.items():
         if index >= first:
             key = _key(number)
             if key[:1] < last[:1]:
                 break
-            found.add(index)
+            indexes.add(index)
             last = max(key, last)
-    return found | with_page
+    return indexes | with_page
 
 
 def _key(number: str) -> tuple[int, ...]:
@@ -343,8 +354,8 @@ def _key(number: str) -> tuple[int, ...]:
 
 
 def _numbered(line: str) -> tuple[str, str] | None:
-    found = _HEADING.fullmatch(_title(line))
-    return (found["number"], found["title"].strip()) if found is not None and len(line) <= _LONGEST else None
+    match = _HEADING.fullmatch(_title(line))
+    return (match["number"], match["title"].strip()) if match is not None and len(line) <= _LONGEST else None
 
 
 def _title(line: str) -> str:
@@ -352,8 +363,8 @@ def _title(line: str) -> str:
 
 
 def _without_number(line: str) -> str:
-    found = _numbered(line)
-    return line if found is None else found[1]
+    heading = _numbered(line)
+    return line if heading is None else heading[1]
 
 
 def _folded(text: str) -> list[str]:
@@ -368,24 +379,26 @@ def _same_start(listed: str, title: str) -> bool:
 
 def aligned(old: Manual, new: Manual) -> Iterator[tuple[Section | None, Section | None]]:
     """Yield the sections of two editions in pairs, by title or else by number, with None for a missing one."""
-    left = {section.number: section for section in new.sections}
+    unpaired = {section.number: section for section in new.sections}
     pairs: dict[str, Section] = {}
-    for same in (_same_section, _same_title, _same_number):
+    for find_same in (_same_section, _same_title, _same_number):
         for section in old.sections:
-            if section.number not in pairs and (found := same(section, left)) is not None:
-                pairs[section.number] = left.pop(found)
+            if section.number not in pairs and (number := find_same(section, unpaired)) is not None:
+                pairs[section.number] = unpaired.pop(number)
     yield from ((section, pairs.get(section.number)) for section in old.sections)
-    yield from ((None, section) for section in left.values())
+    yield from ((None, section) for section in unpaired.values())
 
 
 def _same_section(section: Section, among: Mapping[str, Section]) -> str | None:
-    found = among.get(section.number)
-    return section.number if found is not None and found.title.casefold() == section.title.casefold() else None
+    same_number = among.get(section.number)
+    return (
+        section.number if same_number is not None and same_number.title.casefold() == section.title.casefold() else None
+    )
 
 
 def _same_title(section: Section, among: Mapping[str, Section]) -> str | None:
-    found = (number for number, item in among.items() if item.title.casefold() == section.title.casefold())
-    return next(found, None)
+    numbers = (number for number, candidate in among.items() if candidate.title.casefold() == section.title.casefold())
+    return next(numbers, None)
 
 
 def _same_number(section: Section, among: Mapping[str, Section]) -> str | None:

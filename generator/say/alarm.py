@@ -13,29 +13,29 @@ from .text import Code, Ref, Said, listed, said, told
 from .words import volts
 
 
-def alarm(device: Device, item: Alarm) -> Iterator[Said]:
+def alarm(device: Device, device_alarm: Alarm) -> Iterator[Said]:
     """Yield all statements that follow its name in running text."""
-    yield from told(item.meaning, source=item.source)
-    yield from facts(device, item)
-    yield from map(erratum, errata(device, f"alarms.{item.name}"))
+    yield from told(device_alarm.meaning, source=device_alarm.source)
+    yield from facts(device, device_alarm)
+    yield from map(erratum, errata(device, f"alarms.{device_alarm.name}"))
 
 
-def facts(device: Device, item: Alarm) -> Iterator[Said]:
+def facts(device: Device, device_alarm: Alarm) -> Iterator[Said]:
     """Yield the flag that shows it, its cause, and the procedures that clear it."""
-    if item.group:
-        group = next(one for one in device.field_groups if one.name == item.group)
-        yield said(Code(item.field), " in ", Ref("group", group.name, title(group)), label="Flag")
-    elif item.register:
-        yield said(register_field(device, f"{item.register}.{item.field}".rstrip(".")), label="Flag")
-    if not item.implemented and "not implemented" not in item.meaning.lower():
+    if device_alarm.group:
+        group = next(candidate for candidate in device.field_groups if candidate.name == device_alarm.group)
+        yield said(Code(device_alarm.field), " in ", Ref("group", group.name, title(group)), label="Flag")
+    elif device_alarm.register:
+        yield said(register_field(device, f"{device_alarm.register}.{device_alarm.field}".rstrip(".")), label="Flag")
+    if not device_alarm.implemented and "not implemented" not in device_alarm.meaning.lower():
         yield said("Not implemented in this encoder")
-    yield from told(item.detected, label="Detected")
-    if item.below_mv is not None:
-        yield said(f"Raised below {volts(item.below_mv)}")
-    if item.latch is not None:
-        yield said("Stays active until it is reset" if item.latch else "Clears itself when its cause is gone")
-    yield from remedied(item.remedy, item.by_hand)
-    yield from only(item.only)
-    if item.cleared_by:
-        procedures = [Ref("procedure", name, name) for name in item.cleared_by]
+    yield from told(device_alarm.detected, label="Detected")
+    if device_alarm.below_mv is not None:
+        yield said(f"Raised below {volts(device_alarm.below_mv)}")
+    if device_alarm.latch is not None:
+        yield said("Stays active until it is reset" if device_alarm.latch else "Clears itself when its cause is gone")
+    yield from remedied(device_alarm.remedy, device_alarm.by_hand)
+    yield from only(device_alarm.only)
+    if device_alarm.cleared_by:
+        procedures = [Ref("procedure", name, name) for name in device_alarm.cleared_by]
         yield said(*listed(procedures, " or "), label="Cleared by")

@@ -8,24 +8,24 @@ from ..model import Alternative, Answer, Device, Layout
 from .text import Code, Part, Ref, Said, listed, said
 
 
-def question(item: Alternative) -> Said:
+def question(alternative: Alternative) -> Said:
     """Return the question."""
-    return said(item.meaning, source=item.source)
+    return said(alternative.meaning, source=alternative.source)
 
 
-def answer(item: Answer) -> Said:
+def answer(choice: Answer) -> Said:
     """Return one answer, preceded by its name."""
-    return said(Code(item.name), f": {item.meaning}", source=item.source)
+    return said(Code(choice.name), f": {choice.meaning}", source=choice.source)
 
 
 def needs(device: Device, layout: Layout) -> Iterator[Said]:
     """Yield the choices that are needed to read or write a frame of this layout."""
-    for item in device.alternatives_of(layout):
-        answers = listed([Code(one.name) for one in item.answers], " or ")
-        choice = Ref("alternative", item.name, item.name)
+    for alternative in device.alternatives_of(layout):
+        answers = listed([Code(choice.name) for choice in alternative.answers], " or ")
+        choice = Ref("alternative", alternative.name, alternative.name)
         yield said("The positions of its fields depend on your choice of ", choice, ": ", *answers)
 
 
 def names(answers: Sequence[Answer]) -> Iterator[Part]:
     """Yield the names of the answers as parts, such as ``as_printed``."""
-    yield from listed([Code(item.name) for item in answers])
+    yield from listed([Code(choice.name) for choice in answers])

@@ -42,10 +42,10 @@ STAND_INS: Mapping[str, str] = {
 }
 
 
-def in_ascii(text: str, own: Mapping[str, str]) -> str:
-    """Return the text with ``own`` replacements, then those above, then letters without accents, then ``?``."""
+def in_ascii(text: str, replacements: Mapping[str, str]) -> str:
+    """Return the text with ``replacements``, then those above, then letters without accents, then ``?``."""
     if text.isascii():
         return text
-    table = {ord(sign): stand_in for sign, stand_in in {**STAND_INS, **own}.items()}
+    table = {ord(sign): stand_in for sign, stand_in in {**STAND_INS, **replacements}.items()}
     flat = unicodedata.normalize("NFKD", text.translate(table))
     return "".join(letter for letter in flat if not unicodedata.combining(letter)).encode("ascii", "replace").decode()

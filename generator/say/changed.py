@@ -69,44 +69,49 @@ _MORE = re.compile(r" and ([0-9]+ more)$")
 
 def in_words(paths: str) -> str:
     """Return paths such as ``registers.bank.default, supply and 2 more`` in words."""
-    more = _MORE.search(paths)
-    found = [_of(path.split(".")) for path in _MORE.sub("", paths).split(", ")]
-    return "".join(map(str, listed([*found, *([more[1]] if more is not None else [])])))
+    count_text = _MORE.search(paths)
+    texts = [_of(path.split(".")) for path in _MORE.sub("", paths).split(", ")]
+    return "".join(map(str, listed([*texts, *([count_text[1]] if count_text is not None else [])])))
 
 
 def change_in_words(printed: str) -> str:
     """Return a part and its value, such as ``bank.default: 50``, in words. Text without a path is unchanged."""
     paths, colon, value = printed.partition(": ")
-    paths = _INDEX.sub(lambda found: f".{int(found[1]) + 1}", paths)
+    paths = _INDEX.sub(lambda index_match: f".{int(index_match[1]) + 1}", paths)
     if not all(map(_PATH.fullmatch, _MORE.sub("", paths).split(", "))):
         return printed
     return f"{in_words(paths)}{colon}{value}"
+
+
+def _first_words(steps: Sequence[str]) -> tuple[str, int]:
+    """Return the words for the first steps of a path that are described together, and their number."""
+    match steps:
+        case ["order_code", "parts", part, "values", value, *_]:
+            return f"order codes with {part} {value}", 5
+        case ["order_code", "parts", part, _, *_]:
+            return f"order code part {part}", 3
+        case ["order_code", "also_written", number, "values", part, *_]:
+            return f"the values of {part} in spelling {number} on labels", 5
+    if steps[0] not in (*_LISTS, *_TOP, "interfaces", "order_code"):
+        return f"register {steps[0]}", 1
+    return "", 0
 
 
 def _of(steps: Sequence[str]) -> str:
     """Return one path in words, from the outermost step inwards. A step for which there are no words is kept."""
     if len(steps) == 1 and steps[0] in _TOP:
         return _TOP[steps[0]]
-    said, index = "", 0
-    match steps:
-        case ["order_code", "parts", part, "values", value, *_]:
-            said, index = f"order codes with {part} {value}", 5
-        case ["order_code", "parts", part, _, *_]:
-            said, index = f"order code part {part}", 3
-        case ["order_code", "also_written", number, "values", part, *_]:
-            said, index = f"the values of {part} in spelling {number} on labels", 5
-    if steps[0] not in (*_LISTS, *_TOP, "interfaces", "order_code"):
-        said, index = f"register {steps[0]}", 1
+    words, index = _first_words(steps)
     while index < len(steps):
         step, following = steps[index], steps[index + 1] if index + 1 < len(steps) else ""
         if step == "interfaces" and following:
-            said, index = (INTERFACES[following].title if following in INTERFACES else following), index + 2
+            words, index = (INTERFACES[following].title if following in INTERFACES else following), index + 2
         elif step == "order_code":
-            said, index = "the order code", index + 1
+            words, index = "the order code", index + 1
         elif step in _LISTS and following:
-            said, index = f"{_LISTS[step]} {following}" + (f" of {said}" if said else ""), index + 2
+            words, index = f"{_LISTS[step]} {following}" + (f" of {words}" if words else ""), index + 2
         elif step in _KEYS and not following:
-            said, index = _KEYS[step].format(said), index + 1
+            words, index = _KEYS[step].format(words), index + 1
         else:
-            said, index = f"{step.replace('_', ' ')}" + (f" of {said}" if said else ""), index + 1
-    return said
+            words, index = f"{step.replace('_', ' ')}" + (f" of {words}" if words else ""), index + 1
+    return words

@@ -65,17 +65,17 @@ class Commands:
     @property
     def may_save(self) -> bool:
         """True if something here may keep settings."""
-        named = any(map(_SAVE_TO.search, self._texts())) or any(map(_SAVE.search, self._request_texts()))
-        return bool(self.settings) or named
+        texts_may_save = any(map(_SAVE_TO.search, self._texts())) or any(map(_SAVE.search, self._request_texts()))
+        return bool(self.settings) or texts_may_save
 
     @property
     def resets(self) -> tuple[DataId, ...]:
         """Requests that reset the encoder or its position."""
-        return tuple(item for item in self.requests if isinstance(item, DataId) and item.purpose == "reset")
+        return tuple(request for request in self.requests if isinstance(request, DataId) and request.purpose == "reset")
 
     def _texts(self) -> Iterator[str]:
         """Yield the names and texts of everything except requests, and except procedures that only send resets."""
-        resets = {item.name for item in self.resets}
+        resets = {request.name for request in self.resets}
         for procedure in self.procedures:
             if not resets.issuperset(step.data_id for step in procedure.steps if isinstance(step, SendStep)):
                 yield from (procedure.name, procedure.title, procedure.result, procedure.note)
@@ -97,16 +97,17 @@ class Commands:
 
 def commands_over(device: Device, interface: Interface) -> Commands:
     """Return everything with which a user can change something over an interface or at an input."""
-    writable = [item for item in device.registers_over(interface.name) if item.writable]
-    locks = {item.opened_by for item in device.registers}
+    writable = [register for register in device.registers_over(interface.name) if register.writable]
+    locks = {register.opened_by for register in device.registers}
     selects_bank = interface.bank_select if isinstance(interface, Biss) else ""
-    registers = [item for item in writable if holds_commands(item) and item.name not in locks]
-    kept = {selects_bank, *(item.name for item in registers)}
+    registers = [register for register in writable if holds_commands(register) and register.name not in locks]
+    excluded_names = {selects_bank, *(register.name for register in registers)}
+    procedures = (procedure for procedure in device.procedures if procedure.interface == interface.name)
     return Commands(
-        procedures=tuple(item for item in device.procedures if item.interface == interface.name and _changes(item)),
+        procedures=tuple(filter(_changes, procedures)),
         registers=tuple(registers),
-        settings=tuple(item for item in writable if item.name not in kept),
-        requests=tuple(item for item in _requests(interface) if item.purpose not in _READING),
+        settings=tuple(register for register in writable if register.name not in excluded_names),
+        requests=tuple(request for request in _requests(interface) if request.purpose not in _READING),
         inputs=device.inputs,
         has_control_data=isinstance(interface, Biss) and bool(interface.control_data),
     )
@@ -120,7 +121,7 @@ def holds_commands(register: Register) -> bool:
 
 def _values(register: Register) -> tuple[Value, ...]:
     """Return the named values of all fields."""
-    return tuple(value for item in register.layout.fields for value in item.values)
+    return tuple(value for field in register.layout.fields for value in field.values)
 
 
 def _changes(procedure: Procedure) -> bool:

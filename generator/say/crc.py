@@ -10,37 +10,41 @@ from .text import Said, said, told
 from .words import counted
 
 
-def crc(device: Device, item: Crc) -> Iterator[Said]:
+def crc(device: Device, checksum: Crc) -> Iterator[Said]:
     """Yield all statements about it in order, for running text."""
-    yield head(device, item)
-    yield from told(item.note)
-    yield from map(erratum, errata(device, f"crcs.{item.name}"))
+    yield head(device, checksum)
+    yield from told(checksum.note)
+    yield from map(erratum, errata(device, f"crcs.{checksum.name}"))
 
 
-def head(device: Device, item: Crc) -> Said:
+def head(device: Device, checksum: Crc) -> Said:
     """Return its parameters in one sentence."""
-    return said(f"CRC {item.name} of {counted(item.width, 'bit')}: {parameters(device, item)}", source=item.source)
+    return said(
+        f"CRC {checksum.name} of {counted(checksum.width, 'bit')}: {parameters(device, checksum)}",
+        source=checksum.source,
+    )
 
 
-def parameters(device: Device, item: Crc) -> str:
+def parameters(device: Device, checksum: Crc) -> str:
     """Return polynomial, start value, reflection and final XOR."""
-    start = f"start value {f'0x{item.init:X}' if item.init else 0}"
-    return ", ".join(filter(None, (item.polynomial, start, reflected(device, item), sent(item))))
+    start = f"start value {f'0x{checksum.init:X}' if checksum.init else 0}"
+    return ", ".join(filter(None, (checksum.polynomial, start, reflected(device, checksum), sent(checksum))))
 
 
-def reflected(device: Device, item: Crc) -> str:
+def reflected(device: Device, checksum: Crc) -> str:
     """Return whether the input and the output are reflected, or an empty string if neither is."""
-    turned = [words for words, value in (("input", device.reflects_input(item)), ("output", item.refout)) if value]
-    return f"{' and '.join(turned)} reflected" if turned else ""
+    sides = {"input": device.reflects_input(checksum), "output": checksum.refout}
+    reflected_words = [side for side, is_reflected in sides.items() if is_reflected]
+    return f"{' and '.join(reflected_words)} reflected" if reflected_words else ""
 
 
-def sent(item: Crc) -> str:
+def sent(checksum: Crc) -> str:
     """Return how the remainder is changed before it is sent."""
-    if item.xorout == item.mask:
+    if checksum.xorout == checksum.mask:
         return "sent inverted"
-    return f"sent after an XOR with 0x{item.xorout:X}" if item.xorout else "sent unchanged"
+    return f"sent after an XOR with 0x{checksum.xorout:X}" if checksum.xorout else "sent unchanged"
 
 
-def inverted(item: Crc) -> str:
+def inverted(checksum: Crc) -> str:
     """Return in two words how the remainder is changed before it is sent."""
-    return {0: "not inverted", item.mask: "inverted"}.get(item.xorout, f"XOR {item.xorout:#X}")
+    return {0: "not inverted", checksum.mask: "inverted"}.get(checksum.xorout, f"XOR {checksum.xorout:#X}")

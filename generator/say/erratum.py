@@ -22,65 +22,60 @@ def errata(
     request, for pages that show the text of a manual.
     """
 
-    below, below_without = (tuple(f"{place}." for place in places) for places in (paths, without))
-    return tuple(
-        item
-        for item in device.errata
-        if (wording or item.severity != "wording")
-        and any(
-            other in exactly
-            or (
-                (other in paths or other.startswith(below))
-                and other not in without
-                and not other.startswith(below_without)
-            )
-            for other in item.affects
-        )
-    )
+    def is_about(affected: str) -> bool:
+        return affected in exactly or (_is_within(affected, paths) and not _is_within(affected, without))
+
+    candidates = [correction for correction in device.errata if wording or correction.severity != "wording"]
+    return tuple(correction for correction in candidates if any(map(is_about, correction.affects)))
 
 
-def erratum(item: Erratum, *, whole: bool = False) -> Said:
+def _is_within(path: str, parts: Collection[str]) -> bool:
+    """Return whether a path is that of one of the parts, or of something inside it."""
+    return path in parts or path.startswith(tuple(f"{part}." for part in parts))
+
+
+def erratum(correction: Erratum, *, whole: bool = False) -> Said:
     """Return an erratum in three labelled parts: the printed text, the value used, and the reason.
 
     The reason is omitted if it is long, unless ``whole`` is set or wrong bytes could be sent. A change by an overlay
     or another edition always has its reason. The short form keeps the value used if wrong bytes could be sent and the
     erratum is open.
     """
-    if item.overlay or item.edition:
-        return _change(item)
-    at_stake = item.severity == "wrong_data"
-    with_reason = whole or at_stake or len(item.why) <= _SHORT
-    used = sentence(item.used) + (f" {sentence(f'Only with {item.only}')}" if item.only else "")
-    brief = f"Used: {used}" if at_stake and item.status == "open" else ""
-    label = f"Erratum {item.name} ({item.status}, {item.severity.replace('_', ' ')})"
-    parts = _labelled(("Printed", item.printed), ("Used", used), ("Why", item.why if with_reason else ""))
-    return Said((), label, item.source, brief, tuple(parts))
+    if correction.overlay or correction.edition:
+        return _change(correction)
+    at_stake = correction.severity == "wrong_data"
+    with_reason = whole or at_stake or len(correction.why) <= _SHORT
+    used = sentence(correction.used) + (f" {sentence(f'Only with {correction.only}')}" if correction.only else "")
+    brief = f"Used: {used}" if at_stake and correction.status == "open" else ""
+    label = f"Erratum {correction.name} ({correction.status}, {correction.severity.replace('_', ' ')})"
+    parts = _labelled(("Printed", correction.printed), ("Used", used), ("Why", correction.why if with_reason else ""))
+    return Said((), label, correction.source, brief, tuple(parts))
 
 
 def _labelled(*parts: tuple[str, str]) -> Iterator[Said]:
     return (said(text, label=label) for label, text in parts if text)
 
 
-def _change(item: Erratum) -> Said:
-    label = f"Overlay {item.overlay}" if item.overlay else f"In edition {item.edition}"
-    if item.edition.startswith("before "):
-        label = f"Before edition {item.edition.removeprefix('before ')}"
+def _change(correction: Erratum) -> Said:
+    label = f"Overlay {correction.overlay}" if correction.overlay else f"In edition {correction.edition}"
+    if correction.edition.startswith("before "):
+        label = f"Before edition {correction.edition.removeprefix('before ')}"
     # Next to code, a hint that another edition differs is enough, since the code is correct for this edition.
-    differs = "may differ" if item.used == NOT_KNOWN else "differs"
-    brief = f"{differs}. See the encoder's page." if item.edition else None
-    return Said((), label, item.source, brief, tuple(_labelled(*changed(item), ("Why", item.why))))
+    differs = "may differ" if correction.used == NOT_KNOWN else "differs"
+    brief = f"{differs}. See the encoder's page." if correction.edition else None
+    return Said((), label, correction.source, brief, tuple(_labelled(*changed(correction), ("Why", correction.why))))
 
 
-def changed(item: Erratum) -> Iterator[tuple[str, str]]:
+def changed(correction: Erratum) -> Iterator[tuple[str, str]]:
     """Yield a change by an overlay or another edition as labelled texts: the part, and its changed content."""
-    what = change_in_words(item.printed)
-    if item.used == NOT_KNOWN:
-        yield "Not known", what
-    elif item.used == LEFT_OUT and item.edition:
-        yield "Not present", what
-    elif item.printed.endswith(".note") and item.edition:
-        yield "Instead of", what
-        yield "Text", f"{item.used}"
+    change = change_in_words(correction.printed)
+    if correction.used == NOT_KNOWN:
+        yield "Not known", change
+    elif correction.used == LEFT_OUT and correction.edition:
+        yield "Not present", change
+    elif correction.printed.endswith(".note") and correction.edition:
+        yield "Instead of", change
+        yield "Text", f"{correction.used}"
     else:
-        yield "In the spec", what
-        yield "In that edition" if item.edition else "With the overlay", f"{item.used}"
+        yield "In the spec", change
+        yield "In that edition" if correction.edition else "With the overlay", f"{correction.used}"

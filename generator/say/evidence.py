@@ -21,8 +21,8 @@ _MEANING = {
 
 def grade(device: Device) -> Said:
     """Return the grade of the evidence, with its meaning, and the values that are still the template's."""
-    found = device.evidence.grade
-    text = f"{found} ({_MEANING[found]})"
+    grade_name = device.evidence.grade
+    text = f"{grade_name} ({_MEANING[grade_name]})"
     return said(f"{text}. {placeholders(device)}" if device.evidence.placeholders else text, label="Evidence")
 
 
@@ -31,8 +31,8 @@ def placeholders(device: Device) -> str:
     names = device.evidence.placeholders
     if not names:
         return ""
-    are = "value is" if len(names) == 1 else "values are"
-    return f"{len(names)} {are} still the template's, not the manufacturer's: {', '.join(names)}"
+    verb = "value is" if len(names) == 1 else "values are"
+    return f"{len(names)} {verb} still the template's, not the manufacturer's: {', '.join(names)}"
 
 
 def document(device: Device) -> str:
@@ -42,12 +42,12 @@ def document(device: Device) -> str:
 
 def basis(device: Device) -> Iterator[Said]:
     """Yield what the grade rests on, unless it is the manual as a whole, and the facts that are left out."""
-    found = device.evidence
-    if found.grade != "manual":
-        for key, pages in found.documents.items():
+    evidence = device.evidence
+    if evidence.grade != "manual":
+        for key, pages in evidence.documents.items():
             yield said(pages, label=f"Read in {key}")
-        for label, names in (("Implementations", found.implementations), ("Vectors", found.vectors)):
+        for label, names in (("Implementations", evidence.implementations), ("Vectors", evidence.vectors)):
             if names:
                 yield said(", ".join(names), label=label)
-    for item in found.left_out:
-        yield said(item, label="Left out")
+    for fact in evidence.left_out:
+        yield said(fact, label="Left out")

@@ -31,60 +31,55 @@ from .text import Code, Hex, Level, Part, Ref, Said, listed, parted, said, told
 from .words import WORTH
 
 
-def field(device: Device, item: Field) -> Iterator[Said]:
+def field(device: Device, frame_field: Field) -> Iterator[Said]:
     """Yield all statements about it in order, for running text."""
-    yield from meaning(item, item.meaning)
-    yield from rules(device, item)
-    yield from told(item.note)
+    yield from meaning(frame_field, frame_field.meaning)
+    yield from rules(device, frame_field)
+    yield from told(frame_field.note)
 
 
-def meaning(item: Named, text: str) -> Iterator[Said]:
+def meaning(named_item: Named, text: str) -> Iterator[Said]:
     """Yield the meaning, labelled with the name used in the manual."""
-    yield from told(text, label=printed(item)) if text else told(printed(item))
+    yield from told(text, label=printed(named_item)) if text else told(printed(named_item))
 
 
-def rules(device: Device, item: Field) -> Iterator[Said]:
+def rules(device: Device, frame_field: Field) -> Iterator[Said]:
     """Yield the interpretation of its bits and the rules for its use."""
-    yield from told(item.unit, label="Unit")
-    if item.scale is not None:
-        yield said(formula(item.scale), label=f"In {item.scale.unit}", source=item.scale.source)
-    yield from _kind(device, item)
-    if item.container:
-        yield said(f"Right-aligned in {item.container} bits, with zeros above it")
-    if not item.implemented and "not implemented" not in item.meaning.lower():
+    yield from told(frame_field.unit, label="Unit")
+    if frame_field.scale is not None:
+        yield said(formula(frame_field.scale), label=f"In {frame_field.scale.unit}", source=frame_field.scale.source)
+    yield from _kind(device, frame_field)
+    if frame_field.container:
+        yield said(f"Right-aligned in {frame_field.container} bits, with zeros above it")
+    if not frame_field.implemented and "not implemented" not in frame_field.meaning.lower():
         yield said("Not implemented in this encoder")
-    if item.reserved:
-        yield reserved(item.reserved)
-    if item.equals is not None:
-        known = _known(item.equals, item.widest)
-        yield said("Holds ", known, ", which identifies the encoder. The decoder also accepts other values")
-    if item.default is not None:
-        yield said(Expression(item.default), label="Default")
-    if item.explained_by:
-        yield said("For the reason, see ", *listed([register_field(device, path) for path in item.explained_by]))
-    yield from remedied(item.remedy, item.by_hand)
+    if frame_field.reserved:
+        yield reserved(frame_field.reserved)
+    if frame_field.equals is not None:
+        expected = _known(frame_field.equals, frame_field.widest)
+        yield said("Holds ", expected, ", which identifies the encoder. The decoder also accepts other values")
+    if frame_field.default is not None:
+        yield said(Expression(frame_field.default), label="Default")
+    if frame_field.explained_by:
+        yield said("For the reason, see ", *listed([register_field(device, path) for path in frame_field.explained_by]))
+    yield from remedied(frame_field.remedy, frame_field.by_hand)
 
 
-def _kind(device: Device, item: Field) -> Iterator[Said]:
-    match item.kind:
+def _kind(device: Device, frame_field: Field) -> Iterator[Said]:
+    match frame_field.kind:
         case Number() as kind:
             yield from _number(kind)
         case Flag() as kind:
-            yield from _flag(kind, item.implemented)
+            yield from _flag(kind, frame_field.implemented)
         case Choice():
             pass  # Each value has its own statement.
         case Constant(value):
-            if "always" not in item.meaning.lower():
-                yield said(f"Always {short(value)}")
-        case Unused(value, verdict):
-            yield said(f"Unused, documented as {short(value)}")
-            if _comes_with_position(device, item):
-                yield said("Frames with other values are still decoded, with the verdict ", Code(verdict.value))
-            else:
-                yield said("Other values are still decoded")
-        case CrcValue(crc, of):
-            over = parted((Code(name),) for name in of) if of else ("everything before it",)
-            yield said("CRC ", Ref("crc", crc, crc), " over ", *over)
+            yield from told("" if "always" in frame_field.meaning.lower() else f"Always {short(value)}")
+        case Unused() as unused:
+            yield from _unused(device, frame_field, unused)
+        case CrcValue(crc, covered_names):
+            names = parted((Code(name),) for name in covered_names) if covered_names else ("everything before it",)
+            yield said("CRC ", Ref("crc", crc, crc), " over ", *names)
         case Parity() as parity:
             covered = parted((Code(name),) for name in parity.covers)
             bits = f"{parity.over.replace('_', ' ')} of " if parity.over else ""
@@ -97,9 +92,18 @@ def _kind(device: Device, item: Field) -> Iterator[Said]:
             assert_never(kind)
 
 
-def _comes_with_position(device: Device, item: Field) -> bool:
+def _unused(device: Device, frame_field: Field, unused: Unused) -> Iterator[Said]:
+    yield said(f"Unused, documented as {short(unused.value)}")
+    if _comes_with_position(device, frame_field):
+        yield said("Frames with other values are still decoded, with the verdict ", Code(unused.makes_position.value))
+    else:
+        yield said("Other values are still decoded")
+
+
+def _comes_with_position(device: Device, frame_field: Field) -> bool:
     """Return whether any frame contains both the field and the position."""
-    return any(item in layout.fields and device.tells_position(kind.name, layout) for kind, layout in device.layouts())
+    frames = [(kind, layout) for kind, layout in device.layouts() if frame_field in layout.fields]
+    return any(device.tells_position(kind.name, layout) for kind, layout in frames)
 
 
 def _number(kind: Number) -> Iterator[Said]:
@@ -112,27 +116,27 @@ def _number(kind: Number) -> Iterator[Said]:
 
 
 def _flag(kind: Flag, implemented: bool) -> Iterator[Said]:
-    active, other = (0, 1) if kind.active_low else (1, 0)
+    active, inactive = (0, 1) if kind.active_low else (1, 0)
     if implemented or kind.when_active or kind.when_inactive:
         yield said(Level.ACTIVE, f" when {active}", f": {kind.when_active}" if kind.when_active else "")
         if kind.when_inactive:
-            yield said(Level.INACTIVE, f" when {other}: {kind.when_inactive}")
+            yield said(Level.INACTIVE, f" when {inactive}: {kind.when_inactive}")
     if kind.sums_up:
         yield said("Combines ", *listed(list(map(Code, kind.sums_up))))
     if kind.makes_position is Verdict.USABLE and implemented:
         yield said("It does not affect the position")
     elif kind.makes_position and implemented:
-        instead = ". If a flag that it combines is active in the same frame, that flag decides instead"
+        exception = ". If a flag that it combines is active in the same frame, that flag decides instead"
         yield said(
-            "While it is ", Level.WHILE_ACTIVE, f", {WORTH[kind.makes_position]}{instead if kind.sums_up else ''}"
+            "While it is ", Level.WHILE_ACTIVE, f", {WORTH[kind.makes_position]}{exception if kind.sums_up else ''}"
         )
     if kind.verdict_if_set is not None and implemented:
         yield said("If you set ", Code(kind.verdict_parameter), f" to 1, {WORTH[kind.verdict_if_set]}")
     if kind.only:
-        elsewhere = kind.unexplained.makes_position
-        worth = f", and {WORTH[elsewhere]}" if elsewhere is not None else ""
-        others = f". For other order codes the manual does not explain the flag{worth}"
-        yield said("This applies only to ", Code(kind.only), others)
+        other_verdict = kind.unexplained.makes_position
+        verdict_text = f", and {WORTH[other_verdict]}" if other_verdict is not None else ""
+        remark = f". For other order codes the manual does not explain the flag{verdict_text}"
+        yield said("This applies only to ", Code(kind.only), remark)
 
 
 def _run(run: Digits) -> tuple[Part, ...]:
@@ -147,20 +151,24 @@ def _known(value: Expression | int | str, bits: int) -> Part:
 
 def choices(values: tuple[Value, ...]) -> Said:
     """Return all named values in one statement."""
-    return said(*parted((f"{short(item.value)} ", Code(item.name)) for item in values), label="Values")
+    return said(
+        *parted((f"{short(named_value.value)} ", Code(named_value.name)) for named_value in values), label="Values"
+    )
 
 
-def value(item: Value, bits: int) -> Said:
+def value(named_value: Value, bits: int) -> Said:
     """Return a named value of a field of ``bits`` bits."""
-    own = f" ({own_names(item)})" if own_names(item) else ""
-    about = f": {item.meaning}" if item.meaning else ""
-    number = f"{hexadecimal(item.value, (bits + 3) // 4)} "
-    return said(number, Code(item.name), own, about, effect(item), source=item.source)
+    manual_names = f" ({own_names(named_value)})" if own_names(named_value) else ""
+    meaning_text = f": {named_value.meaning}" if named_value.meaning else ""
+    number = f"{hexadecimal(named_value.value, (bits + 3) // 4)} "
+    return said(
+        number, Code(named_value.name), manual_names, meaning_text, effect(named_value), source=named_value.source
+    )
 
 
-def effect(item: Value) -> str:
+def effect(named_value: Value) -> str:
     """Return the verdict of a named value on the position as the end of a statement, or an empty string."""
-    return f" ({WORTH[item.makes_position]})" if item.makes_position is not None else ""
+    return f" ({WORTH[named_value.makes_position]})" if named_value.makes_position is not None else ""
 
 
 def short(number: int) -> str:

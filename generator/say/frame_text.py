@@ -80,6 +80,6 @@ def valid_other(name: str) -> str:
     return f"this is a valid {name}"
 
 
-def register_length(register: str, needed: str, given: str) -> str:
-    """Return the message for a register value of another length. ``needed`` and ``given`` include the unit."""
-    return f"the register '{register}' has {needed}, but the text has {given}"
+def register_length(register: str, needed: str, actual: str) -> str:
+    """Return the message for a register value of another length. ``needed`` and ``actual`` include the unit."""
+    return f"the register '{register}' has {needed}, but the text has {actual}"

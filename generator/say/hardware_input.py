@@ -10,15 +10,15 @@ from .text import Said, said, told
 from .words import microseconds
 
 
-def facts(device: Device, item: Input) -> Iterator[Said]:
+def facts(device: Device, hardware_input: Input) -> Iterator[Said]:
     """Yield the meanings of its levels, its effect, and the rules for its use."""
-    yield from told(item.low, label="Low level")
-    yield from told(item.high, label="High level")
-    if item.pulse_at_least_us is not None:
-        yield said(f"at least {microseconds(item.pulse_at_least_us)}", label="Pulse")
-    if item.inverts:
-        yield said("A high level inverts ", register_field(device, item.inverts))
-    if item.needs:
-        yield said("Has an effect only if enabled by ", register_field(device, item.needs))
-    if item.when_unused:
-        yield said(f"Connect it to {item.when_unused} when it is not used")
+    yield from told(hardware_input.low, label="Low level")
+    yield from told(hardware_input.high, label="High level")
+    if hardware_input.pulse_at_least_us is not None:
+        yield said(f"at least {microseconds(hardware_input.pulse_at_least_us)}", label="Pulse")
+    if hardware_input.inverts:
+        yield said("A high level inverts ", register_field(device, hardware_input.inverts))
+    if hardware_input.needs:
+        yield said("Has an effect only if enabled by ", register_field(device, hardware_input.needs))
+    if hardware_input.when_unused:
+        yield said(f"Connect it to {hardware_input.when_unused} when it is not used")

@@ -36,7 +36,7 @@ from .name import printed, words
 from .name import register as named
 from .text import Code, Part, Said, listed, parted, said, told
 from .timing import timing
-from .words import counted, hertz, nanoseconds, number, sentence, timeout_words
+from .words import counted, hertz, number, printed_timeout_words, sentence, timeout_words
 
 _ALIGNMENT = {
     "msb_left": "left: the most significant bit comes with the first clock, and zeros follow the word",
@@ -54,35 +54,35 @@ _CODE = {"binary": "binary", "gray": "Gray", "by_order_code": "binary or Gray, b
 PURPOSES = {"position": "requests the position", "read": "reads a register", "write": "writes a register", "other": ""}
 
 
-def interface(device: Device, item: Interface) -> Iterator[Said]:
+def interface(device: Device, line: Interface) -> Iterator[Said]:
     """Yield all statements that follow its title in running text, without the errata."""
-    yield from told(item.note)
-    yield from facts(device, item)
+    yield from told(line.note)
+    yield from facts(device, line)
 
 
-def facts(device: Device, item: Interface) -> Iterator[Said]:
+def facts(device: Device, line: Interface) -> Iterator[Said]:
     """Yield its settings, its times, and the requests and control data sent over it."""
-    yield from settings(device, item)
-    yield from map(timing, item.timings)
-    match item:
+    yield from settings(device, line)
+    yield from map(timing, line.timings)
+    match line:
         case Ssi():
             pass
         case Biss():
-            yield from told(item.control_data_note, label="Control data")
-            yield from map(control_field, item.control_data)
+            yield from told(line.control_data_note, label="Control data")
+            yield from map(control_field, line.control_data)
         case Rs485():
-            yield from map(data_id, item.data_ids)
-            yield from map(memory_access, item.memory_access)
-            yield from map(exchange, item.exchanges)
+            yield from map(data_id, line.data_ids)
+            yield from map(memory_access, line.memory_access)
+            yield from map(exchange, line.exchanges)
         case Spi():
-            yield from map(exchange, item.exchanges)
+            yield from map(exchange, line.exchanges)
         case _:
-            assert_never(item)
+            assert_never(line)
 
 
-def settings(device: Device, item: Interface) -> Iterator[Said]:
+def settings(device: Device, line: Interface) -> Iterator[Said]:
     """Yield the settings and the electrical characteristics."""
-    return (_fact(device, fact) for fact in item.facts())
+    return (_fact(device, fact) for fact in line.facts())
 
 
 def _fact(device: Device, fact: Fact) -> Said:
@@ -96,16 +96,6 @@ def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
             return "Clock", clock_words(fact)
         case CableLength(metres, clock):
             return "Clock", f"below {hertz(clock)} with a cable shorter than {metres} m"
-        case Signals(text):
-            return "Signals", text
-        case Alignment(end):
-            return "Alignment", _ALIGNMENT[end]
-        case OutputCode(code):
-            return "Code", _CODE[code]
-        case Profile(text):
-            return "Profile", text
-        case DescriptionFile(text):
-            return "Description file", f"{text}, which the manufacturer supplies"
         case BankSelect(register):
             return "Bank select", named(device, register)
         case Network():
@@ -116,8 +106,24 @@ def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
             return "Baud rate", _port(fact)
         case WordFormat():
             return "Words", _words(fact)
+        case Signals() | Alignment() | OutputCode() | Profile() | DescriptionFile():
+            return _labelled_text(fact)
         case _:
             return assert_never(fact)
+
+
+def _labelled_text(fact: Signals | Alignment | OutputCode | Profile | DescriptionFile) -> tuple[str, str]:
+    match fact:
+        case Signals(text):
+            return "Signals", text
+        case Alignment(end):
+            return "Alignment", _ALIGNMENT[end]
+        case OutputCode(code):
+            return "Code", _CODE[code]
+        case Profile(text):
+            return "Profile", text
+        case DescriptionFile(text):
+            return "Description file", f"{text}, which the manufacturer supplies"
 
 
 def clock_words(clock: Clock) -> str:
@@ -133,8 +139,8 @@ def clock_words(clock: Clock) -> str:
 
 def clocks_in_use(clocks: Sequence[int]) -> str:
     """Return a clause about clocks that programs or masters use, such as "1 MHz and 5 MHz are in use"."""
-    shown = "".join(map(str, listed([hertz(hz) for hz in clocks])))
-    return f"{shown} {'is' if len(clocks) == 1 else 'are'} in use"
+    clocks_text = "".join(map(str, listed([hertz(hz) for hz in clocks])))
+    return f"{clocks_text} {'is' if len(clocks) == 1 else 'are'} in use"
 
 
 def unknown_limits(clock: Clock) -> str:
@@ -154,13 +160,13 @@ def _words(fact: WordFormat) -> str:
 
 def word_lengths(lengths: Iterable[Expression]) -> str:
     """Return the numbers of bits that words have, such as "16 or 32 bits"."""
-    return f"{' or '.join(item.render() for item in lengths)} bits"
+    return f"{' or '.join(length.render() for length in lengths)} bits"
 
 
 def _timeout(timeout: Timeout) -> str:
     """Return the rule with its limits, followed by the values that the manual calculates from it."""
-    worked_out = timeout.printed if timeout.half_clock_periods is not None else ()
-    values = ", ".join(f"{nanoseconds(item.timeout_ns)} at {hertz(item.clock_hz)}" for item in worked_out)
+    printed_timeouts = timeout.printed if timeout.half_clock_periods is not None else ()
+    values = ", ".join(map(printed_timeout_words, printed_timeouts))
     return timeout_words(timeout) + (f" ({values})" if values else "")
 
 
@@ -176,25 +182,39 @@ def _network(network: Network) -> str:
     return f"{network.topology.replace('_', ' ')}, {slaves}"
 
 
-def data_id(item: DataId) -> Said:
-    about = f": {item.meaning}" if item.meaning else ""
-    return said(f"{item.control:02X}h, {item.purpose}{about}", label=f"Data ID {item.id:X}", source=item.source)
+def data_id(request: DataId) -> Said:
+    meaning_text = f": {request.meaning}" if request.meaning else ""
+    return said(
+        f"{request.control:02X}h, {request.purpose}{meaning_text}",
+        label=f"Data ID {request.id:X}",
+        source=request.source,
+    )
 
 
-def memory_access(item: MemoryAccess) -> Said:
-    text = f"{sentence(item.meaning)} Address: {item.address}. Data: {item.data}"
-    return said(text, label=f"Memory {item.access}, busy {item.busy}", source=item.source)
+def memory_access(access: MemoryAccess) -> Said:
+    text = f"{sentence(access.meaning)} Address: {access.address}. Data: {access.data}"
+    return said(text, label=f"Memory {access.access}, busy {access.busy}", source=access.source)
 
 
-def exchange(item: Exchange) -> Said:
+def exchange(request: Exchange) -> Said:
     """Return a request with its reply."""
-    effect = PURPOSES[item.purpose]
-    answered = (" is answered by ", Code(item.reply)) if item.reply else (" has no reply",)
-    words_of = f", in words of {word_lengths([item.word_bits])}" if item.word_bits is not None else ""
-    return said(Code(item.request), *answered, f", and {effect}" if effect else "", words_of, source=item.source)
+    effect = PURPOSES[request.purpose]
+    reply_text = (" is answered by ", Code(request.reply)) if request.reply else (" has no reply",)
+    words_text = f", in words of {word_lengths([request.word_bits])}" if request.word_bits is not None else ""
+    return said(
+        Code(request.request), *reply_text, f", and {effect}" if effect else "", words_text, source=request.source
+    )
 
 
-def control_field(item: ControlField) -> Said:
-    values: list[tuple[Part, ...]] = [value(one, item.bits).parts for one in item.values]
-    about = f"{counted(item.bits, 'bit')}: {item.meaning}" if item.meaning else counted(item.bits, "bit")
-    return said(*parted([(about,), *values], "; "), label=printed(item) or words(item.name), source=item.source)
+def control_field(bits_field: ControlField) -> Said:
+    values: list[tuple[Part, ...]] = [value(named_value, bits_field.bits).parts for named_value in bits_field.values]
+    description = (
+        f"{counted(bits_field.bits, 'bit')}: {bits_field.meaning}"
+        if bits_field.meaning
+        else counted(bits_field.bits, "bit")
+    )
+    return said(
+        *parted([(description,), *values], "; "),
+        label=printed(bits_field) or words(bits_field.name),
+        source=bits_field.source,
+    )

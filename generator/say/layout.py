@@ -18,8 +18,8 @@ def head(interface: Interface, layout: Layout, name: Part, alternatives: Sequenc
     If the length depends only on ``alternatives``, each possible length is followed by the answers that lead to it.
     """
     channel = f", data channel {layout.channel}" if layout.channel is not None else ""
-    sent = f", sent by the {layout.sender} over {interface.title}{channel}: "
-    return said(name, sent, *size(layout, alternatives), source=layout.source)
+    sender_text = f", sent by the {layout.sender} over {interface.title}{channel}: "
+    return said(name, sender_text, *size(layout, alternatives), source=layout.source)
 
 
 def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part, ...]:
@@ -33,70 +33,77 @@ def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part
 
 def _bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iterator[Part]:
     needed = set(layout.bits.parameters)
-    deciding = [item for item in alternatives if not needed.isdisjoint(item.answers[0].sets)]
-    if not deciding or not needed.issubset(name for item in deciding for name in item.answers[0].sets):
+    deciding = [alternative for alternative in alternatives if not needed.isdisjoint(alternative.answers[0].sets)]
+    if not deciding or not needed.issubset(name for alternative in deciding for name in alternative.answers[0].sets):
         yield layout.bits
         return
     for index, (answers, sets) in enumerate(choices(deciding)):
         yield from (" or " if index else "", f"{layout.bits.value(sets)} (", *names(answers), ")")
 
 
-def layout(device: Device, interface: Interface, item: Layout) -> Iterator[Said]:
+def layout(device: Device, interface: Interface, frame: Layout) -> Iterator[Said]:
     """Yield all statements that follow the head in running text."""
-    yield from told(item.printed_name, label="In the manual")
-    yield from facts(interface, item)
-    yield from needs(device, item)
-    yield from told(item.note)
-    yield from errata_of(device, interface, item)
+    yield from told(frame.printed_name, label="In the manual")
+    yield from facts(interface, frame)
+    yield from needs(device, frame)
+    yield from told(frame.note)
+    yield from errata_of(device, interface, frame)
 
 
-def errata_of(device: Device, interface: Interface, item: Layout) -> Iterator[Said]:
+def errata_of(device: Device, interface: Interface, frame: Layout) -> Iterator[Said]:
     """Yield the errata of the whole frame."""
-    yield from map(erratum, errata(device, f"interfaces.{interface.name}.{item.name}"))
+    yield from map(erratum, errata(device, f"interfaces.{interface.name}.{frame.name}"))
 
 
 def facts(interface: Interface, layout: Layout) -> Iterator[Said]:
     """Yield its selector, its code, its gaps, its joined numbers and its combinations of values."""
     yield from carries(interface, layout)
     if layout.gray_when:
-        when = Code(layout.gray_when)
-        yield said(Code(layout.gray_of), " is in Gray code while ", when, " is 1, and in binary while it is 0")
+        parameter = Code(layout.gray_when)
+        yield said(Code(layout.gray_of), " is in Gray code while ", parameter, " is 1, and in binary while it is 0")
     elif layout.gray_of:
         yield said(Code(layout.gray_of), " is in Gray code")
     if layout.gaps:
         yield said(f"Bits without a field are {layout.gaps}")
     yield from joins(layout)
-    combined = {item.name: item for item in layout.combinations}
-    yield from (
-        combination(layout, sign, combined[sign.flag.name]) for sign in layout.signs if sign.flag.name in combined
-    )
+    combinations = {value_combination.name: value_combination for value_combination in layout.combinations}
+    for sign in layout.signs:
+        if sign.flag.name in combinations:
+            yield combination(layout, sign, combinations[sign.flag.name])
 
 
-def combination(layout: Layout, sign: Sign, item: Combination) -> Said:
+def combination(layout: Layout, sign: Sign, value_combination: Combination) -> Said:
     """Return the values of a combination with their meaning and the verdict on the position."""
     values = conditions((layout.field(name), value) for name, value in sign.conditions).parts
-    texts = (item.meaning, item.remedy, item.note)
-    about = " ".join(sentence(text) for text in texts if text).removesuffix(".")
-    return said("While ", *values, f", {WORTH[item.makes_position]}: ", about, label=item.name, source=item.source)
+    texts = (value_combination.meaning, value_combination.remedy, value_combination.note)
+    description = " ".join(sentence(text) for text in texts if text).removesuffix(".")
+    return said(
+        "While ",
+        *values,
+        f", {WORTH[value_combination.makes_position]}: ",
+        description,
+        label=value_combination.name,
+        source=value_combination.source,
+    )
 
 
 def carries(interface: Interface, layout: Layout) -> Iterator[Said]:
     """Yield the selector values that identify the frame."""
     if layout.selects:
-        names = {item.id: item.name for item in interface.data_ids} if isinstance(interface, Rs485) else {}
+        names = {data_id.id: data_id.name for data_id in interface.data_ids} if isinstance(interface, Rs485) else {}
         values = [f"{value:X}" + (f" ({names[value]})" if value in names else "") for value in layout.selects]
         yield said("Its ", Code(layout.selector), " is ", *listed(values, " or "))
 
 
 def joins(layout: Layout) -> Iterator[Said]:
     """Yield the numbers that are joined from fields."""
-    return (join(item) for item in layout.joins if item.fields != (item.name,))
+    return (join(joined_number) for joined_number in layout.joins if joined_number.fields != (joined_number.name,))
 
 
-def join(item: Join) -> Said:
+def join(joined_number: Join) -> Said:
     """Return the fields that form a number."""
-    parts = listed([Code(name) for name in item.fields])
-    return said(Code(item.name), " consists of ", *parts, ", most significant first")
+    names = listed([Code(name) for name in joined_number.fields])
+    return said(Code(joined_number.name), " consists of ", *names, ", most significant first")
 
 
 def as_one_number(parts: str) -> str:

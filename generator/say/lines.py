@@ -12,8 +12,8 @@ _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u206
 
 def one_line(text: object) -> str:
     """Return the text on one line. Control characters, line ends and direction marks become spaces."""
-    made = str(text)
-    return made if made.isprintable() else _CONTROL.sub(" ", made)
+    line = str(text)
+    return line if line.isprintable() else _CONTROL.sub(" ", line)
 
 
 def plain(text: object) -> str:
@@ -25,21 +25,21 @@ def wrapped(text: object, width: int, prefix: str = "", first: str | None = None
     """Return a paragraph of at most ``width`` columns. Lines start with ``prefix``, the first with ``first``."""
     lines: list[str] = []
     line = prefix if first is None else first
-    begun = False
+    has_words = False
     for word in filter(None, plain(text).split(" ")):
-        if begun and len(line) + 1 + len(word) > width:
+        if has_words and len(line) + 1 + len(word) > width:
             lines.append(line)
-            line, begun = prefix, False
-        line, begun = f"{line} {word}" if begun else line + word, True
-    return "\n".join([*lines, line]) if begun else ""
+            line, has_words = prefix, False
+        line, has_words = f"{line} {word}" if has_words else line + word, True
+    return "\n".join([*lines, line]) if has_words else ""
 
 
 def pairs(rows: Iterable[tuple[str, str]], indent: int) -> list[str]:
     """Return the rows as lines with two columns. The second column is wrapped."""
-    listed = list(rows)
-    width = min(max((len(name) for name, _ in listed), default=0), 40)
-    start = " " * (indent + width + 2)
-    return [
-        wrapped(text, WIDTH, start, f"{' ' * indent}{name.ljust(width)}  ") if text else f"{' ' * indent}{name}"
-        for name, text in listed
-    ]
+    row_list = list(rows)
+    width = min(max((len(name) for name, _ in row_list), default=0), 40)
+    margin, start = " " * indent, " " * (indent + width + 2)
+    lines: list[str] = []
+    for name, text in row_list:
+        lines.append(wrapped(text, WIDTH, start, f"{margin}{name.ljust(width)}  ") if text else f"{margin}{name}")
+    return lines

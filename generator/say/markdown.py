@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import lru_cache
 from html import escape
 
-from ..model import Sources, cite
+from ..model import Source, Sources, cite
 from .lines import one_line, plain
 from .text import Ref, Style
 
@@ -37,19 +37,21 @@ def code(value: object) -> str:
 
 
 @lru_cache(4096)
-def _span(made: str) -> str:
-    fence = "`" * (max((len(run) for run in re.findall("`+", made)), default=0) + 1)
-    pad = " " if made.startswith("`") or made.endswith("`") else ""
-    return f"{fence}{pad}{made}{pad}{fence}".replace("|", "\\|") if made else ""
+def _span(code_text: str) -> str:
+    fence = "`" * (max((len(run) for run in re.findall("`+", code_text)), default=0) + 1)
+    pad = " " if code_text.startswith("`") or code_text.endswith("`") else ""
+    return f"{fence}{pad}{code_text}{pad}{fence}".replace("|", "\\|") if code_text else ""
 
 
 def paragraph(value: str) -> str:
     """Wrap Markdown that has no code spans, so that no line starts a list, a heading or a rule."""
     lines = textwrap.wrap(value, _WIDTH, break_long_words=False, break_on_hyphens=False)
-    return "\n".join(
-        _BLOCK_START.sub(lambda found: f"{found[1]}\\{found[2]}" if found[1] else f"\\{found[3]}", line)
-        for line in lines
-    )
+    return "\n".join(_BLOCK_START.sub(_escaped_start, line) for line in lines)
+
+
+def _escaped_start(match: re.Match[str]) -> str:
+    """Return the start of a list item, heading or rule with its sign escaped."""
+    return f"{match[1]}\\{match[2]}" if match[1] else f"\\{match[3]}"
 
 
 def cited(sources: Sources) -> str:
@@ -63,7 +65,11 @@ def cited_html(sources: Sources) -> str:
 
 
 def _numbered(sources: Sources) -> str:
-    return cite(tuple(replace(it, section=f"§{it.section}") if _NUMBER.match(it.section) else it for it in sources))
+    return cite(tuple(map(_with_section_sign, sources)))
+
+
+def _with_section_sign(source: Source) -> Source:
+    return replace(source, section=f"§{source.section}") if _NUMBER.match(source.section) else source
 
 
 #: The number of a section, in contrast to that of a register, such as 0x07.
@@ -87,12 +93,20 @@ def anchor(name: str) -> str:
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a table of Markdown cells without empty columns, or an empty string if all are empty."""
-    listed = [list(row) for row in rows]
-    kept = [index for index in range(len(head)) if any(row[index] for row in listed)]
-    if not kept:
+    row_lists = [list(row) for row in rows]
+    shown_columns = [index for index in range(len(head)) if _has_text(row_lists, index)]
+    if not shown_columns:
         return ""
-    lines = [[head[index] for index in kept], ["---"] * len(kept), *([row[index] for index in kept] for row in listed)]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    shown_rows = [_selected(row, shown_columns) for row in (head, ["---"] * len(head), *row_lists)]
+    return "\n".join("| " + " | ".join(row) + " |" for row in shown_rows)
+
+
+def _selected(row: Sequence[str], columns: Sequence[int]) -> list[str]:
+    return [row[index] for index in columns]
+
+
+def _has_text(rows: Sequence[Sequence[str]], column: int) -> bool:
+    return any(row[column] for row in rows)
 
 
 def joined(parts: Iterable[str], between: str = "<br>") -> str:

@@ -8,37 +8,41 @@ from ..model import Device, LayoutRange, Measurement
 from .text import Amount, Part, Said, parted, said
 
 
-def measurement(item: Measurement) -> Said:
+def measurement(unit_and_range: Measurement) -> Said:
     """Return the counts and revolutions, or the step, and the range."""
     members = (
-        (item.counts_per_turn, "counts", " per revolution"),
-        (item.turns, "revolutions", ""),
-        (item.step_um, "µm", " per count"),
-        (item.step_nm, "nm", " per count" if item.per_counts is None else " per "),
-        (item.modulus, "counts", " in total"),
+        (unit_and_range.counts_per_turn, "counts", " per revolution"),
+        (unit_and_range.turns, "revolutions", ""),
+        (unit_and_range.step_um, "µm", " per count"),
+        (unit_and_range.step_nm, "nm", " per count" if unit_and_range.per_counts is None else " per "),
+        (unit_and_range.modulus, "counts", " in total"),
     )
-    known: list[tuple[Part, ...]] = [
-        (Amount(value, unit), words, *_counts(item, unit)) for value, unit, words in members if value is not None
-    ]
-    highest = [("maximum ", item.highest)] if item.highest is not None else []
-    return said(*parted([*known, *highest]), source=item.source)
+    amounts: list[tuple[Part, ...]] = []
+    for value, unit, words in members:
+        if value is not None:
+            amounts.append((Amount(value, unit), words, *_counts(unit_and_range, unit)))
+    highest = [("maximum ", unit_and_range.highest)] if unit_and_range.highest is not None else []
+    return said(*parted([*amounts, *highest]), source=unit_and_range.source)
 
 
-def _counts(item: Measurement, unit: str) -> tuple[Amount, ...]:
+def _counts(unit_and_range: Measurement, unit: str) -> tuple[Amount, ...]:
     """Return the number of counts to which a length in this unit applies, if it is not one."""
-    return (Amount(item.per_counts, "counts"),) if unit == "nm" and item.per_counts is not None else ()
+    return (
+        (Amount(unit_and_range.per_counts, "counts"),) if unit == "nm" and unit_and_range.per_counts is not None else ()
+    )
 
 
-def position_range(item: LayoutRange) -> Said:
+def position_range(layout_range: LayoutRange) -> Said:
     """Return the range of the position in one layout."""
-    if not item.wraps:
-        return said("never wraps around", source=item.source)
-    members = ((item.turns, "revolutions", ""), (item.modulus, "counts", " in total"))
-    known: list[tuple[Part, ...]] = [
-        (Amount(value, unit), words) for value, unit, words in members if value is not None
-    ]
-    highest = [("maximum ", item.highest)] if item.highest is not None else []
-    return said(*parted([*known, *highest]), source=item.source)
+    if not layout_range.wraps:
+        return said("never wraps around", source=layout_range.source)
+    members = ((layout_range.turns, "revolutions", ""), (layout_range.modulus, "counts", " in total"))
+    amounts: list[tuple[Part, ...]] = []
+    for value, unit, words in members:
+        if value is not None:
+            amounts.append((Amount(value, unit), words))
+    highest = [("maximum ", layout_range.highest)] if layout_range.highest is not None else []
+    return said(*parted([*amounts, *highest]), source=layout_range.source)
 
 
 def own_ranges(device: Device, interface: str) -> Iterator[tuple[str, LayoutRange]]:

@@ -51,25 +51,25 @@ def heading(name: str) -> str:
     return text[0].upper() + text[1:]
 
 
-def title(item: Titled) -> str:
+def title(titled: Titled) -> str:
     """Return the name used in the manual, or our name if the manual has none."""
-    return item.printed_name or heading(item.name)
+    return titled.printed_name or heading(titled.name)
 
 
-def printed(item: Named) -> str:
+def printed(named: Named) -> str:
     """Return the name used in any edition of the manual, or an empty string."""
-    return item.printed_name or ", ".join(item.names.values())
+    return named.printed_name or ", ".join(named.names.values())
 
 
-def own_names(item: Named) -> str:
+def own_names(named: Named) -> str:
     """Return the names used in the manual and its other editions: ``Command, it: Comando``."""
-    return ", ".join(filter(None, (item.printed_name, *(f"{key}: {name}" for key, name in item.names.items()))))
+    return ", ".join(filter(None, (named.printed_name, *(f"{key}: {name}" for key, name in named.names.items()))))
 
 
-def full_title(item: Named) -> str:
+def full_title(named: Named) -> str:
     """Return the title, followed by the names used in other editions: ``Command (it: Comando)``."""
-    others = "; ".join(f"{key}: {name}" for key, name in item.names.items() if name != title(item))
-    return title(item) + (f" ({others})" if others else "")
+    other_names = "; ".join(f"{key}: {name}" for key, name in named.names.items() if name != title(named))
+    return title(named) + (f" ({other_names})" if other_names else "")
 
 
 def register(device: Device, name: str) -> Ref:

@@ -24,7 +24,9 @@ def decimal(value: Fraction) -> str:
 
     If the decimals never end, return six of them after ``≈``.
     """
-    digits = next((most for most in range(_most(value)) if 10**most % value.denominator == 0), None)
+    digits = next(
+        (digit_count for digit_count in range(_most(value)) if 10**digit_count % value.denominator == 0), None
+    )
     places = _ROUNDED if digits is None else digits
     whole, part = divmod(round(abs(value) * 10**places), 10**places)
     text = f"{'-' if value < 0 else ''}{whole:,}" + (f".{part:0{places}}" if places else "")
@@ -49,7 +51,9 @@ def formula(scale: Scale) -> str:
 
 
 def _plus(text: str, number: int) -> str:
-    return f"{text} {'-' if number < 0 else '+'} {abs(number)}" if number else text
+    if number == 0:
+        return text
+    return f"{text} {'-' if number < 0 else '+'} {abs(number)}"
 
 
 def _times(numerator: int, denominator: int) -> str:
@@ -81,9 +85,9 @@ def _most(value: Fraction) -> int:
     return value.denominator.bit_length() + 1
 
 
-def counted(count: int | str, thing: str) -> str:
+def counted(count: int | str, unit: str) -> str:
     """Return a count with its unit: ``1 bit``, ``8 bits`` or ``position_bits bits``."""
-    return f"{count} {thing}{'' if count == 1 else 's'}"
+    return f"{count} {unit}{'' if count == 1 else 's'}"
 
 
 def with_unit(value: int | str, unit: str) -> str:
@@ -92,7 +96,7 @@ def with_unit(value: int | str, unit: str) -> str:
     return f"{value} {unit.removesuffix('s') if is_word and str(value) == '1' else unit}".rstrip()
 
 
-def first_of(items: Sequence[str], most: int = 3, between: str = ", ") -> str:
+def first_of(items: Sequence[str], count: int = 3, between: str = ", ") -> str:
     """Join the first items, and count the others: ``a, b, c and 5 more``."""
-    more = len(items) - most
-    return between.join(items[:most]) + (f" and {more} more" if more > 0 else "")
+    omitted = len(items) - count
+    return between.join(items[:count]) + (f" and {omitted} more" if omitted > 0 else "")

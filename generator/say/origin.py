@@ -13,7 +13,7 @@ from .words import sentence
 
 def origin(device: Device) -> Iterator[Said]:
     """Yield how the family differs from its manual, if at all."""
-    special = next((item.special for item in device.overlays if item.special), "")
+    special = next((overlay.special for overlay in device.overlays if overlay.special), "")
     if special:
         yield said(
             "Only for encoders whose order code ends in ",
@@ -29,9 +29,9 @@ def origin(device: Device) -> Iterator[Said]:
             Code(device.base),
             ". Each difference is given with its source. Unknown parts are omitted",
         )
-    for item in device.overlays:
+    for overlay in device.overlays:
         yield said(
-            f"Includes the overlay {item.name}, “{item.title}”. "
+            f"Includes the overlay {overlay.name}, “{overlay.title}”. "
             "Each of its changes is noted inline, with its reason and its source"
         )
 
@@ -48,15 +48,15 @@ def other_editions(device: Device) -> Iterator[Said]:
 
 def taken_away(device: Device) -> Iterator[Said]:
     """Yield those changes by overlays and editions that removed the part where they would otherwise be noted."""
-    for item in device.errata:
-        nowhere = device.base or item.overlay or not item.affects
+    for correction in device.errata:
+        has_no_place = device.base or correction.overlay or not correction.affects
         if (
-            (item.overlay or item.edition)
-            and nowhere
-            and item.used in (LEFT_OUT, NOT_KNOWN)
-            and item.severity != "wording"
+            (correction.overlay or correction.edition)
+            and has_no_place
+            and correction.used in (LEFT_OUT, NOT_KNOWN)
+            and correction.severity != "wording"
         ):
-            yield erratum(item)
+            yield erratum(correction)
 
 
 def edition_test(revision: str, test: EditionTest) -> Said:

@@ -62,8 +62,8 @@ def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative
     size = Expression(field.container) if field.container else field.width
     high = field.low + size - Expression(1)
     needed = {*field.low.parameters, *high.parameters}
-    deciding = [item for item in alternatives if not needed.isdisjoint(item.answers[0].sets)]
-    if not needed.issubset(name for item in deciding for name in item.answers[0].sets):
+    deciding = [alternative for alternative in alternatives if not needed.isdisjoint(alternative.answers[0].sets)]
+    if not needed.issubset(name for alternative in deciding for name in alternative.answers[0].sets):
         yield from ("starting at bit ", field.low)
         return
     for index, (answers, sets) in enumerate(choices(deciding)):

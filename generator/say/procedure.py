@@ -27,62 +27,75 @@ from .text import Code, Part, Said, said, told
 from .words import microseconds, sentence
 
 
-def procedure(device: Device, item: Procedure) -> Iterator[Said]:
+def procedure(device: Device, sequence: Procedure) -> Iterator[Said]:
     """Yield all statements that follow its title, without arguments and steps."""
-    yield from about(item)
-    yield from told(item.note)
-    yield from map(erratum, errata(device, f"procedures.{item.name}"))
+    yield from about(sequence)
+    yield from told(sequence.note)
+    yield from map(erratum, errata(device, f"procedures.{sequence.name}"))
 
 
-def about(item: Procedure) -> Iterator[Said]:
+def about(sequence: Procedure) -> Iterator[Said]:
     """Yield its preconditions and its result."""
-    yield from told(item.precondition, label="Before")
-    yield from told(item.result, label="Result")
+    yield from told(sequence.precondition, label="Before")
+    yield from told(sequence.result, label="Result")
 
 
-def argument(device: Device, item: Argument) -> Said:
+def argument(device: Device, parameter: Argument) -> Said:
     """Return the meaning of an argument and the register to which it is written."""
-    as_ = (" as its ", Code(item.meant_as)) if item.meant_as else ()
-    meaning = f"{sentence(item.meaning)} Written to " if item.meaning else "Written to "
-    return said(meaning, named(device, item.of), *as_)
+    as_ = (" as its ", Code(parameter.meant_as)) if parameter.meant_as else ()
+    meaning = f"{sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "
+    return said(meaning, named(device, parameter.of), *as_)
 
 
-def step(device: Device, item: Step) -> Said:
+def step(device: Device, procedure_step: Step) -> Said:
     """Return a step as an instruction."""
-    match item:
+    match procedure_step:
         case WaitStep():
-            return said(f"Wait at least {microseconds(item.microseconds)}")
+            return said(f"Wait at least {microseconds(procedure_step.microseconds)}")
         case SendStep():
-            apart = f", at least {microseconds(item.microseconds)} apart" if item.microseconds else ""
-            alone = ", with no other request between them" if item.in_succession else ""
-            again = f" {item.times} times{apart}{alone}" if item.times > 1 else ""
-            return said("Send the request ", Code(item.data_id), f"{again}: ", Code(item.request.hex(" ").upper()))
+            interval_text = (
+                f", at least {microseconds(procedure_step.microseconds)} apart" if procedure_step.microseconds else ""
+            )
+            succession_text = ", with no other request between them" if procedure_step.in_succession else ""
+            repetition_text = (
+                f" {procedure_step.times} times{interval_text}{succession_text}" if procedure_step.times > 1 else ""
+            )
+            return said(
+                "Send the request ",
+                Code(procedure_step.data_id),
+                f"{repetition_text}: ",
+                Code(procedure_step.request.hex(" ").upper()),
+            )
         case _:
-            return said(*_access(device, item))
+            return said(*_access(device, procedure_step))
 
 
 def read_back(device: Device, register: Register, field: str) -> Said:
     """Return the read-back check that generated code makes before a written value takes effect."""
-    at = f", {register_at(register)}"
-    return said("Read back ", _where(device, register.name, field), f"{at}, and stop unless it holds the written value")
+    address_text = f", {register_at(register)}"
+    return said(
+        "Read back ",
+        _where(device, register.name, field),
+        f"{address_text}, and stop unless it holds the written value",
+    )
 
 
-def _access(device: Device, item: RegisterStep) -> Iterator[Part]:
-    register = device.register(item.register)
-    at = f", {register_at(register)}"
-    match item:
+def _access(device: Device, procedure_step: RegisterStep) -> Iterator[Part]:
+    register = device.register(procedure_step.register)
+    address_text = f", {register_at(register)}"
+    match procedure_step:
         case ReadStep(field=field):
-            yield from ("Read ", _where(device, register.name, field), at)
+            yield from ("Read ", _where(device, register.name, field), address_text)
         case PollStep(field=field, value=value):
-            yield from ("Poll ", _where(device, register.name, field), f"{at}, until it is {value}")
+            yield from ("Poll ", _where(device, register.name, field), f"{address_text}, until it is {value}")
         case WriteStep(value_name=name, value=value):
-            yield from ("Write ", *_value(name, value), " to ", named(device, register.name), at)
+            yield from ("Write ", *_value(name, value), " to ", named(device, register.name), address_text)
             yield from (": ", Code(register.bytes_of(value).hex(" ").upper())) if value is not None else ()
         case ModifyStep(field=field, value_name=name, value=value):
-            yield from ("Write ", *_value(name, value), " to ", _where(device, register.name, field), at)
+            yield from ("Write ", *_value(name, value), " to ", _where(device, register.name, field), address_text)
             yield ", and keep the other fields of the register as read"
         case _:
-            assert_never(item)
+            assert_never(procedure_step)
 
 
 def _value(name: str, value: int | None) -> tuple[Part, ...]:

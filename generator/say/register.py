@@ -32,12 +32,12 @@ def head(device: Device, register: Register, name: Part) -> Said:
     return said(name, f", {register_at(register)}, {access(register)}, over {over}", source=register.source)
 
 
-def register(device: Device, item: Register) -> Iterator[Said]:
+def register(device: Device, device_register: Register) -> Iterator[Said]:
     """Yield all statements that follow the head in running text."""
-    yield from told(item.meaning)
-    yield from facts(device, item)
-    yield from told(item.note)
-    yield from map(erratum, errata(device, f"registers.{item.name}"))
+    yield from told(device_register.meaning)
+    yield from facts(device, device_register)
+    yield from told(device_register.note)
+    yield from map(erratum, errata(device, f"registers.{device_register.name}"))
 
 
 def facts(device: Device, register: Register) -> Iterator[Said]:
@@ -45,7 +45,7 @@ def facts(device: Device, register: Register) -> Iterator[Said]:
     yield from _holds(register)
     yield from needs(device, register.layout)
     yield from _rules(device, register)
-    yield from (_meaning(device, item) for item in register.meanings)
+    yield from (_meaning(device, meaning) for meaning in register.meanings)
 
 
 def _holds(register: Register) -> Iterator[Said]:
@@ -56,8 +56,8 @@ def _holds(register: Register) -> Iterator[Said]:
     if data is not None:
         yield said(Code(data.hex(" ").upper()), label="Default")
     if not register.meanings and (register.min is not None or register.max is not None):
-        whose = () if register.limits_of == register.name else (" for ", Code(register.limits_of))
-        yield said(*limits(register.min, register.max), *whose, label="Limits")
+        field_text = () if register.limits_of == register.name else (" for ", Code(register.limits_of))
+        yield said(*limits(register.min, register.max), *field_text, label="Limits")
 
 
 def limits(low: Expression | None, high: Expression | None) -> tuple[Part, ...]:
@@ -97,10 +97,13 @@ def reserved(user: str) -> Said:
 
 def _shared(device: Device, register: Register) -> Iterator[Said]:
     """Yield the other register at the same address, which differs only in the direction of access."""
-    for other in device.registers:
-        if other is not register and (other.address, other.bank) == (register.address, register.bank):
-            act = "Writing to" if other.access == "write_only" else "Reading"
-            yield said(f"{act} the same address accesses ", named(device, other.name), " instead")
+    for other_register in device.registers:
+        if other_register is not register and (other_register.address, other_register.bank) == (
+            register.address,
+            register.bank,
+        ):
+            action = "Writing to" if other_register.access == "write_only" else "Reading"
+            yield said(f"{action} the same address accesses ", named(device, other_register.name), " instead")
 
 
 def _opened_by(device: Device, register: Register) -> Said:
@@ -108,19 +111,21 @@ def _opened_by(device: Device, register: Register) -> Said:
     opener = device.register(register.opened_by)
     path = ".".join(filter(None, (register.opened_by, register.opened_by_field)))
     field = opener.layout.field(register.opened_by_field) if register.opened_by_field else opener.layout.fields[0]
-    value = next(item.value for item in field.values if item.name == register.opened_by_value)
-    written = f"{value}" if register.opened_by_field else hexadecimal(value, 2 * opener.length)
-    where = register_field(device, path)
-    return said("Can be written only while ", where, f" is {written} (", Code(register.opened_by_value), ")")
+    value = next(candidate.value for candidate in field.values if candidate.name == register.opened_by_value)
+    value_text = f"{value}" if register.opened_by_field else hexadecimal(value, 2 * opener.length)
+    field_reference = register_field(device, path)
+    return said(
+        "Can be written only while ", field_reference, f" is {value_text} (", Code(register.opened_by_value), ")"
+    )
 
 
-def _meaning(device: Device, item: RegisterMeaning) -> Said:
+def _meaning(device: Device, meaning: RegisterMeaning) -> Said:
     """Return one meaning of a register and the field value that selects it."""
-    path, _, field = item.when.partition(".")
+    path, _, field = meaning.when.partition(".")
     bit = device.register(path).layout.field(field)
-    value = next(one.value for one in bit.values if one.name == item.value)
-    when = register_field(device, item.when)
-    while_ = ("While ", when, f" is {value} (", Code(item.value), "), the register holds ")
-    span = limits(item.min, item.max)
-    about = f": {item.meaning}" if item.meaning else ""
-    return said(*while_, Code(item.name), *((", ", *span) if span else ()), about, source=item.source)
+    value = next(candidate.value for candidate in bit.values if candidate.name == meaning.value)
+    field_reference = register_field(device, meaning.when)
+    condition = ("While ", field_reference, f" is {value} (", Code(meaning.value), "), the register holds ")
+    span = limits(meaning.min, meaning.max)
+    meaning_text = f": {meaning.meaning}" if meaning.meaning else ""
+    return said(*condition, Code(meaning.name), *((", ", *span) if span else ()), meaning_text, source=meaning.source)

@@ -28,10 +28,10 @@ from .words import sentence
 
 def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
     """Return the alarm of a flag in a frame or register, if the manual has one."""
-    for item in device.alarms:
-        here = item.register == register if register else bool(item.group) and item.group == field.group
-        if here and item.field == field.name:
-            return item
+    for alarm in device.alarms:
+        is_same_owner = alarm.register == register if register else bool(alarm.group) and alarm.group == field.group
+        if is_same_owner and alarm.field == field.name:
+            return alarm
     return None
 
 
@@ -43,8 +43,8 @@ def states(field: Field) -> tuple[str, str]:
 def meaning(field: Field, alarm: Alarm | None) -> str:
     """Return the meaning of an active flag, or of unused bits that differ from the manual."""
     if isinstance(field.kind, Unused):
-        wrong = f"unused bits differ from the documented value {short(field.kind.value)}"
-        return f"{wrong}. {sentence(field.meaning)}" if field.meaning else wrong
+        problem = f"unused bits differ from the documented value {short(field.kind.value)}"
+        return f"{problem}. {sentence(field.meaning)}" if field.meaning else problem
     active, _ = states(field)
     if not field.implemented:
         return active or "active, although the manual says that this encoder does not have it"
@@ -75,7 +75,7 @@ def conditions(values: Iterable[tuple[Field, int]]) -> Said:
 def _condition(field: Field, value: int) -> tuple[Part, ...]:
     if isinstance(field.kind, Flag):
         return Code(field.name), f" is {int(bool(value) != field.kind.active_low)}"
-    name = next(item.name for item in field.values if item.value == value)
+    name = next(named_value.name for named_value in field.values if named_value.value == value)
     return Code(field.name), f" is {short(value)} (", Code(name), ")"
 
 

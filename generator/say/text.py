@@ -94,10 +94,10 @@ def told(text: str, label: str = "", source: Sources = ()) -> Iterator[Said]:
 
 def listed(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
     """Yield the items as the parts of a list: ``a, b and c``."""
-    for index, item in enumerate(items):
+    for index, part in enumerate(items):
         if index:
             yield last if index == len(items) - 1 else ", "
-        yield item
+        yield part
 
 
 def parted(groups: Iterable[Sequence[Part]], between: str = ", ") -> Iterator[Part]:
@@ -124,27 +124,31 @@ class Style:
     resolve: Callable[[Expression], Expression] = lambda expression: expression
     level: Callable[[Level], str] = lambda level: level.value
 
-    def phrase(self, item: Said) -> str:
+    def phrase(self, statement: Said) -> str:
         """Return the parts without a label, a source and a full stop."""
-        return "".join(map(self._part, item.parts))
+        return "".join(map(self._part, statement.parts))
 
-    def sentence(self, item: Said) -> str:
+    def sentence(self, statement: Said) -> str:
         """Return the statement as a sentence: ``Clock: 100 kHz to 4 MHz [5.3].``"""
-        if item.below:
-            return " ".join((f"{self.head(item)}:", *map(self.sentence, item.below)))
-        label = f"{self.text(item.label)}: " if item.label else ""
-        phrase, source = self.phrase(item), self.cited(item.source)
+        if statement.below:
+            return " ".join((f"{self.head(statement)}:", *map(self.sentence, statement.below)))
+        label = f"{self.text(statement.label)}: " if statement.label else ""
+        phrase, source = self.phrase(statement), self.cited(statement.source)
         if not source:
             return label + sentence(phrase)
         return f"{label}{phrase} {source}" if sentence(phrase) == phrase else f"{label}{phrase} {source}."
 
-    def head(self, item: Said) -> str:
+    def head(self, statement: Said) -> str:
         """Return the label and source of a statement that has others below it: ``Erratum start (open) [5.3]``."""
-        return " ".join(filter(None, (self.text(item.label), self.cited(item.source))))
+        return " ".join(filter(None, (self.text(statement.label), self.cited(statement.source))))
 
-    def lines(self, item: Said) -> list[str]:
+    def lines(self, statement: Said) -> list[str]:
         """Return the statement as one line, or its head and a line for each statement below it."""
-        return [f"{self.head(item)}:", *map(self.sentence, item.below)] if item.below else [self.sentence(item)]
+        return (
+            [f"{self.head(statement)}:", *map(self.sentence, statement.below)]
+            if statement.below
+            else [self.sentence(statement)]
+        )
 
     def paragraph(self, items: Iterable[Said]) -> str:
         """Return several statements as one paragraph."""
@@ -152,8 +156,8 @@ class Style:
 
     def number(self, expression: Expression) -> str:
         """Return a number, or an expression as code."""
-        found = self.resolve(expression)
-        return number(found.constant) if found.is_constant else self.code(found.render())
+        resolved = self.resolve(expression)
+        return number(resolved.constant) if resolved.is_constant else self.code(resolved.render())
 
     def _part(self, part: Part) -> str:
         match part:
@@ -168,8 +172,8 @@ class Style:
             case Amount(expression, unit):
                 return with_unit(self.number(expression), self.text(unit))
             case Hex(expression, digits):
-                found = self.resolve(expression)
-                return f"{found.constant:0{digits}X}h" if found.is_constant else self.code(found.render())
+                resolved = self.resolve(expression)
+                return f"{resolved.constant:0{digits}X}h" if resolved.is_constant else self.code(resolved.render())
             case Level():
                 return self.level(part)
 

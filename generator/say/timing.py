@@ -7,19 +7,25 @@ from .text import Said, said
 from .words import microseconds
 
 
-def timing(item: Timing) -> Said:
+def timing(printed_time: Timing) -> Said:
     """Return its duration, labelled with the symbol in the manual or with our name."""
-    about = f": {item.meaning}" if item.meaning else ""
-    about += f" (only with {item.only})" if item.only else ""
-    return said(bounds(item), about, label=item.symbol or item.name, source=item.source)
+    description = f": {printed_time.meaning}" if printed_time.meaning else ""
+    description += f" (only with {printed_time.only})" if printed_time.only else ""
+    return said(
+        bounds(printed_time), description, label=printed_time.symbol or printed_time.name, source=printed_time.source
+    )
 
 
-def bounds_with_codes(item: Timing) -> str:
+def bounds_with_codes(printed_time: Timing) -> str:
     """Return the duration as text, with the order codes to which it applies unless these are all."""
-    return f"{bounds(item)} (only with {item.only})" if item.only else bounds(item)
+    return f"{bounds(printed_time)} (only with {printed_time.only})" if printed_time.only else bounds(printed_time)
 
 
-def bounds(item: Timing) -> str:
+def bounds(printed_time: Timing) -> str:
     """Return the duration as text, such as ``at least 12 µs``."""
-    named = (("at least", item.at_least_us), ("typically", item.typical_us), ("at most", item.at_most_us))
-    return ", ".join(f"{word} {microseconds(count)}" for word, count in named if count is not None)
+    bounds_by_word = (
+        ("at least", printed_time.at_least_us),
+        ("typically", printed_time.typical_us),
+        ("at most", printed_time.at_most_us),
+    )
+    return ", ".join(f"{word} {microseconds(count)}" for word, count in bounds_by_word if count is not None)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..model import Timeout, Verdict
+from ..model import PrintedTimeout, Timeout, Verdict
 from .numbers import counted as counted
 from .numbers import number as number
 from .numbers import with_unit as with_unit
@@ -47,23 +47,25 @@ def microseconds(value: int) -> str:
 
 
 def nanoseconds(value: int) -> str:
-    return (
-        microseconds(value // 1000) if value % 1000 == 0 else f"{value / 1000:g} µs" if value > 1000 else f"{value} ns"
-    )
+    if value % 1000 == 0:
+        return microseconds(value // 1000)
+    return f"{value / 1000:g} µs" if value > 1000 else f"{value} ns"
+
+
+def printed_timeout_words(printed: PrintedTimeout) -> str:
+    """Return a time-out that a manual prints, with its clock."""
+    return f"{nanoseconds(printed.timeout_ns)} at {hertz(printed.clock_hz)}"
 
 
 def timeout_words(timeout: Timeout) -> str:
     """Return the rule and limits of a time-out."""
     half = timeout.half_clock_periods
     parts = [f"{half / 2:g} clock periods" if half is not None else _RULE.get(timeout.rule, timeout.rule)]
-    parts += [
-        f"{word} {nanoseconds(value)}"
-        for word, value in (("typically", timeout.typical_ns), ("at most", timeout.at_most_ns))
-        if value is not None
-    ]
+    bounds = {"typically": timeout.typical_ns, "at most": timeout.at_most_ns}
+    parts += [f"{word} {nanoseconds(value)}" for word, value in bounds.items() if value is not None]
     if half is None:
         # Without a rule, only the values printed in the manual are known.
-        parts += [f"{nanoseconds(item.timeout_ns)} at {hertz(item.clock_hz)}" for item in timeout.printed]
+        parts += map(printed_timeout_words, timeout.printed)
     return ", ".join(parts)
 
 

@@ -70,7 +70,7 @@ class BissLine(ByLevels):
         fault = faults.draw()
         cds = self._control(cdm)
         word = encoder.frame(encoder.layouts("encoder")[0])
-        data = [word >> place & 1 for place in range(self.bits - 1, -1, -1)]
+        data = [word >> shift & 1 for shift in range(self.bits - 1, -1, -1)]
         late = [0] * faults.random.randint(*_LATE.get(fault, (0, 0)))
         bits = [*[0] * self.acknowledge, *late, 1, cds, *data, 0]
         if fault == "low":
@@ -81,8 +81,8 @@ class BissLine(ByLevels):
             bits[faults.random.randrange(self.acknowledge + 1, len(bits) - 1)] ^= 1
         elif fault in ("short", "brownout"):
             last_zero = len(data) - 1 - data[::-1].index(0) if 0 in data else 0
-            place = faults.random.randint(self.acknowledge, self.acknowledge + 2 + last_zero)
-            bits[place:] = [1] * (len(bits) - place)
+            first_lost = faults.random.randint(self.acknowledge, self.acknowledge + 2 + last_zero)
+            bits[first_lost:] = [1] * (len(bits) - first_lost)
         if fault in ("restart", "brownout"):
             encoder.restart()
             self._access = None
@@ -126,14 +126,11 @@ class BissLine(ByLevels):
     def _registers(self) -> Generator[int, int, int]:
         """Answer one control frame: yield CDS bits, receive the next CDM bit for each, and return the last CDS bit."""
         memory = self.encoder.memory
-        cdm, head = (yield 1), 0
-        for _ in range(15):
-            head = head << 1 | cdm
-            cdm = yield 0
+        read, head = yield from _receive_head()
         address = head >> 4 & 0x7F
         if head >> 11 != 0b1000 or head & 0xF != compute_bits(_CRC, head >> 4, 11):
             return 0
-        read, write = cdm, (yield cdm)
+        write = yield read
         if read == write:
             return write
         allowed = memory.writable if write else memory.readable
@@ -146,22 +143,44 @@ class BissLine(ByLevels):
                 if not cdm:
                     return 0
             if write:
-                cdm, data = (yield 1), 0
-                for left in range(11, -1, -1):
-                    data = data << 1 | cdm
-                    if not left and data & 0xF != compute_bits(_CRC, data >> 4, 8):
-                        return cdm
-                    if not left:
-                        memory.write(address, data >> 4)
-                    cdm = yield cdm
+                cdm, is_valid = yield from self._write_byte(address)
+                if not is_valid:
+                    return cdm
             else:
-                byte = memory.read(address) or 0
-                data = byte << 4 | compute_bits(_CRC, byte, 8)
-                cdm = yield 1
-                for left in range(11, -1, -1):
-                    cdm = yield data >> left & 1
+                cdm = yield from self._read_byte(address)
             if cdm or address & 0x3F == 0x3F or not allowed(address + 1):
                 return 1
             address += 1
             cdm = yield 0
         return 0
+
+    def _write_byte(self, address: int) -> Generator[int, int, tuple[int, bool]]:
+        """Receive a byte and its CRC. Return the next CDM bit, and whether the CRC was correct and the byte written."""
+        cdm, data = (yield 1), 0
+        for _ in range(11):
+            data = data << 1 | cdm
+            cdm = yield cdm
+        data = data << 1 | cdm
+        if data & 0xF != compute_bits(_CRC, data >> 4, 8):
+            return cdm, False
+        self.encoder.memory.write(address, data >> 4)
+        cdm = yield cdm
+        return cdm, True
+
+    def _read_byte(self, address: int) -> Generator[int, int, int]:
+        """Send a byte and its CRC, and return the next CDM bit."""
+        byte = self.encoder.memory.read(address) or 0
+        data = byte << 4 | compute_bits(_CRC, byte, 8)
+        cdm = yield 1
+        for shift in range(11, -1, -1):
+            cdm = yield data >> shift & 1
+        return cdm
+
+
+def _receive_head() -> Generator[int, int, tuple[int, int]]:
+    """Receive the head of a control frame. Return the next CDM bit, which is the read bit, and the head."""
+    cdm, head = (yield 1), 0
+    for _ in range(15):
+        head = head << 1 | cdm
+        cdm = yield 0
+    return cdm, head

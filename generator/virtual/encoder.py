@@ -109,20 +109,20 @@ class VirtualEncoder:
 
     def _counts(self, layout: Layout | None) -> int:
         """Return the number of positions in frames with this layout."""
-        of = self._measurement(layout)
-        total = of.total if of is not None else None
+        measurement = self._measurement(layout)
+        total = measurement.total if measurement is not None else None
         if total is not None:
             return total.value(self.variant.parameters)
-        return 1 << sum(item.width for item in self._fields(layout))
+        return 1 << sum(placed_field.width for placed_field in self._fields(layout))
 
     def _lowest(self, layout: Layout | None) -> int:
         """Return the lowest position in frames with this layout."""
         fields = self._fields(layout)
         if len(fields) != 1 or not fields[0].field.number.signed:
             return 0
-        of = self._measurement(layout)
-        if of is not None and of.highest is not None:
-            return of.highest.value(self.variant.parameters) - self._counts(layout) + 1
+        measurement = self._measurement(layout)
+        if measurement is not None and measurement.highest is not None:
+            return measurement.highest.value(self.variant.parameters) - self._counts(layout) + 1
         return -(self._counts(layout) // 2)
 
     def _measurement(self, layout: Layout | None) -> Measurement | None:
@@ -155,9 +155,9 @@ class VirtualEncoder:
         is_away = self.is_busy() and self._not_ready
         count = 0 if is_away else self._wrapped_in(layout, self.raw_position() + self._offset)
         values = dict[str, int]()
-        for item in reversed(self._fields(layout)):
-            values[item.name] = count & item.mask
-            count >>= item.width
+        for placed_field in reversed(self._fields(layout)):
+            values[placed_field.name] = count & placed_field.mask
+            count >>= placed_field.width
         return values
 
     def raw_position(self) -> int:
@@ -178,10 +178,10 @@ class VirtualEncoder:
         Raises:
             ValueError: There is no such alarm or flag.
         """
-        known = self._flags
+        flag_names = self._flags
         for name in names:
-            if name not in known:
-                raise ValueError(f"{self.variant.code} has no flag '{name}'; it has: {', '.join(sorted(known))}")
+            if name not in flag_names:
+                raise ValueError(f"{self.variant.code} has no flag '{name}'; it has: {', '.join(sorted(flag_names))}")
         self.flags.update(names)
 
     def clear_flag(self, *names: str) -> None:
@@ -190,7 +190,7 @@ class VirtualEncoder:
 
     def reset(self, procedure: str) -> None:
         """Carry out a reset: clear its alarms, and set the parts of the position that its name contains to 0."""
-        self.flags -= {item.name for item in self.device.alarms if procedure in item.cleared_by}
+        self.flags -= {alarm.name for alarm in self.device.alarms if procedure in alarm.cleared_by}
         # The position of another frame may be wider, so it stays as it is unless a part of it is reset.
         if not any(name in procedure for name, _ in self._parts()):
             return
@@ -227,13 +227,13 @@ class VirtualEncoder:
 
     @cached_property
     def _in_registers(self) -> frozenset[str]:
-        return frozenset(item.name for item in self.device.alarms if item.register)
+        return frozenset(alarm.name for alarm in self.device.alarms if alarm.register)
 
-    def frame(self, layout: Layout, given: Mapping[str, int | str | bool] | None = None) -> int:
-        """Return a frame with the current values as one number. The request determines the fields ``given``."""
+    def frame(self, layout: Layout, request_values: Mapping[str, int | str | bool] | None = None) -> int:
+        """Return a frame with the current values as one number. The request determines ``request_values``."""
         self._instant = self.clock()
         try:
-            return codec.encode(self.device, self.place(layout), self._values(layout, given or {}))
+            return codec.encode(self.device, self.place(layout), self._values(layout, request_values or {}))
         finally:
             self._instant = None
 
@@ -247,11 +247,12 @@ class VirtualEncoder:
 
     def layouts(self, sender: str) -> tuple[Layout, ...]:
         """Return the frames that the encoder or the master sends on this interface."""
-        return tuple(item for item in self.device.interface(self.variant.interface).layouts if item.sender == sender)
+        layouts = self.device.interface(self.variant.interface).layouts
+        return tuple(layout for layout in layouts if layout.sender == sender)
 
     def needs_answer(self, layout: Layout) -> bool:
         """Return whether a question about this layout is open."""
-        return any(item.name not in self.answers for item in self.device.alternatives_of(layout))
+        return any(alternative.name not in self.answers for alternative in self.device.alternatives_of(layout))
 
     def is_active(self, field: Field) -> bool:
         """Return whether a flag is active."""
@@ -269,29 +270,29 @@ class VirtualEncoder:
         """Return the time. It does not advance while a frame is built, so that its fields are consistent."""
         return self.clock() if self._instant is None else self._instant
 
-    def _values(self, layout: Layout, given: Mapping[str, int | str | bool]) -> dict[str, int | str | bool]:
+    def _values(self, layout: Layout, request_values: Mapping[str, int | str | bool]) -> dict[str, int | str | bool]:
         values: dict[str, int | str | bool] = {}
         parts = self.parts_now(layout)
-        for item in self.place(layout).fields:
-            field = item.field
+        for placed_field in self.place(layout).fields:
+            field = placed_field.field
             if not field.carries_data:
                 continue
-            told = field.documented(self.variant.parameters)
-            if item.name in given:
-                values[item.name] = given[item.name]
-            elif item.name in parts:
-                values[item.name] = _number(item, parts[item.name] & item.mask)
+            documented = field.documented(self.variant.parameters)
+            if placed_field.name in request_values:
+                values[placed_field.name] = request_values[placed_field.name]
+            elif placed_field.name in parts:
+                values[placed_field.name] = _number(placed_field, parts[placed_field.name] & placed_field.mask)
             elif isinstance(field.kind, Flag):
-                values[item.name] = self.is_active(field)
-            elif told is not None:
-                values[item.name] = told
+                values[placed_field.name] = self.is_active(field)
+            elif documented is not None:
+                values[placed_field.name] = documented
             else:
-                values[item.name] = _value_at_rest(field)
+                values[placed_field.name] = _value_at_rest(field)
         return values
 
     def _parts(self) -> tuple[tuple[str, int], ...]:
         """Return the fields that form the position with their widths, most significant first."""
-        return tuple((item.name, item.width) for item in self._fields(self._first))
+        return tuple((placed_field.name, placed_field.width) for placed_field in self._fields(self._first))
 
     @property
     def _first(self) -> Layout | None:
@@ -299,51 +300,60 @@ class VirtualEncoder:
         return next(filter(self._carries_position, self.layouts("encoder")), None)
 
     def _carries_position(self, layout: Layout) -> bool:
-        of = self.device.measurement_of(self.variant.interface)
-        name = of.of if of is not None else "position"
+        measurement = self.device.measurement_of(self.variant.interface)
+        name = measurement.of if measurement is not None else "position"
         return layout.names_in(name) != (name,) or self.place(layout).field(name) is not None
 
     def _fields(self, layout: Layout | None) -> tuple[PlacedField, ...]:
         """Return the fields that form the position in frames with a layout, most significant first."""
         if layout is None:
             return ()
-        of = self.device.measurement_of(self.variant.interface)
-        parts = map(self.place(layout).field, layout.names_in(of.of if of is not None else "position"))
-        return tuple(item for item in parts if item is not None)
+        measurement = self.device.measurement_of(self.variant.interface)
+        placed_fields = map(
+            self.place(layout).field, layout.names_in(measurement.of if measurement is not None else "position")
+        )
+        return tuple(placed_field for placed_field in placed_fields if placed_field is not None)
 
     @cached_property
     def _not_ready(self) -> set[str]:
         """Alarms that do not latch: active while the encoder is not ready."""
-        return {item.name for item in self.device.alarms if item.latch is False and item.name in self._flags}
+        return {alarm.name for alarm in self.device.alarms if alarm.latch is False and alarm.name in self._flags}
 
     @cached_property
     def _flags(self) -> frozenset[str]:
         layouts = [
             *self.layouts("encoder"),
-            *(item.layout for item in self.device.registers_over(self.variant.interface)),
+            *(register.layout for register in self.device.registers_over(self.variant.interface)),
         ]
-        return frozenset(item.name for layout in layouts for item in layout.fields if isinstance(item.kind, Flag))
+        fields = (field for layout in layouts for field in layout.fields)
+        return frozenset(field.name for field in fields if isinstance(field.kind, Flag))
 
     def _check_answers(self, variant: Variant) -> None:
-        known = {item.name: [answer.name for answer in item.answers] for item in self.device.alternatives}
-        for name, answer in self.answers.items():
-            if answer not in known.get(name, ()):
-                options = " or ".join(f"{key}={text}" for key, texts in known.items() for text in texts)
-                raise ValueError(f"'{name}={answer}' answers no question of {variant.code}; write {options or 'none'}")
-        positions = [
-            item
-            for item in self.device.interface(variant.interface).layouts
-            if self.device.tells_position(variant.interface, item)
-        ]
-        for item in (item for layout in positions for item in self.device.alternatives_of(layout)):
-            if item.name not in self.answers:
-                options = " or ".join(f"{item.name}={answer.name}" for answer in item.answers)
-                raise ValueError(f"{item.meaning}: choose {options}")
+        alternatives = self.device.alternatives
+        pairs = [(alternative.name, answer.name) for alternative in alternatives for answer in alternative.answers]
+        for name, text in self.answers.items():
+            if (name, text) not in pairs:
+                options = " or ".join(map("=".join, pairs)) or "none"
+                raise ValueError(f"'{name}={text}' answers no question of {variant.code}; write {options}")
+        for layout in self.device.interface(variant.interface).layouts:
+            if self.device.tells_position(variant.interface, layout):
+                self._check_choices(layout)
+
+    def _check_choices(self, layout: Layout) -> None:
+        """Check that each question about a layout has an answer."""
+        for alternative in self.device.alternatives_of(layout):
+            if alternative.name not in self.answers:
+                options = " or ".join(f"{alternative.name}={answer.name}" for answer in alternative.answers)
+                raise ValueError(f"{alternative.meaning}: choose {options}")
 
 
-def _number(item: PlacedField, bits: int) -> int:
+def _number(placed_field: PlacedField, bits: int) -> int:
     """Return the number that the bits of a field stand for."""
-    return bits - (1 << item.width) if item.field.number.signed and bits >> item.width - 1 else bits
+    return (
+        bits - (1 << placed_field.width)
+        if placed_field.field.number.signed and bits >> placed_field.width - 1
+        else bits
+    )
 
 
 def _value_at_rest(field: Field) -> int:
@@ -364,16 +374,21 @@ def _value_at_rest(field: Field) -> int:
 @cache
 def _families(specs: tuple[Path, ...]) -> tuple[Family, ...]:
     families, report = load_families(specs or None)
-    sound = tuple(sound_families(families, report))
-    if not sound:
+    valid_families = tuple(sound_families(families, report))
+    if not valid_families:
         raise ValueError("\n".join(problem.format() for problem in report.shown) or "there are no specs")
-    return sound
+    return valid_families
+
+
+def _is_special(device: Device, text: str) -> bool:
+    """Return whether the text of an order code contains that of a special model of the family."""
+    return any(overlay.special and overlay.special in text for overlay in device.overlays)
 
 
 def _found(text: str, specs: tuple[Path, ...], edition: str) -> tuple[Device, Match]:
     reason = ""
-    special = [item for item in _families(specs) if any(o.special and o.special in text for o in item.device.overlays)]
-    for family in (*special, *(item for item in _families(specs) if not item.device.base)):
+    special_families = [family for family in _families(specs) if _is_special(family.device, text)]
+    for family in (*special_families, *(family for family in _families(specs) if not family.device.base)):
         try:
             match = find(family.device, text)
         except UnknownOrderCode as error:
@@ -382,8 +397,8 @@ def _found(text: str, specs: tuple[Path, ...], edition: str) -> tuple[Device, Ma
         if not edition:
             return family.device, match
         report = Report()
-        made = in_edition(family, chosen(family.device, edition), report)
-        if made is None or report:
+        family_in_edition = in_edition(family, chosen(family.device, edition), report)
+        if family_in_edition is None or report:
             raise ValueError("\n".join(problem.format() for problem in report.shown))
-        return made.device, find(made.device, text)
+        return family_in_edition.device, find(family_in_edition.device, text)
     raise ValueError(reason)

@@ -109,8 +109,8 @@ class Faults:
         if name == "doubled":
             return reply + reply
         if name == "flip":
-            place = chance.randrange(8 * len(reply))
-            return bytes(byte ^ (1 << place % 8) * (at == place // 8) for at, byte in enumerate(reply))
+            bit_index = chance.randrange(8 * len(reply))
+            return bytes(byte ^ (1 << bit_index % 8) * (index == bit_index // 8) for index, byte in enumerate(reply))
         if name == "echo":
             return request + reply
         if name == "junk":
@@ -120,9 +120,9 @@ class Faults:
     def cut(self, word: int, bits: int) -> int:
         """Return a word whose last bits are all 1, at least one of which was 0, if there is one."""
         lowest_zero = (~word & (word + 1)).bit_length() - 1
-        least = min(lowest_zero + 1, bits)
-        missing = self.random.randrange(least, max(least + 1, bits))
-        return word | (1 << missing) - 1
+        fewest = min(lowest_zero + 1, bits)
+        missing_bits = self.random.randrange(fewest, max(fewest + 1, bits))
+        return word | (1 << missing_bits) - 1
 
 
 class _Host(Protocol):

@@ -14,6 +14,7 @@ from typing import Protocol
 from ..model import (
     Constant,
     Device,
+    Flag,
     Layout,
     PlacedLayout,
     PollStep,
@@ -47,22 +48,24 @@ class Host(Protocol):
 class Memory:
     """Registers by address. ``too_early`` counts commands that were not executed because of a missing wait."""
 
-    def __init__(self, encoder: Host, given: Mapping[str, bytes]) -> None:
+    def __init__(self, encoder: Host, initial_bytes: Mapping[str, bytes]) -> None:
         self._encoder = encoder
         device, interface = encoder.device, encoder.variant.interface
-        self.registers = {item.name: item for item in device.registers_over(interface)}
+        self.registers = {register.name: register for register in device.registers_over(interface)}
         self.too_early = 0
         self._ready = 0.0
         self._read: deque[str] = deque(maxlen=16)
-        self._bytes = {name: bytearray(self._default(item)) for name, item in self.registers.items()}
-        for name, data in given.items():
+        self._bytes = {name: bytearray(self._default(register)) for name, register in self.registers.items()}
+        for name, data in initial_bytes.items():
             if name not in self.registers or len(data) != self.registers[name].length:
-                sizes = ", ".join(f"{item.name} ({item.length})" for item in self.registers.values()) or "none"
+                sizes = (
+                    ", ".join(f"{register.name} ({register.length})" for register in self.registers.values()) or "none"
+                )
                 raise ValueError(f"no register '{name}' of {len(data)} bytes; the registers are: {sizes}")
             self._bytes[name][:] = data
         self._saved = {name: bytes(data) for name, data in self._bytes.items()}
-        for item in self.registers.values():
-            self._take_over(item)
+        for register in self.registers.values():
+            self._take_over(register)
 
     def value(self, name: str) -> int:
         """Return the number that a register holds."""
@@ -140,11 +143,13 @@ class Memory:
         self._ready = 0.0
 
     def _at(self, address: int, write: bool) -> Register | None:
-        for item in self.registers.values():
-            if item.address <= address <= item.last_address and (item.writable if write else item.readable):
-                select = self._encoder.device.bank_selector(item)
-                if not select or self.value(select) == item.bank:
-                    return item
+        for register in self.registers.values():
+            if register.address <= address <= register.last_address and (
+                register.writable if write else register.readable
+            ):
+                select = self._encoder.device.bank_selector(register)
+                if not select or self.value(select) == register.bank:
+                    return register
         return None
 
     def _default(self, register: Register) -> bytes:
@@ -152,11 +157,15 @@ class Memory:
             return register.bytes_of(register.default)
         placed = self._encoder.place(register.layout)
         values: dict[str, int | str | bool] = {}
-        for item in placed.fields:
-            told = item.field.documented(self._encoder.variant.parameters)
-            if item.field.carries_data:
-                is_low = getattr(item.field.kind, "active_low", None) is not None
-                values[item.name] = told if told is not None else False if is_low else item.field.default or 0
+        for placed_field in placed.fields:
+            field = placed_field.field
+            documented = field.documented(self._encoder.variant.parameters)
+            if not field.carries_data:
+                continue
+            if documented is not None:
+                values[placed_field.name] = documented
+            else:
+                values[placed_field.name] = False if isinstance(field.kind, Flag) else field.default or 0
         number = 0
         for name, value in values.items():
             try:
@@ -168,18 +177,24 @@ class Memory:
     def _is_open(self, register: Register) -> bool:
         if not register.opened_by:
             return True
-        by = self.registers[register.opened_by]
-        field = by.layout.field(register.opened_by_field) if register.opened_by_field else by.layout.fields[0]
-        item = self._encoder.place(by.layout).field(field.name)
-        wanted = next(value.value for value in field.values if value.name == register.opened_by_value)
-        return item is not None and self.value(by.name) >> item.low & item.mask == wanted
+        opener = self.registers[register.opened_by]
+        field = opener.layout.field(register.opened_by_field) if register.opened_by_field else opener.layout.fields[0]
+        placed_field = self._encoder.place(opener.layout).field(field.name)
+        opening_value = next(value.value for value in field.values if value.name == register.opened_by_value)
+        return (
+            placed_field is not None
+            and self.value(opener.name) >> placed_field.low & placed_field.mask == opening_value
+        )
 
     def _written(self, register: Register) -> None:
         number = self.value(register.name)
         placed = self._encoder.place(register.layout)
-        for item in placed.fields:
-            if isinstance(item.field.kind, Constant):
-                number = number & ~(item.mask << item.low) | item.field.kind.value << item.low
+        for placed_field in placed.fields:
+            if isinstance(placed_field.field.kind, Constant):
+                number = (
+                    number & ~(placed_field.mask << placed_field.low)
+                    | placed_field.field.kind.value << placed_field.low
+                )
         if register.above_max == "default" and register.max is not None and register.default is not None:
             number = register.default if number > register.max.value(self._encoder.variant.parameters) else number
         self._store(register, number)
@@ -203,7 +218,7 @@ class Memory:
     def _command(self, register: Register, number: int) -> None:
         """Execute a command, unless the previous one is still being executed."""
         field = register.layout.fields[0]
-        name = next((item.name for item in field.values if item.value == number), "")
+        name = next((value.name for value in field.values if value.value == number), "")
         now = self._encoder.clock()
         if not name or now < self._ready:
             self.too_early += bool(name)
@@ -211,13 +226,13 @@ class Memory:
         self._ready = now + (register.wait_at_least_ms or 0) / 1000
         words = name.split("_")
         if "restore" in words:
-            for item in self.registers.values():
-                if item.volatile:
-                    self._store(item, item.default or 0)
+            for volatile_register in self.registers.values():
+                if volatile_register.volatile:
+                    self._store(volatile_register, volatile_register.default or 0)
         if "activate" in words:
             self._activate(register)
         if "save" in words or "restore" in words or "activate" in words:
-            self._saved = {item: bytes(data) for item, data in self._bytes.items()}
+            self._saved = {register_name: bytes(data) for register_name, data in self._bytes.items()}
         if "reset" in words:
             self.restart()
         if "simulate" in words:
@@ -229,24 +244,28 @@ class Memory:
     def _activate(self, command: Register) -> None:
         """Activate the register whose argument a procedure writes before an activating command."""
         for procedure in self._encoder.device.procedures:
-            written = [step for step in procedure.steps if isinstance(step, WriteStep) and step.value is None]
-            if written and any("activate" in step.value_name for step in _commands(procedure, command)):
-                register = self.registers[written[-1].register]
+            argument_steps = [step for step in procedure.steps if isinstance(step, WriteStep) and step.value is None]
+            if argument_steps and any("activate" in step.value_name for step in _commands(procedure, command)):
+                register = self.registers[argument_steps[-1].register]
                 meaning = self._meaning(register)
                 placed = self._encoder.place(register.layout)
                 value = codec.decode(self._encoder.device, placed, self.value(register.name)).values
                 number = value.get(register.limits_of or placed.fields[-1].name, self.value(register.name))
-                act = self._encoder.add_offset if meaning == "offset" else self._encoder.set_position
-                act(int(number))
+                report_value = self._encoder.add_offset if meaning == "offset" else self._encoder.set_position
+                report_value(int(number))
                 return
 
     def _meaning(self, register: Register) -> str:
-        for item in register.meanings:
-            name, _, field = item.when.partition(".")
+        for meaning in register.meanings:
+            name, _, field = meaning.when.partition(".")
             placed = self._encoder.place(self.registers[name].layout).field(field)
-            named = next((one.value for one in placed.field.values if one.name == item.value), None) if placed else None
-            if placed is not None and self.value(name) >> placed.low & placed.mask == named:
-                return item.name
+            number = (
+                next((value.value for value in placed.field.values if value.name == meaning.value), None)
+                if placed
+                else None
+            )
+            if placed is not None and self.value(name) >> placed.low & placed.mask == number:
+                return meaning.name
         return ""
 
     def _answer(self, command: Register, number: int) -> None:
@@ -255,11 +274,12 @@ class Memory:
             if any(step.value == number for step in _commands(procedure, command)):
                 for step in procedure.steps:
                     if isinstance(step, PollStep):
-                        item = self._encoder.place(self.registers[step.register].layout).field(step.field)
-                        if item is not None:
+                        placed_field = self._encoder.place(self.registers[step.register].layout).field(step.field)
+                        if placed_field is not None:
                             old = self.value(step.register)
                             self._store(
-                                self.registers[step.register], old & ~(item.mask << item.low) | step.value << item.low
+                                self.registers[step.register],
+                                old & ~(placed_field.mask << placed_field.low) | step.value << placed_field.low,
                             )
 
     def _refresh(self, register: Register) -> None:
@@ -267,24 +287,29 @@ class Memory:
         placed = self._encoder.place(register.layout)
         number = self.value(register.name)
         parts = self._encoder.position_names()
-        for item in placed.fields:
+        for placed_field in placed.fields:
             if register.writable:
                 return
-            if item.name in parts:
-                number = number & ~(item.mask << item.low) | (self._encoder.position_now() & item.mask) << item.low
-            elif item.name in self._alarms():
-                bit = (item.name in self._encoder.flags) != getattr(item.field.kind, "active_low", False)
-                number = number & ~(1 << item.low) | bit << item.low
+            if placed_field.name in parts:
+                number = (
+                    number & ~(placed_field.mask << placed_field.low)
+                    | (self._encoder.position_now() & placed_field.mask) << placed_field.low
+                )
+            elif placed_field.name in self._alarms():
+                bit = (placed_field.name in self._encoder.flags) != getattr(
+                    placed_field.field.kind, "active_low", False
+                )
+                number = number & ~(1 << placed_field.low) | bit << placed_field.low
         self._bytes[register.name][:] = number_to_bytes(register.layout, number, 8 * register.length)
 
     def _alarms(self) -> set[str]:
-        return {item.field for item in self._encoder.device.alarms if item.register}
+        return {alarm.field for alarm in self._encoder.device.alarms if alarm.register}
 
     def _clear_by_reading(self) -> None:
         """Clear the alarms of a procedure that only reads, once its registers have been read in order."""
         for procedure in self._encoder.device.procedures:
             names = [step.register for step in procedure.steps if isinstance(step, ReadStep)][:-1]
-            cleared = {item.name for item in self._encoder.device.alarms if procedure.name in item.cleared_by}
+            cleared = {alarm.name for alarm in self._encoder.device.alarms if procedure.name in alarm.cleared_by}
             if cleared and len(names) + 1 == len(procedure.steps) and list(self._read)[-len(names) :] == names:
                 self._encoder.flags -= cleared
 

@@ -31,10 +31,10 @@ def motion(text: str, counts: int, lowest: int = 0) -> Position:
         return int(text, 0)
     except ValueError:
         pass
-    found = re.fullmatch(rf"(sine|ramp):({_NUMBER})(Hz)?", text)
-    value = float(found[2]) if found is not None else math.inf
-    if found is None or not math.isfinite(value) or (found[3] and found[1] == "ramp"):
+    match = re.fullmatch(rf"(sine|ramp):({_NUMBER})(Hz)?", text)
+    value = float(match[2]) if match is not None else math.inf
+    if match is None or not math.isfinite(value) or (match[3] and match[1] == "ramp"):
         raise ValueError(f"'{text}' is not a position; write 1000003, sine:0.5Hz or ramp:1000 (counts per second)")
-    if found[1] == "ramp":
+    if match[1] == "ramp":
         return lambda now: value * now
     return lambda now: lowest + (counts - 1) / 2 * (1 + math.sin(2 * math.pi * value * now))

@@ -44,7 +44,7 @@ class Rs485Line:
         if not isinstance(interface, Rs485):
             raise ValueError(f"{encoder.variant.code} has the interface {interface.short}, not RS-485")
         self.encoder, self.interface = encoder, interface
-        self._requests = {item.control: item for item in interface.data_ids}
+        self._requests = {data_id.control: data_id for data_id in interface.data_ids}
         self._received = b""
         self._since = self._outage_until = 0.0
         self._outage = ""
@@ -64,42 +64,44 @@ class Rs485Line:
             request = self._request()
             if request is None:
                 return
-            length, values, asked, reply = request
-            taken, self._received = self._received[:length], self._received[length:]
+            length, values, data_id, reply = request
+            request_bytes, self._received = self._received[:length], self._received[length:]
             if values is not None and not self.encoder.is_off():
-                self._answer(asked, taken, values, reply)
+                self._answer(data_id, request_bytes, values, reply)
 
     def _request(self) -> _Taken | None:
         """Return the request at the start of the received bytes, or None if it is not complete."""
-        found = [self._of_data_id()] if self._requests else list(self._of_exchanges())
-        for layout, asked, reply in filter(None, found):
+        candidates = [self._of_data_id()] if self._requests else list(self._of_exchanges())
+        for layout, data_id, reply in filter(None, candidates):
             placed = self.encoder.place(layout)
             length = placed.bits // 8
             if len(self._received) < length:
                 continue
             decoded = codec.decode_placed(self.encoder.device, placed, self._received[:length])
             values = None if decoded.problems else decoded.values
-            if asked is not None or (values is not None and self._is_for_me(layout, values)):
-                return _Taken(length, values, asked, reply)
-        longest = max((self.encoder.place(one[0]).bits // 8 for one in found if one is not None), default=0)
+            if data_id is not None or (values is not None and self._is_for_me(layout, values)):
+                return _Taken(length, values, data_id, reply)
+        longest = max(
+            (self.encoder.place(candidate[0]).bits // 8 for candidate in candidates if candidate is not None), default=0
+        )
         return None if len(self._received) < longest else _Taken(1, None, None, None)
 
     def _of_data_id(self) -> tuple[Layout, DataId | None, Layout | None] | None:
-        asked = self._requests.get(self._received[0])
-        layout = self._layout("master", asked) if asked is not None else None
-        if asked is None or layout is None or self.encoder.needs_answer(layout):
+        data_id = self._requests.get(self._received[0])
+        layout = self._layout("master", data_id) if data_id is not None else None
+        if data_id is None or layout is None or self.encoder.needs_answer(layout):
             return None
-        return layout, asked, self._layout("encoder", asked)
+        return layout, data_id, self._layout("encoder", data_id)
 
     def _of_exchanges(self) -> Iterator[tuple[Layout, DataId | None, Layout | None]]:
-        layouts = {item.name: item for item in self.interface.layouts}
-        for item in self.interface.exchanges:
-            yield layouts[item.request], None, layouts.get(item.reply)
+        layouts = {layout.name: layout for layout in self.interface.layouts}
+        for exchange in self.interface.exchanges:
+            yield layouts[exchange.request], None, layouts.get(exchange.reply)
 
     @staticmethod
     def _is_for_me(layout: Layout, values: Mapping[str, int | str | bool]) -> bool:
         """Return whether a request has the values of this encoder, such as its address: the factory defaults."""
-        return all(item.default in (None, values.get(item.name)) for item in layout.fields)
+        return all(field.default in (None, values.get(field.name)) for field in layout.fields)
 
     def due(self) -> float | None:
         """Return the time in seconds at which the next bytes arrive at the master, or None if there are none."""
@@ -112,12 +114,12 @@ class Rs485Line:
             data += self._out.popleft()[1]
         return data
 
-    def _layout(self, sender: str, asked: DataId) -> Layout | None:
+    def _layout(self, sender: str, data_id: DataId) -> Layout | None:
         layouts = self.encoder.layouts(sender)
-        return next((item for item in layouts if not item.selector or asked.id in item.selects), None)
+        return next((layout for layout in layouts if not layout.selector or data_id.id in layout.selects), None)
 
     def _answer(
-        self, asked: DataId | None, request: bytes, values: dict[str, int | str | bool], layout: Layout | None
+        self, data_id: DataId | None, request: bytes, values: dict[str, int | str | bool], layout: Layout | None
     ) -> None:
         encoder, faults = self.encoder, self.encoder.faults
         now = encoder.clock()
@@ -127,7 +129,7 @@ class Rs485Line:
             self._memory_busy_until = max(self._memory_busy_until, now + BUSY_S)
         if fault in ("low", "high"):
             self._outage, self._outage_until = fault, now + OUTAGE_S
-        reply = self._reply(asked, values, layout)
+        reply = self._reply(data_id, values, layout)
         if fault == "restart":
             encoder.restart()
             return
@@ -138,28 +140,28 @@ class Rs485Line:
                 data = bytes(len(reply)) if self._outage == "low" else b""
             delay = faults.random.uniform(0.005, 0.04) if fault == "late" else 0.0
             # The line keeps the order of replies.
-            self._out.append((max([now + delay, *(at for at, _ in list(self._out)[-1:])]), data))
+            self._out.append((max([now + delay, *(due_time for due_time, _ in list(self._out)[-1:])]), data))
         if fault == "brownout":
             encoder.restart()
 
-    def _reply(self, asked: DataId | None, values: dict[str, int | str | bool], layout: Layout | None) -> bytes:
+    def _reply(self, data_id: DataId | None, values: dict[str, int | str | bool], layout: Layout | None) -> bytes:
         """Carry out a request and return the reply to it, or nothing."""
         if layout is None or self.encoder.needs_answer(layout):
             return b""
-        given = {name: value for name, value in values.items() if name != codec.UNUSED}
-        if asked is not None and asked.purpose in ("read", "write"):
-            memory = self._memory(asked, layout, given)
+        request_values = {name: value for name, value in values.items() if name != codec.UNUSED}
+        if data_id is not None and data_id.purpose in ("read", "write"):
+            memory = self._memory(data_id, layout, request_values)
             if memory is None:
                 return b""
-            given |= memory
-        number = self.encoder.frame(layout, given)
+            request_values |= memory
+        number = self.encoder.frame(layout, request_values)
         placed = self.encoder.place(layout)
-        if asked is not None:
-            self._count(asked)
+        if data_id is not None:
+            self._count(data_id)
         return number_to_bytes(layout, number, placed.bits)
 
     def _memory(
-        self, asked: DataId, layout: Layout, given: dict[str, int | str | bool]
+        self, data_id: DataId, layout: Layout, request_values: dict[str, int | str | bool]
     ) -> dict[str, int | bool] | None:
         """Carry out an access to the EEPROM, and return the values for the reply: the busy flag, if any, and the data.
 
@@ -169,25 +171,26 @@ class Rs485Line:
         flags = [field.name for field in layout.fields if isinstance(field.kind, Flag)][:1]
         if now < self._memory_busy_until:
             return {**dict.fromkeys(flags, True), "data": 0} if flags else None
-        address = int(given["address"])
-        if asked.purpose == "write":
-            self._eeprom[address] = int(given["data"])
+        address = int(request_values["address"])
+        if data_id.purpose == "write":
+            self._eeprom[address] = int(request_values["data"])
             self._memory_busy_until = now + EEPROM_S
         return {**dict.fromkeys(flags, False), "data": self._eeprom.get(address, 0xFF)}
 
-    def _count(self, asked: DataId) -> None:
+    def _count(self, data_id: DataId) -> None:
         """Count the requests of a reset, and carry it out after the last one."""
         now = self.encoder.clock()
         for procedure in self.encoder.device.procedures:
             for step in procedure.steps:
-                if isinstance(step, SendStep) and step.request == bytes([asked.control]):
+                if isinstance(step, SendStep) and step.request == bytes([data_id.control]):
                     control, count, last = self._resets
-                    soon = now - last < step.microseconds / 1e6 - _EARLY_S
-                    count = 1 if control != asked.control or soon else count + 1
-                    self._resets = (asked.control, count % step.times, now)
+                    is_too_soon = now - last < step.microseconds / 1e6 - _EARLY_S
+                    count = 1 if control != data_id.control or is_too_soon else count + 1
+                    self._resets = (data_id.control, count % step.times, now)
                     if count >= step.times:
-                        self.encoder.reset(asked.name)
-                        waits = [item.microseconds for item in procedure.steps if isinstance(item, WaitStep)]
+                        self.encoder.reset(data_id.name)
+                        wait_steps = [step for step in procedure.steps if isinstance(step, WaitStep)]
+                        waits = [wait_step.microseconds for wait_step in wait_steps]
                         if self.encoder.reports_busy:
                             self.encoder.be_busy(max(waits, default=0) / 1e6)
                     return

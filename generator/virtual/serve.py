@@ -86,44 +86,59 @@ def listen_tcp(port: int = 0) -> _Port:
     return listener(server, f"socket://127.0.0.1:{server.getsockname()[1]}")
 
 
+class _Clients:
+    """Clients of a listening socket, served one after another."""
+
+    def __init__(self, server: socket.socket) -> None:
+        self._server = server
+        self._client: socket.socket | None = None
+
+    def handle(self) -> int:
+        return (self._client or self._server).fileno()
+
+    def read(self) -> bytes:
+        """Return data of the client, or accept the next one if there is none."""
+        if self._client is None:
+            self._accept()
+            return b""
+        try:
+            data = self._client.recv(4096)
+        except OSError:
+            data = b""
+        if not data:
+            self._disconnect()
+        return data
+
+    def write(self, data: bytes) -> None:
+        if self._client is not None:
+            try:
+                self._client.sendall(data)
+            except OSError:
+                self._disconnect()
+
+    def close(self) -> None:
+        self._server.close()
+        self._disconnect()
+
+    def _accept(self) -> None:
+        self._client = self._server.accept()[0]
+        self._client.settimeout(PATIENCE_S)
+        if self._server.family == socket.AF_INET:
+            self._client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+    def _disconnect(self) -> None:
+        if self._client is not None:
+            self._client.close()
+        self._client = None
+
+
 def listener(server: socket.socket, name: str) -> _Port:
     """Serve one client after another on a listening socket.
 
     A client that has gone or does not read its replies in time is disconnected. Its other requests are not answered.
     """
-    clients: list[socket.socket] = []
-
-    def read() -> bytes:
-        if not clients:
-            client = server.accept()[0]
-            client.settimeout(PATIENCE_S)
-            if server.family == socket.AF_INET:
-                client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            clients.append(client)
-            return b""
-        try:
-            data = clients[0].recv(4096)
-        except OSError:
-            data = b""
-        if not data:
-            clients.pop().close()
-        return data
-
-    def write(data: bytes) -> None:
-        if clients:
-            try:
-                clients[0].sendall(data)
-            except OSError:
-                clients.pop().close()
-
-    def close() -> None:
-        for item in (server, *clients):
-            item.close()
-
-    def handle() -> int:
-        return (clients or [server])[0].fileno()
-
-    return _Port(name, handle, read, write, close)
+    clients = _Clients(server)
+    return _Port(name, clients.handle, clients.read, clients.write, clients.close)
 
 
 def serve(encoder: VirtualEncoder, line: Line, port: _Port, stop: Event | None = None) -> None:

@@ -27,11 +27,11 @@ class SpiLine:
             raise ValueError(f"{encoder.variant.code} has no SPI")
         self.encoder, self.interface = encoder, interface
         parameters = encoder.variant.parameters
-        self._lengths = sorted({item.value(parameters) for item in interface.lengths}, reverse=True)
-        own = interface.word_bits.value(parameters)
+        self._lengths = sorted({length.value(parameters) for length in interface.lengths}, reverse=True)
+        default_length = interface.word_bits.value(parameters)
         #: Bits of a word whose request is not known. Each exchange may have a length of its own.
-        self.word_bits = own if own in self._lengths else self._lengths[-1]
-        self._writes = [item for item in interface.exchanges if item.purpose == "write"]
+        self.word_bits = default_length if default_length in self._lengths else self._lengths[-1]
+        self._writes = [exchange for exchange in interface.exchanges if exchange.purpose == "write"]
         self._written: dict[str, int] = {}
         self._next = 0, self.word_bits
         self._received, self._answers = b"", b""
@@ -49,13 +49,19 @@ class SpiLine:
         """
         length = self.word_bits if bits is None else bits
         if length not in self._lengths or word >> length:
-            known = " or ".join(map(str, sorted(self._lengths)))
-            raise ValueError(f"0x{word:X} is not a word of {length} bits; {self.encoder.variant.code} has {known} bits")
+            lengths_text = " or ".join(map(str, sorted(self._lengths)))
+            raise ValueError(
+                f"0x{word:X} is not a word of {length} bits; {self.encoder.variant.code} has {lengths_text} bits"
+            )
         answer = self._answer(word, length)
         if self.interface.exchanges and self.interface.reply == "next_word":
-            (late, had), self._next = self._next, (answer, length)
+            (previous_answer, previous_length), self._next = self._next, (answer, length)
             # A longer word ends with zeros, and a shorter one has only the beginning of the reply.
-            answer = late << length - had if length > had else late >> had - length
+            answer = (
+                previous_answer << length - previous_length
+                if length > previous_length
+                else previous_answer >> previous_length - length
+            )
         return disturbed(self.encoder, self.encoder.faults.draw(), answer, length)
 
     def receive(self, data: bytes) -> None:
@@ -87,19 +93,19 @@ class SpiLine:
     def _answer(self, word: int, bits: int) -> int:
         if not self.interface.exchanges:
             return self.encoder.frame(self.encoder.layouts("encoder")[0])
-        found = self._request(word, bits)
-        if found is None:
+        request = self._request(word, bits)
+        if request is None:
             return self._error(bits)
-        item, values = found
-        layout = self._layout(item.reply)
+        exchange, values = request
+        layout = self._layout(exchange.reply)
         access: dict[str, int] = {name: int(values[name]) for name in ("address", "data") if name in values}
         # A reply can repeat fields of its request.
         echo = {field.name: values[field.name] for field in layout.data_fields if field.name in values}
-        if item.purpose not in ("read", "write"):
+        if exchange.purpose not in ("read", "write"):
             return self.encoder.frame(layout, echo)
-        if item.purpose == "write":
+        if exchange.purpose == "write":
             self._written |= access
-        data = self._access(item.purpose, access)
+        data = self._access(exchange.purpose, access)
         return self._error(bits) if data is None else self.encoder.frame(layout, {**echo, "data": data})
 
     def _access(self, purpose: str, access: dict[str, int]) -> int | None:
@@ -114,30 +120,31 @@ class SpiLine:
 
     def _request(self, word: int, bits: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
         """Return the request in a word with its values, and forget a write that it does not continue."""
-        found = self._known(word, bits)
-        if found is None:
+        request = self._known(word, bits)
+        if request is None:
             self._written = {}
-        return found
+        return request
 
     def _known(self, word: int, bits: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
         """Return the request in a word with its values. The second word of a write follows the first."""
         started = bool(self._written)
-        for item in self._writes[1:] if started else self.interface.exchanges:
-            if not started and item in self._writes[1:]:
+        for exchange in self._writes[1:] if started else self.interface.exchanges:
+            if not started and exchange in self._writes[1:]:
                 continue
-            place = self.encoder.place(self._layout(item.request))
-            decoded = codec.decode_bits(self.encoder.device, place, word, bits)
+            placed = self.encoder.place(self._layout(exchange.request))
+            decoded = codec.decode_bits(self.encoder.device, placed, word, bits)
             if not decoded.problems:
-                return item, decoded.values
+                return exchange, decoded.values
         return None
 
     def _error(self, bits: int) -> int:
         """Return the reply to a request of this length that is not valid, with its flags active."""
         parameters = self.encoder.variant.parameters
-        fitting = [item for item in self.interface.exchanges if self.interface.bits_of(item).value(parameters) == bits]
+        lengths = [self.interface.bits_of(exchange).value(parameters) for exchange in self.interface.exchanges]
+        fitting = [self.interface.exchanges[index] for index, length in enumerate(lengths) if length == bits]
         layout = self._layout(fitting[-1].reply)
-        flags = {item.name: True for item in layout.fields if isinstance(item.kind, Flag)}
+        flags = {field.name: True for field in layout.fields if isinstance(field.kind, Flag)}
         return self.encoder.frame(layout, flags)
 
     def _layout(self, name: str) -> Layout:
-        return next(item for item in self.interface.layouts if item.name == name)
+        return next(layout for layout in self.interface.layouts if layout.name == name)

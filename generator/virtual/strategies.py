@@ -13,8 +13,8 @@ from .encoder import VirtualEncoder
 def positions(encoder: VirtualEncoder) -> st.SearchStrategy[int]:
     """Return positions of an encoder, in which those near the ends are more frequent."""
     lowest, highest = encoder.lowest, encoder.lowest + encoder.counts - 1
-    often = {lowest, lowest + 1, (lowest + highest) // 2, highest, max(lowest, 0)}
-    return st.one_of(st.sampled_from(sorted(often)), st.integers(lowest, highest))
+    frequent = {lowest, lowest + 1, (lowest + highest) // 2, highest, max(lowest, 0)}
+    return st.one_of(st.sampled_from(sorted(frequent)), st.integers(lowest, highest))
 
 
 @st.composite
@@ -45,10 +45,10 @@ def disturbed_frames(draw: st.DrawFn, encoder: VirtualEncoder, layout: str = "")
     Returns:
         The frame, in the form that ``frames`` returns.
     """
-    chosen = _layout(encoder, layout)
+    sent_layout = _layout(encoder, layout)
     encoder.position = draw(positions(encoder))
-    frame = _sent(encoder, chosen)
-    bit = 1 << draw(st.integers(0, encoder.place(chosen).bits - 1))
+    frame = _sent(encoder, sent_layout)
+    bit = 1 << draw(st.integers(0, encoder.place(sent_layout).bits - 1))
     if isinstance(frame, int):
         return frame ^ bit
     return (int.from_bytes(frame, "big") ^ bit).to_bytes(len(frame), "big")
@@ -56,15 +56,15 @@ def disturbed_frames(draw: st.DrawFn, encoder: VirtualEncoder, layout: str = "")
 
 def _layout(encoder: VirtualEncoder, name: str) -> Layout:
     layouts = encoder.layouts("encoder")
-    whole = encoder.device.measurement_of(encoder.variant.interface)
-    of = whole.of if whole is not None else "position"
-    for item in layouts:
-        if item.name == name or (not name and of in item.member_names):
-            return item
+    measurement = encoder.device.measurement_of(encoder.variant.interface)
+    position_name = measurement.of if measurement is not None else "position"
+    for layout in layouts:
+        if layout.name == name or (not name and position_name in layout.member_names):
+            return layout
     raise ValueError(f"{encoder.variant.code} has no frame '{name}'; it has: {', '.join(i.name for i in layouts)}")
 
 
 def _sent(encoder: VirtualEncoder, layout: Layout) -> Any:
-    given = {layout.selector: layout.selects[0]} if layout.selector else {}
-    number = encoder.frame(layout, given)
+    selector_values = {layout.selector: layout.selects[0]} if layout.selector else {}
+    number = encoder.frame(layout, selector_values)
     return number_to_bytes(layout, number, encoder.place(layout).bits) if layout.in_bytes else number

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import ChainMap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice, product
 
@@ -13,7 +13,7 @@ from ..order_codes.parameters import run_time_widths
 from ..order_codes.run_time import possible_states, with_changed
 from ..reference.codec import binary_to_gray, gray_to_binary
 from ..reference.crc import reflect
-from ..say.words import counted
+from ..say.numbers import counted, first_of
 from .bit_text import BitText
 from .tries import NOT_INVERTED, Try, fixed_bits, usual
 
@@ -110,9 +110,8 @@ def tries(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text
     if placed.covers_part:
         return
     for length in sorted(lengths, reverse=True):
-        yield from (
-            _slipped(placed, crc, slip, text.number, length) for slip in SLIPS if slip.longer == length - expected
-        )
+        slips = [slip for slip in SLIPS if slip.longer == length - expected]
+        yield from (_slipped(placed, crc, slip, text.number, length) for slip in slips)
     yield from _without_status(placed, crc, text)
     yield from other_answers(device, variant, placed, crc, text)
     yield from _other_polynomials(placed, crc, text)
@@ -132,7 +131,7 @@ def read_as(
     codes: Sequence[str] = (),
 ) -> Try:
     """Return a try in which the frame was ``number``, whose last ``lost`` bits were not received."""
-    fixed, right = fixed_bits(placed, number)
+    fixed, are_right = fixed_bits(placed, number)
     received = (number & crc.mask) >> lost
     return Try(
         kind,
@@ -142,7 +141,7 @@ def read_as(
         received,
         crc.width - lost,
         demanded=demanded + fixed,
-        holds=holds and right,
+        holds=holds and are_right,
         usual=usual(placed, number),
         number=number,
         placed=placed,
@@ -152,9 +151,9 @@ def read_as(
 
 def as_sent(placed: PlacedLayout, crc: Crc, number: int) -> Try:
     """Return a try of the frame as sent, to which the caller adds the mistake."""
-    fixed, right = fixed_bits(placed, number)
-    same = Try("", "", crc, *_covered(placed, number), number & crc.mask, crc.width)
-    return replace(same, fixed=fixed if right else 0, usual=usual(placed, number))
+    fixed, are_right = fixed_bits(placed, number)
+    try_as_sent = Try("", "", crc, *_covered(placed, number), number & crc.mask, crc.width)
+    return replace(try_as_sent, fixed=fixed if are_right else 0, usual=usual(placed, number))
 
 
 def _covered(placed: PlacedLayout, number: int) -> tuple[int, int]:
@@ -164,78 +163,88 @@ def _covered(placed: PlacedLayout, number: int) -> tuple[int, int]:
 
 
 def _slipped(placed: PlacedLayout, crc: Crc, slip: Slip, number: int, length: int) -> Try:
-    there = length - len(slip.front) - slip.behind
+    body_bits = length - len(slip.front) - slip.behind
     body = number >> slip.behind
     starts = [bit for bit in range(len(slip.front)) if slip.front[bit] == "1"]
-    holds = all(body >> (there + len(slip.front) - 1 - bit) & 1 for bit in starts)
-    frame = (int(slip.missing or "0", 2) << there | body & ((1 << there) - 1)) << slip.lost
+    holds = all(body >> (body_bits + len(slip.front) - 1 - bit) & 1 for bit in starts)
+    frame = (int(slip.missing or "0", 2) << body_bits | body & ((1 << body_bits) - 1)) << slip.lost
     return read_as(slip.kind, slip.text, placed, crc, frame, slip.lost, len(starts), holds)
 
 
 def _computed_otherwise(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
     """Yield tries of the frame as sent with another CRC."""
-    same = as_sent(placed, crc, number)
-    yield from (replace(same, kind=kind, text=words, crc=other) for kind, words, other in other_crcs(crc))
+    try_as_sent = as_sent(placed, crc, number)
+    for kind, description, other_crc in other_crcs(crc):
+        yield replace(try_as_sent, kind=kind, text=description, crc=other_crc)
     if placed.covers_part:
         return
-    yield from _status_otherwise(same, placed, number)
-    yield from _position_otherwise(same, placed, number)
-    yield from _start_bits_in_crc(same)
-    words = "the bits of the CRC are in reverse order"
-    yield replace(same, kind="crc_reversed", text=words, received=reflect(same.received, crc.width))
+    yield from _status_otherwise(try_as_sent, placed, number)
+    yield from _position_otherwise(try_as_sent, placed, number)
+    yield from _start_bits_in_crc(try_as_sent)
+    description = "the bits of the CRC are in reverse order"
+    yield replace(try_as_sent, kind="crc_reversed", text=description, received=reflect(try_as_sent.received, crc.width))
 
 
-def _status_otherwise(same: Try, placed: PlacedLayout, number: int) -> Iterator[Try]:
+def _status_otherwise(try_as_sent: Try, placed: PlacedLayout, number: int) -> Iterator[Try]:
     """Yield tries in which the CRC does not cover error and warning, or they were inverted."""
-    status, width = _status_mask(placed), same.crc.width
+    status, width = _status_mask(placed), try_as_sent.crc.width
     if not status:
         return
-    data, bits = _without(same.data, same.bits, status >> width)
-    words = "the CRC covers only the bits before error and warning"
-    yield replace(same, kind="status_left_out", text=words, data=data, bits=bits)
-    words = "error and warning were converted to active high"
-    turned = number ^ status
-    yield replace(same, kind="status_turned", text=words, data=turned >> width, usual=usual(placed, turned))
+    data, bits = _without(try_as_sent.data, try_as_sent.bits, status >> width)
+    description = "the CRC covers only the bits before error and warning"
+    yield replace(try_as_sent, kind="status_left_out", text=description, data=data, bits=bits)
+    description = "error and warning were converted to active high"
+    inverted = number ^ status
+    yield replace(
+        try_as_sent, kind="status_turned", text=description, data=inverted >> width, usual=usual(placed, inverted)
+    )
 
 
-def _position_otherwise(same: Try, placed: PlacedLayout, number: int) -> Iterator[Try]:
+def _position_otherwise(try_as_sent: Try, placed: PlacedLayout, number: int) -> Iterator[Try]:
     """Yield tries in which the position is in Gray code but the CRC covers binary, or vice versa."""
     low, width = _position(placed)
     if not width:
         return
     position = number >> low & ((1 << width) - 1)
-    rest = number ^ position << low
-    for made, words in (
+    other_bits = number ^ position << low
+    for converted, description in (
         (gray_to_binary(position), "the CRC covers the position in binary, but here it is in Gray code"),
         (binary_to_gray(position), "the CRC covers the position in Gray code, but here it is already binary"),
     ):
-        yield replace(same, kind="other_code", text=words, data=(rest | made << low) >> same.crc.width)
+        yield replace(
+            try_as_sent,
+            kind="other_code",
+            text=description,
+            data=(other_bits | converted << low) >> try_as_sent.crc.width,
+        )
 
 
-def _start_bits_in_crc(same: Try) -> Iterator[Try]:
-    for front, words in (
+def _start_bits_in_crc(try_as_sent: Try) -> Iterator[Try]:
+    for front, description in (
         (0b1, "the start bit, or a CDS bit of 1"),
         (0b10, "the start bit and a CDS bit of 0"),
         (0b11, "the start bit and a CDS bit of 1"),
     ):
-        data, bits = front << same.bits | same.data, same.bits + front.bit_length()
-        yield replace(same, kind="start_bits_in_crc", text=f"the CRC also covers {words}", data=data, bits=bits)
+        data, bits = front << try_as_sent.bits | try_as_sent.data, try_as_sent.bits + front.bit_length()
+        yield replace(
+            try_as_sent, kind="start_bits_in_crc", text=f"the CRC also covers {description}", data=data, bits=bits
+        )
 
 
 def other_crcs(crc: Crc) -> Iterator[OtherCrc]:
     """Yield the CRC with its inversion changed, with another start value, or with its polynomial reversed."""
-    turned = "is not inverted" if crc.xorout else "is inverted"
-    yield NOT_INVERTED, f"the CRC {turned}", replace(crc, xorout=crc.xorout ^ crc.mask)
+    change = "is not inverted" if crc.xorout else "is inverted"
+    yield NOT_INVERTED, f"the CRC {change}", replace(crc, xorout=crc.xorout ^ crc.mask)
     for start in sorted({0, crc.mask} - {crc.init}):
         yield "start_value", f"the start value of the CRC is {start:#x}", replace(crc, init=start)
     backwards = reflect(crc.poly_with_top_bit, crc.width + 1) & crc.mask
-    words = f"the polynomial is {backwards | 1 << crc.width:#x}, written in reverse"
-    yield "polynomial_reversed", words, replace(crc, poly=backwards)
+    description = f"the polynomial is {backwards | 1 << crc.width:#x}, written in reverse"
+    yield "polynomial_reversed", description, replace(crc, poly=backwards)
 
 
 def _whole(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
-    words = "every bit is inverted, as with swapped data wires"
-    yield read_as("all_inverted", words, placed, crc, number ^ (1 << placed.bits) - 1)
+    description = "every bit is inverted, as with swapped data wires"
+    yield read_as("all_inverted", description, placed, crc, number ^ (1 << placed.bits) - 1)
     yield read_as("bits_reversed", "the bits are in reverse order", placed, crc, reflect(number, placed.bits))
 
 
@@ -245,8 +254,8 @@ def _bytes_reversed(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[T
         return
     swapped = int.from_bytes(text.number.to_bytes(size, "little"), "big")
     number, unused = swapped & ((1 << placed.bits) - 1), 8 * size - placed.bits
-    words = "the bytes are in reverse order"
-    yield read_as("bytes_reversed", words, placed, crc, number, demanded=unused, holds=number == swapped)
+    description = "the bytes are in reverse order"
+    yield read_as("bytes_reversed", description, placed, crc, number, demanded=unused, holds=number == swapped)
 
 
 def _without_status(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
@@ -260,18 +269,20 @@ def _without_status(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[T
     ):
         return
     data, received = text.number >> crc.width, text.number & crc.mask
-    idle = sum(
-        item.mask << item.low for item in placed.fields if status >> item.low & 1 and _is_set_when_idle(item.field.kind)
-    )
+    status_fields = [placed_field for placed_field in placed.fields if status >> placed_field.low & 1]
+    idle_fields = [placed_field for placed_field in status_fields if _is_set_when_idle(placed_field.field.kind)]
+    idle = sum(placed_field.mask << placed_field.low for placed_field in idle_fields)
     frame = data << (crc.width + status.bit_count()) | idle | received
     bits = short - crc.width
-    words = "error and warning were removed from the frame"
-    yield read_as("status_not_sent", f"{words}, and the CRC is computed as if they were inactive", placed, crc, frame)
+    description = "error and warning were removed from the frame"
+    yield read_as(
+        "status_not_sent", f"{description}, and the CRC is computed as if they were inactive", placed, crc, frame
+    )
     if text.exact:  # Otherwise this is the same as a CRC over the bits before them.
-        words += ", and the CRC covers the rest"
+        description += ", and the CRC covers the rest"
         yield Try(
             "status_not_sent",
-            words,
+            description,
             crc,
             data,
             bits,
@@ -290,20 +301,24 @@ def _is_set_when_idle(kind: Kind) -> bool:
 def other_answers(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
     """Yield the frame with each other answer to the open questions of the manual, complete or read one bit too long."""
     for answers, sets in choices(device.alternatives_of(placed.layout)):
-        other = placed.layout.place({**variant.parameters, **sets})
-        if other == placed:
+        other_placed = placed.layout.place({**variant.parameters, **sets})
+        if other_placed == placed:
             continue
-        words = f"{other.bits} bits, as with {' '.join(_options(device, answers))}"
-        for more in (0, 1):
-            if text.bits == other.bits + more if text.exact else text.bits <= other.bits + more:
-                longer = ", read one bit too long" if more else ""
-                yield read_as("other_answer", words + longer, other, crc, text.number >> more)
+        description = f"{other_placed.bits} bits, as with {' '.join(_options(device, answers))}"
+        for extra_bits in (0, 1):
+            if (
+                text.bits == other_placed.bits + extra_bits
+                if text.exact
+                else text.bits <= other_placed.bits + extra_bits
+            ):
+                longer_text = ", read one bit too long" if extra_bits else ""
+                yield read_as("other_answer", description + longer_text, other_placed, crc, text.number >> extra_bits)
 
 
 def _options(device: Device, answers: Sequence[Answer]) -> Iterator[str]:
     """Yield the options of ``decode`` for the answers."""
-    for item in device.alternatives:
-        yield from (f"--choose {item.name}={answer.name}" for answer in answers if answer in item.answers)
+    for alternative in device.alternatives:
+        yield from (f"--choose {alternative.name}={answer.name}" for answer in answers if answer in alternative.answers)
 
 
 def _other_polynomials(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
@@ -312,14 +327,14 @@ def _other_polynomials(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterato
     The CRC is complete, truncated by a reader that expects fewer bits, or followed by zeros. The stop bit is 0, and
     with one slave the bits after it are 0 too, since the master holds SLI at 0.
     """
-    before = placed.bits - crc.width
+    data_bits = placed.bits - crc.width
     for polynomial in POLYNOMIALS:
         if polynomial == crc.poly_with_top_bit:
             continue
-        other = _with_polynomial(crc, polynomial)
-        for length in dict.fromkeys((before + other.width, placed.bits)):
+        other_crc = _with_polynomial(crc, polynomial)
+        for length in dict.fromkeys((data_bits + other_crc.width, placed.bits)):
             if length == text.bits or (not text.exact and length > text.bits):
-                yield _of_length(placed, crc, other, text.number, length)
+                yield _of_length(placed, crc, other_crc, text.number, length)
 
 
 def _with_polynomial(crc: Crc, polynomial: int) -> Crc:
@@ -331,26 +346,28 @@ def _with_polynomial(crc: Crc, polynomial: int) -> Crc:
     )
 
 
-def _of_length(placed: PlacedLayout, crc: Crc, other: Crc, number: int, length: int) -> Try:
-    """Return a try in which the ``length`` bits of ``number`` are the frame's data with the CRC ``other``."""
-    before, width = placed.bits - crc.width, other.width
-    behind, data = number & ((1 << (length - before)) - 1), number >> (length - before)
-    known = min(width, length - before)
-    zeros = max(length - before - width, 0)
-    fixed, right = fixed_bits(placed, data << crc.width)
-    own_place = length == placed.bits
-    cut = f", of which only {known} bits arrived" if known < width else ", followed by zeros" if zeros else ""
+def _of_length(placed: PlacedLayout, crc: Crc, other_crc: Crc, number: int, length: int) -> Try:
+    """Return a try in which the ``length`` bits of ``number`` are the frame's data with the CRC ``other_crc``."""
+    data_bits, width = placed.bits - crc.width, other_crc.width
+    crc_part, data = number & ((1 << (length - data_bits)) - 1), number >> (length - data_bits)
+    known_bits = min(width, length - data_bits)
+    zeros = max(length - data_bits - width, 0)
+    fixed, are_right = fixed_bits(placed, data << crc.width)
+    has_own_length = length == placed.bits
+    cut = ", followed by zeros" if zeros else ""
+    if known_bits < width:
+        cut = f", of which only {known_bits} bits arrived"
     return Try(
         "other_polynomial",
-        f"the polynomial is {other.poly_with_top_bit:#x}, a {width}-bit CRC{cut}",
-        other,
+        f"the polynomial is {other_crc.poly_with_top_bit:#x}, a {width}-bit CRC{cut}",
+        other_crc,
         data,
-        before,
-        behind >> zeros,
-        known,
-        demanded=zeros + (0 if own_place else fixed),
-        holds=(own_place or right) and not behind & ((1 << zeros) - 1),
-        fixed=zeros + (fixed if right else 0),
+        data_bits,
+        crc_part >> zeros,
+        known_bits,
+        demanded=zeros + (0 if has_own_length else fixed),
+        holds=(has_own_length or are_right) and not crc_part & ((1 << zeros) - 1),
+        fixed=zeros + (fixed if are_right else 0),
         usual=usual(placed, data << crc.width),
     )
 
@@ -361,39 +378,53 @@ def _other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Cr
     The frame is complete, read too long, or truncated.
     """
     shapes = _shapes(device, variant, placed)
-    whole = [
-        same for bits, same in shapes.items() if (bits == text.bits if text.exact else placed.bits < text.bits <= bits)
-    ]
+    yield from _complete(variant, placed, crc, text, shapes)
+    for bits, shapes_of_length in shapes.items():
+        extra_bits = placed.bits - bits
+        if extra_bits > 0 and (text.bits == placed.bits if text.exact else text.bits <= placed.bits):
+            # The first extra bit is the stop bit or whatever came instead. The others are 0: the master holds SLI at 0.
+            zeros = extra_bits if extra_bits > 1 else 0
+            last_bits = text.number & ((1 << zeros) - 1)
+            number = text.number >> extra_bits
+            other_placed, codes = _possible(shapes_of_length, number)
+            words = f"{bits} bits, {_sender(variant, codes)}, read {counted(extra_bits, 'bit')} too long"
+            holds = not last_bits
+            yield read_as(_kind(codes), words, other_placed, crc, number, demanded=zeros, holds=holds, codes=codes)
+        elif -_CUT <= extra_bits < 0 and text.bits == placed.bits:
+            number = text.number << -extra_bits
+            other_placed, codes = _possible(shapes_of_length, number)
+            words = f"{bits} bits, {_sender(variant, codes)}, read {counted(-extra_bits, 'bit')} too short"
+            yield read_as(_kind(codes), words, other_placed, crc, number, -extra_bits, codes=codes)
+
+
+def _complete(
+    variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText, shapes: Mapping[int, Sequence[Shape]]
+) -> Iterator[Try]:
+    """Yield a try with the complete frame of another order code or other register values."""
+    whole: list[Sequence[Shape]] = []
+    for bits, shapes_of_length in shapes.items():
+        if bits == text.bits if text.exact else placed.bits < text.bits <= bits:
+            whole.append(shapes_of_length)
     if whole:
         # If the text may have any number of leading zeros, the CRC cannot distinguish these lengths.
-        other = _possible(whole[0], text.number)[0]
-        codes = tuple(code for same in whole for code in _possible(same, text.number)[1])
-        longer = " or more" if len(whole) > 1 else ""
+        likely_placed = _possible(whole[0], text.number)[0]
+        codes = tuple(code for shapes_of_length in whole for code in _possible(shapes_of_length, text.number)[1])
+        length_text = " or more" if len(whole) > 1 else ""
         yield read_as(
-            _kind(codes), f"{other.bits} bits{longer}, {_sender(variant, codes)}", other, crc, text.number, codes=codes
+            _kind(codes),
+            f"{likely_placed.bits} bits{length_text}, {_sender(variant, codes)}",
+            likely_placed,
+            crc,
+            text.number,
+            codes=codes,
         )
-    for bits, same in shapes.items():
-        more = placed.bits - bits
-        if more > 0 and (text.bits == placed.bits if text.exact else text.bits <= placed.bits):
-            # The first extra bit is the stop bit or whatever came instead. The others are 0: the master holds SLI at 0.
-            zeros = more if more > 1 else 0
-            ends = text.number & ((1 << zeros) - 1)
-            other, codes = _possible(same, text.number >> more)
-            words = f"{bits} bits, {_sender(variant, codes)}, read {counted(more, 'bit')} too long"
-            yield read_as(
-                _kind(codes), words, other, crc, text.number >> more, demanded=zeros, holds=not ends, codes=codes
-            )
-        elif -_CUT <= more < 0 and text.bits == placed.bits:
-            other, codes = _possible(same, text.number << -more)
-            words = f"{bits} bits, {_sender(variant, codes)}, read {counted(-more, 'bit')} too short"
-            yield read_as(_kind(codes), words, other, crc, text.number << -more, -more, codes=codes)
 
 
 def _possible(shapes: Sequence[Shape], number: int) -> Shape:
     """Return the shape of this length with the fewest fixed bits, and all order codes that could send the frame."""
-    could = [item for item in shapes if fixed_bits(item[0], number)[1]] or shapes
-    least = min(could, key=lambda item: fixed_bits(item[0], number)[0])
-    return least[0], tuple(code for _, codes in could for code in codes)
+    possible_shapes = [shape for shape in shapes if fixed_bits(shape[0], number)[1]] or shapes
+    likeliest = min(possible_shapes, key=lambda shape: fixed_bits(shape[0], number)[0])
+    return likeliest[0], tuple(code for _, codes in possible_shapes for code in codes)
 
 
 def _kind(codes: Sequence[str]) -> str:
@@ -403,9 +434,9 @@ def _kind(codes: Sequence[str]) -> str:
 def _sender(variant: Variant, codes: Sequence[str]) -> str:
     if not codes:
         return f"the frame that {variant.code} sends when its registers select other widths"
-    return f"the frame of {codes[0]}" + (
-        f" or {codes[1]}" if len(codes) == 2 else f" and {len(codes) - 1} more" if len(codes) > 2 else ""
-    )
+    if len(codes) == 2:
+        return f"the frame of {codes[0]} or {codes[1]}"
+    return f"the frame of {first_of(codes, 1)}"
 
 
 def _shapes(device: Device, variant: Variant, placed: PlacedLayout) -> dict[int, list[Shape]]:
@@ -413,42 +444,46 @@ def _shapes(device: Device, variant: Variant, placed: PlacedLayout) -> dict[int,
 
     Those of one length differ in their fixed bits, such as zeros above the position.
     """
-    found: dict[tuple[int, object], tuple[PlacedLayout, list[str]]] = {}
-    answers = {item.name: variant.parameters[item.name] for item in device.parameters if item.alternative}
-    for other in device.variants_over(variant.interface):
-        made = placed.layout.place({**other.parameters, **answers})
-        asks = tuple((item.low, item.width) for item in made.fields if isinstance(item.field.kind, Constant))
-        found.setdefault((made.bits, asks), (made, []))[1].append(other.code)
-    lengths = {bits for bits, _ in found}
-    held = run_time_widths(device, placed.layout)
-    items = [item for item in device.run_time_parameters if item.read_from in held]
-    if items:
-        for states in islice(product(*possible_states(items)), _STATES):
+    layouts_by_length: dict[tuple[int, object], tuple[PlacedLayout, list[str]]] = {}
+    names = [parameter.name for parameter in device.parameters if parameter.alternative]
+    answers = {name: variant.parameters[name] for name in names}
+    for other_variant in device.variants_over(variant.interface):
+        other_placed = placed.layout.place({**other_variant.parameters, **answers})
+        constants = [field for field in other_placed.fields if isinstance(field.field.kind, Constant)]
+        key = (other_placed.bits, tuple((field.low, field.width) for field in constants))
+        layouts_by_length.setdefault(key, (other_placed, []))[1].append(other_variant.code)
+    lengths = {bits for bits, _ in layouts_by_length}
+    registers = run_time_widths(device, placed.layout)
+    register_parameters = [width for width in device.run_time_parameters if width.read_from in registers]
+    if register_parameters:
+        for states in islice(product(*possible_states(register_parameters)), _STATES):
             parameters = with_changed(device, variant, ChainMap(*map(dict, states)))
             if placed.layout.bits.value(parameters) not in lengths:
-                made = placed.layout.place(parameters)
-                lengths.add(made.bits)
-                found[made.bits, ()] = (made, [])
+                other_placed = placed.layout.place(parameters)
+                lengths.add(other_placed.bits)
+                layouts_by_length[other_placed.bits, ()] = (other_placed, [])
     shapes: dict[int, list[Shape]] = {}
-    for (bits, _), (made, codes) in sorted(found.items(), key=lambda item: item[0][0]):
+    for (bits, _), (other_placed, codes) in sorted(layouts_by_length.items(), key=lambda pair: pair[0][0]):
         if bits != placed.bits:
-            shapes.setdefault(bits, []).append((made, tuple(codes)))
+            shapes.setdefault(bits, []).append((other_placed, tuple(codes)))
     return shapes
 
 
 def _status_mask(placed: PlacedLayout) -> int:
-    names = [item.name for item in placed.layout.status_fields]
-    return sum(item.mask << item.low for item in placed.fields if item.name in names)
+    names = [status_field.name for status_field in placed.layout.status_fields]
+    return sum(placed_field.mask << placed_field.low for placed_field in placed.fields if placed_field.name in names)
 
 
 def _without(data: int, bits: int, mask: int) -> tuple[int, int]:
     """Remove the bits of ``mask`` from ``data``, and return the remaining bits and their number."""
-    kept = [data >> bit & 1 for bit in range(bits - 1, -1, -1) if not mask >> bit & 1]
-    return int("".join(map(str, kept)) or "0", 2), len(kept)
+    remaining = [data >> bit & 1 for bit in range(bits - 1, -1, -1) if not mask >> bit & 1]
+    return int("".join(map(str, remaining)) or "0", 2), len(remaining)
 
 
 def _position(placed: PlacedLayout) -> tuple[int, int]:
     """Return low bit and width of the number that a master would convert from Gray code to binary."""
-    named = placed.layout.gray_of or next((join.name for join in placed.layout.joins), "")
-    numbers = [item for item in placed.fields if isinstance(item.field.kind, Number)]
-    return placed.place_of(named or (max(numbers, key=lambda item: item.width).name if numbers else ""))
+    chosen_name = placed.layout.gray_of or next((join.name for join in placed.layout.joins), "")
+    numbers = [placed_field for placed_field in placed.fields if isinstance(placed_field.field.kind, Number)]
+    return placed.place_of(
+        chosen_name or (max(numbers, key=lambda placed_field: placed_field.width).name if numbers else "")
+    )

@@ -14,17 +14,19 @@ from .tries import NOT_INVERTED, Try
 _MOST_MORE = 4
 
 
-def tries(device: Device, variant: Variant, sender: str, given: PlacedLayout | None, data: bytes) -> Iterator[Try]:
+def tries(device: Device, variant: Variant, sender: str, expected: PlacedLayout | None, data: bytes) -> Iterator[Try]:
     """Yield every single mistake that could have turned a valid frame of the sender into ``data``.
 
-    ``given`` is the layout of ``data``, or None if that is not known.
+    ``expected`` is the layout of ``data``, or None if that is not known.
     """
-    layouts = [item for item in device.interface(variant.interface).layouts if item.sender == sender and item.in_bytes]
-    for placed in (item.place(variant.parameters) for item in layouts):
+    for layout in device.interface(variant.interface).layouts:
+        if layout.sender != sender or not layout.in_bytes:
+            continue
+        placed = layout.place(variant.parameters)
         crc = device.crc_of(placed.layout)
         if crc is None or crc.width != 8:
             continue
-        if given is not None and given.name == placed.name and 8 * len(data) == placed.bits:
+        if expected is not None and expected.name == placed.name and 8 * len(data) == placed.bits:
             yield from _computed_otherwise(placed, crc, data)
         yield from _moved(placed, crc, data)
 
@@ -37,75 +39,83 @@ def is_sound(device: Device, placed: PlacedLayout, data: bytes) -> bool:
 
 def _computed_otherwise(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator[Try]:
     """Yield tries of the frame as sent with another CRC."""
-    same = _over_bytes(as_sent(placed, crc, number_from_bytes(placed.layout, data)), data)
-    yield from (replace(same, kind=kind, text=words, crc=other) for kind, words, other in other_crcs(crc))
-    without = int.from_bytes(data[1:-1], "big")
+    try_as_sent = _over_bytes(as_sent(placed, crc, number_from_bytes(placed.layout, data)), data)
+    for kind, description, other_crc in other_crcs(crc):
+        yield replace(try_as_sent, kind=kind, text=description, crc=other_crc)
+    without_first_byte = int.from_bytes(data[1:-1], "big")
     yield replace(
-        same,
+        try_as_sent,
         kind="first_byte_left_out",
         text="the CRC does not cover the first byte",
-        data=without,
-        bits=same.bits - 8,
+        data=without_first_byte,
+        bits=try_as_sent.bits - 8,
     )
 
 
 def other_crcs(crc: Crc) -> Iterator[OtherCrc]:
     """Yield the CRC with its inversion changed, with another start value, or with another polynomial of its length."""
-    turned = "the CRC is inverted" if not crc.xorout else "the CRC is not inverted"
+    change = "the CRC is inverted" if not crc.xorout else "the CRC is not inverted"
     # With x^8 + 1 a start value only adds itself to the result.
-    also = f", or its start value is {crc.mask ^ crc.init:#x} (the same here)" if crc.is_xor else ""
-    yield NOT_INVERTED, turned + also, replace(crc, xorout=crc.xorout ^ crc.mask)
+    remark = f", or its start value is {crc.mask ^ crc.init:#x} (the same here)" if crc.is_xor else ""
+    yield NOT_INVERTED, change + remark, replace(crc, xorout=crc.xorout ^ crc.mask)
     for start in () if crc.is_xor else sorted({0, crc.mask} - {crc.init}):
         yield "start_value", f"the start value of the CRC is {start:#x}", replace(crc, init=start)
     for polynomial in POLYNOMIALS:
         if polynomial.bit_length() == 9:
             for reflected in (False, True):
-                words = f"the polynomial is {polynomial:#x}, {'least' if reflected else 'most'} significant bit first"
-                yield "other_polynomial", words, replace(crc, poly=polynomial & 0xFF, refin=reflected, refout=reflected)
+                description = (
+                    f"the polynomial is {polynomial:#x}, {'least' if reflected else 'most'} significant bit first"
+                )
+                yield (
+                    "other_polynomial",
+                    description,
+                    replace(crc, poly=polynomial & 0xFF, refin=reflected, refout=reflected),
+                )
 
 
 def _moved(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator[Try]:
     """Yield tries in which the bytes do not begin and end with the frame, or are inverted."""
     size = placed.bits // 8
-    more = len(data) - size
-    if 0 < more <= _MOST_MORE:
-        plural = f"{more} extra bytes" if more > 1 else "an extra byte"
-        words = f"{plural} before the frame, such as an echo of the request"
-        yield _read_as("bytes_in_front", words, placed, crc, data[more:])
+    extra_bytes = len(data) - size
+    if 0 < extra_bytes <= _MOST_MORE:
+        plural = f"{extra_bytes} extra bytes" if extra_bytes > 1 else "an extra byte"
+        description = f"{plural} before the frame, such as an echo of the request"
+        yield _read_as("bytes_in_front", description, placed, crc, data[extra_bytes:])
         yield _read_as("bytes_behind", f"{plural} after the frame", placed, crc, data[:size])
-    if more in (-1, 0):
+    if extra_bytes in (-1, 0):
         for first in _first_bytes(placed):
-            behind = "" if more else ", and an extra byte follows the frame"
-            words = f"the first byte ({first:02X}) is missing{behind}"
-            yield _read_as("first_byte_lost", words, placed, crc, bytes([first, *data[: size - 1]]))
-    if more == 0:
+            behind = "" if extra_bytes else ", and an extra byte follows the frame"
+            description = f"the first byte ({first:02X}) is missing{behind}"
+            yield _read_as("first_byte_lost", description, placed, crc, bytes([first, *data[: size - 1]]))
+    if extra_bytes == 0:
         yield _read_as("all_inverted", "every bit is inverted", placed, crc, bytes(byte ^ 0xFF for byte in data))
 
 
-def _read_as(kind: str, words: str, placed: PlacedLayout, crc: Crc, data: bytes) -> Try:
-    return _over_bytes(read_as(kind, words, placed, crc, number_from_bytes(placed.layout, data)), data)
+def _read_as(kind: str, description: str, placed: PlacedLayout, crc: Crc, data: bytes) -> Try:
+    return _over_bytes(read_as(kind, description, placed, crc, number_from_bytes(placed.layout, data)), data)
 
 
-def _over_bytes(item: Try, data: bytes) -> Try:
+def _over_bytes(try_as_sent: Try, data: bytes) -> Try:
     """Return the try with the CRC over the bytes as sent, independent of the byte order of the number."""
-    return replace(item, data=int.from_bytes(data[:-1], "big"), received=data[-1], by_bytes=True)
+    return replace(try_as_sent, data=int.from_bytes(data[:-1], "big"), received=data[-1], by_bytes=True)
 
 
 def _first_bytes(placed: PlacedLayout) -> Iterator[int]:
     """Yield the possible first bytes of a frame, if that byte only identifies the layout."""
     first = number_from_bytes(placed.layout, bytes([0xFF, *bytes(placed.bits // 8 - 1)]))
-    inside = [item for item in placed.fields if first >> item.low & item.mask]
+    first_fields = [placed_field for placed_field in placed.fields if first >> placed_field.low & placed_field.mask]
     selector = placed.layout.selector
-    if any(not isinstance(item.field.kind, (Constant, Parity)) and item.name != selector for item in inside):
+    other_fields = [placed_field for placed_field in first_fields if placed_field.name != selector]
+    if not all(isinstance(placed_field.field.kind, (Constant, Parity)) for placed_field in other_fields):
         return
     for selected in placed.layout.selects:
         number = 0
-        for item in inside:
-            if item.name == selector:
-                number |= selected << item.low
-            elif isinstance(item.field.kind, Constant):
-                number |= item.field.kind.value << item.low
-        for item in inside:
-            if isinstance(item.field.kind, Parity):
-                number |= parity_bit(placed, item.field.kind, number) << item.low
+        for placed_field in first_fields:
+            if placed_field.name == selector:
+                number |= selected << placed_field.low
+            elif isinstance(placed_field.field.kind, Constant):
+                number |= placed_field.field.kind.value << placed_field.low
+        for placed_field in first_fields:
+            if isinstance(placed_field.field.kind, Parity):
+                number |= parity_bit(placed, placed_field.field.kind, number) << placed_field.low
         yield number_to_bytes(placed.layout, number, placed.bits)[0]

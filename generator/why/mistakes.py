@@ -87,7 +87,7 @@ def explain_constant(device: Device, variant: Variant, placed: PlacedLayout, tex
     crc = device.crc_of(placed.layout)
     if crc is None:
         return None
-    fitting = [item for item in in_bits.other_answers(device, variant, placed, crc, text) if item.fits]
+    fitting = [candidate for candidate in in_bits.other_answers(device, variant, placed, crc, text) if candidate.fits]
     return _why(device, fitting, (), (crc,)) if fitting else None
 
 
@@ -102,15 +102,15 @@ def explain_bytes(
     stuck = _stuck(variant, number, 8 * len(data), "")
     if stuck is not None:
         return stuck
-    tried = list(in_bytes.tries(device, variant, sender, placed, data))
-    crcs = tuple({item.crc.name: device.crc(item.crc.name) for item in tried}.values())
+    attempts = list(in_bytes.tries(device, variant, sender, placed, data))
+    crcs = tuple({attempt.crc.name: device.crc(attempt.crc.name) for attempt in attempts}.values())
     # For an unknown frame the user has not chosen anything, so values that depend on a choice are not read.
-    undecided = frozenset(name for item in device.alternatives for name in item.answers[0].sets)
-    why = _why(device, tried, (), crcs, undecided)
+    undecided = frozenset(name for alternative in device.alternatives for name in alternative.answers[0].sets)
+    why = _why(device, attempts, (), crcs, undecided)
     if why is None or placed is None or 8 * len(data) != placed.bits:
         return why
     flipped = ((number ^ 1 << bit).to_bytes(len(data), "big") for bit in range(placed.bits))
-    return replace(why, disturbed=_fitting_bits([in_bytes.is_sound(device, placed, item) for item in flipped]))
+    return replace(why, disturbed=_fitting_bits([in_bytes.is_sound(device, placed, frame) for frame in flipped]))
 
 
 def _fitting_bits(fits: Sequence[bool]) -> tuple[int, ...]:
@@ -131,62 +131,67 @@ def _why(
     crcs: Sequence[Crc],
     undecided: frozenset[str] = frozenset(),
 ) -> Why | None:
-    single = _distinct(tries, failed)
-    if not single:
+    single_tries = _distinct(tries, failed)
+    if not single_tries:
         return None
-    found = [_explanation(device, item, undecided) for item in single if item.fits]
-    asked = single
-    if not found:
+    explanations = [_explanation(device, attempt, undecided) for attempt in single_tries if attempt.fits]
+    all_tries = single_tries
+    if not explanations:
         # Try pairs only with the most common mistake, and only if no single one matches. More pairs would mostly match
         # by coincidence.
-        asked = _distinct((*single, *(_not_inverted(item) for item in single if item.kind != NOT_INVERTED)), failed)
-        found = [
-            replace(_explanation(device, item, undecided), twice=True) for item in asked[len(single) :] if item.fits
-        ]
-    found.sort(key=lambda item: -item.score)
-    chances = {item.question: item.one_in for item in asked}
+        pairs = [_not_inverted(attempt) for attempt in single_tries if attempt.kind != NOT_INVERTED]
+        all_tries = _distinct((*single_tries, *pairs), failed)
+        fitting_pairs = [attempt for attempt in all_tries[len(single_tries) :] if attempt.fits]
+        explanations = [_explanation(device, attempt, undecided) for attempt in fitting_pairs]
+        explanations = [replace(explanation, twice=True) for explanation in explanations]
+    explanations.sort(key=lambda explanation: -explanation.score)
+    chances = {attempt.question: attempt.one_in for attempt in all_tries}
     coincidence = 1 - prod(1 - 1 / one_in for one_in in chances.values())
     blind = tuple(dict.fromkeys(text for crc in crcs for text in _cannot_see(crc)))
-    return Why(tuple(found), len(asked), coincidence, blind)
+    return Why(tuple(explanations), len(all_tries), coincidence, blind)
 
 
 def _distinct(tries: Iterable[Try], failed: Sequence[Try]) -> list[Try]:
     """Return the significant tries, without those known to fail and without duplicates that lead to the same frame."""
-    wrong = {item.question for item in failed}
-    found: dict[object, Try] = {}
-    for item in tries:
-        if item.known + item.demanded >= _LEAST_BITS and item.question not in wrong:
-            leads_to = (item.number, _places(item.placed)) if item.placed is not None else item.text
-            found.setdefault((item.question, leads_to), item)
-    return list(found.values())
+    failed_questions = {attempt.question for attempt in failed}
+    distinct_tries: dict[object, Try] = {}
+    for attempt in tries:
+        if attempt.known + attempt.demanded >= _LEAST_BITS and attempt.question not in failed_questions:
+            leads_to = (attempt.number, _places(attempt.placed)) if attempt.placed is not None else attempt.text
+            distinct_tries.setdefault((attempt.question, leads_to), attempt)
+    return list(distinct_tries.values())
 
 
 def _places(placed: PlacedLayout) -> tuple[int, tuple[tuple[str, int], ...]]:
     """Return the length and the lowest bits of the fields, in which frames of one length can differ."""
-    return placed.bits, tuple((item.name, item.low) for item in placed.fields)
+    return placed.bits, tuple((placed_field.name, placed_field.low) for placed_field in placed.fields)
 
 
-def _not_inverted(item: Try) -> Try:
-    turned = "not inverted" if item.crc.xorout else "inverted"
+def _not_inverted(attempt: Try) -> Try:
+    change = "not inverted" if attempt.crc.xorout else "inverted"
     return replace(
-        item,
-        text=f"{item.text}, and the CRC is {turned}",
-        crc=replace(item.crc, xorout=item.crc.xorout ^ item.crc.mask),
+        attempt,
+        text=f"{attempt.text}, and the CRC is {change}",
+        crc=replace(attempt.crc, xorout=attempt.crc.xorout ^ attempt.crc.mask),
     )
 
 
-def _explanation(device: Device, item: Try, undecided: frozenset[str]) -> Explanation:
+def _explanation(device: Device, attempt: Try, undecided: frozenset[str]) -> Explanation:
+    reads = _numbers_read(device, attempt.placed, attempt.number, undecided) if attempt.placed is not None else {}
+    return Explanation(attempt.kind, attempt.text, attempt.one_in, attempt.score, reads, attempt.codes)
+
+
+def _numbers_read(device: Device, placed: PlacedLayout, number: int, undecided: frozenset[str]) -> dict[str, int]:
+    """Return the numbers in a frame, except those at bits that depend on undecided parameters."""
     reads: dict[str, int] = {}
-    if item.placed is not None:
-        known = (entry for entry in item.placed.fields if undecided.isdisjoint(entry.field.low.parameters))
-        numbers = {entry.name for entry in known if isinstance(entry.field.kind, Number)}
-        decoded = codec.decode(device, item.placed, item.number)
-        reads = {
-            entry.name: entry.value
-            for entry in decoded.fields
-            if entry.name in numbers and isinstance(entry.value, int)
-        }
-    return Explanation(item.kind, item.text, item.one_in, item.score, reads, item.codes)
+    fields = {placed_field.name: placed_field.field for placed_field in placed.fields}
+    for decoded_field in codec.decode(device, placed, number).fields:
+        field = fields.get(decoded_field.name)
+        if field is None or not isinstance(field.kind, Number) or not isinstance(decoded_field.value, int):
+            continue
+        if undecided.isdisjoint(field.low.parameters):
+            reads[decoded_field.name] = decoded_field.value
+    return reads
 
 
 def _stuck(variant: Variant, number: int, bits: int, doubt: str) -> Why | None:
@@ -201,21 +206,21 @@ def _stuck(variant: Variant, number: int, bits: int, doubt: str) -> Why | None:
         text = f"every bit is {level}. A dead line looks the same, {doubt}"
     else:
         cause = "a broken wire" if level else "a short circuit"
-        others = "wires A and B" if variant.interface == Rs485.name else "the clock"
-        text = f"every bit is {level}: the line never changes. Check for {cause}, the supply and {others}"
+        other_causes = "wires A and B" if variant.interface == Rs485.name else "the clock"
+        text = f"every bit is {level}: the line never changes. Check for {cause}, the supply and {other_causes}"
     one_in = 1 << min(bits - 1, 62)
-    found = Explanation("line_stuck", text, one_in, MISTAKES["line_stuck"] * one_in, {})
-    return Why((found,), 1, 1 / one_in, ())
+    explanation = Explanation("line_stuck", text, one_in, MISTAKES["line_stuck"] * one_in, {})
+    return Why((explanation,), 1, 1 / one_in, ())
 
 
 def _cannot_see(crc: Crc) -> list[str]:
-    found = []
+    mistakes = []
     if crc.is_xor:
-        found.append("swapped bytes, or reversed bits in every byte (it is the XOR of the bytes)")
-        found.append("missing or extra bytes of 0")
+        mistakes.append("swapped bytes, or reversed bits in every byte (it is the XOR of the bytes)")
+        mistakes.append("missing or extra bytes of 0")
     elif crc.init == 0:
-        found.append(
+        mistakes.append(
             "missing or extra leading zeros, such as those of a wider or narrower order code (its start value is 0)"
         )
-    found.append("wrong field boundaries, or Gray code mistaken for binary")
-    return found
+    mistakes.append("wrong field boundaries, or Gray code mistaken for binary")
+    return mistakes

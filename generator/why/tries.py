@@ -123,19 +123,19 @@ def fixed_bits(placed: PlacedLayout, number: int) -> tuple[int, bool]:
     These are constants, parity, and the field that identifies the layout.
     """
     bits, holds = 0, True
-    for item in placed.fields:
-        raw, expected = number >> item.low & item.mask, _fixed_value(placed, item, number)
+    for placed_field in placed.fields:
+        raw, expected = number >> placed_field.low & placed_field.mask, _fixed_value(placed, placed_field, number)
         if expected is not None:
-            bits, holds = bits + item.width, holds and raw == expected
-        elif item.name == placed.layout.selector:
-            bits += item.width - (len(placed.layout.selects) - 1).bit_length()
+            bits, holds = bits + placed_field.width, holds and raw == expected
+        elif placed_field.name == placed.layout.selector:
+            bits += placed_field.width - (len(placed.layout.selects) - 1).bit_length()
             holds = holds and raw in placed.layout.selects
     return bits, holds
 
 
-def _fixed_value(placed: PlacedLayout, item: PlacedField, number: int) -> int | None:
+def _fixed_value(placed: PlacedLayout, placed_field: PlacedField, number: int) -> int | None:
     """Return the value that a constant or parity must have in ``number``, or None for other fields."""
-    match item.field.kind:
+    match placed_field.field.kind:
         case Constant(value):
             return value
         case Parity() as parity:
@@ -148,12 +148,12 @@ def _fixed_value(placed: PlacedLayout, item: PlacedField, number: int) -> int | 
 
 def usual(placed: PlacedLayout, number: int) -> float:
     """Return the likelihood of the flags and reserved bits, relative to random bits."""
-    made = 1.0
-    for item in placed.fields:
-        raw = number >> item.low & item.mask
-        match item.field.kind:
+    likelihood = 1.0
+    for placed_field in placed.fields:
+        raw = number >> placed_field.low & placed_field.mask
+        match placed_field.field.kind:
             case Flag(active_low=low):
-                made *= _ACTIVE if bool(raw) != low else _IDLE
+                likelihood *= _ACTIVE if bool(raw) != low else _IDLE
             case Unused(value):
-                made *= _IDLE**item.width if raw == value & item.mask else _ACTIVE
-    return made
+                likelihood *= _IDLE**placed_field.width if raw == value & placed_field.mask else _ACTIVE
+    return likelihood
