@@ -531,4 +531,5 @@ def _field_texts(rule: Raw, name: str, record: Record) -> Iterator[str]:
 def _with_whole_position(record: Record) -> tuple[Part, ...]:
     """Return the parts of the frame with multiturn and singleturn merged."""
     whole = Part("position", "position", record.numbers["position_bits"] or 0)
-    return tuple(whole if part.role == "singleturn" else part for part in record.parts if part.role != "multiturn")
+    kept_parts = (part for part in record.parts if part.role != "multiturn")
+    return tuple(whole if part.role == "singleturn" else part for part in kept_parts)

@@ -42,7 +42,9 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
     join = next((candidate for candidate in layout.joins if candidate.name == member), None)
     fields = _limited_fields(layout, member, join)
     signed = join is None and any(field.number.signed for field in fields)
-    width = sum((field.width for field in fields), Expression(0)) if fields else layout.bits
+    width = layout.bits
+    if fields:
+        width = sum((field.width for field in fields), Expression(0))
     parameter_sets = [variant.parameters for variant in device.variants_over(register.interface)]
     ranges = [(parameters, *_representable_range(width, signed, parameters)) for parameters in parameter_sets]
     # A limit that rules out no value with the factory defaults may do so with other register values.

@@ -233,12 +233,11 @@ def run_of(device: Device, procedure: Procedure) -> Run:
     marked = [_with_closing_mark(operation, index in closing) for index, operation in enumerate(steps)]
     operations = tuple(_with_verification(_with_taught_parameters(device, marked)))
     writes = [operation for operation in operations if isinstance(operation, Writes)]
+    writes_of_arguments = [(argument, _writes_of(argument, writes)) for argument in procedure.arguments]
     return Run(
         procedure=procedure,
         operations=operations,
-        arguments=tuple(
-            _checked_argument(device, argument, _writes_of(argument, writes)) for argument in procedure.arguments
-        ),
+        arguments=tuple(_checked_argument(device, *argument_writes) for argument_writes in writes_of_arguments),
         changes_frames=any(_changes_frames(device, write) for write in writes),
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from ...model import Alarm, Device, Field, Layout, Register, RegisterMeaning, cite
+from ...model import Alarm, Device, Digits, Field, Layout, Register, RegisterMeaning, cite
 from ...model.expressions import Expression
 from ...model.never import assert_never
 from ...order_codes.editions import edition_before, tests_of
@@ -129,14 +129,15 @@ def _fields(codec: Codec, description: Description) -> Iterator[Data]:
             off=off,
             only=only.parameter if only is not None else "",
             values=[_without_empty_end(number(value.value), value.name, value.meaning) for value in field.values],
-            runs=[
-                _without_empty_end(run.name, number(run.divisor), number(run.modulus), run.meaning)
-                for run in field.runs
-            ],
+            runs=[_run(run) for run in field.runs],
             unit=field.unit,
             equals=_documented_value(field),
         )
         yield described(column) | texts | _sent(terms.get(field.name))
+
+
+def _run(run: Digits) -> list[Any]:
+    return _without_empty_end(run.name, number(run.divisor), number(run.modulus), run.meaning)
 
 
 def _without_empty_end(*row: Any) -> list[Any]:
@@ -187,7 +188,8 @@ def _message_of_check(layout: Layout, check: Check) -> Data:
             says = "outside"
         case _:
             assert_never(check)
-    of_name = ", ".join(covered.name for covered in check.of) if isinstance(check, ParityIs) else ""
+    covered = check.of if isinstance(check, ParityIs) else ()
+    of_name = ", ".join(field.name for field in covered)
     return without_empty(field=name, says=says, always=int(always), most=highest_digit, of_name=of_name)
 
 

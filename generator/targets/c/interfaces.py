@@ -175,12 +175,10 @@ class InterfaceCode:
 
     def _receiving(self) -> Iterator[Paragraph]:
         """Yield how to send a request and receive its reply over a serial port."""
-        byte_exchanges = [
-            exchange for exchange in exchanges(self.interface) if exchange.reply is not None and exchange.reply.in_bytes
-        ]
         requests: dict[str, list[str]] = {}
-        for exchanged in byte_exchanges:
-            requests.setdefault(_take_function(exchanged), []).append(exchanged.request.name)
+        for exchanged in exchanges(self.interface):
+            if exchanged.reply is not None and exchanged.reply.in_bytes:
+                requests.setdefault(_take_function(exchanged), []).append(exchanged.request.name)
         if requests:
             takes = ", or ".join(f"{name} ({', '.join(names)})" for name, names in requests.items())
             yield (

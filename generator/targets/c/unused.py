@@ -24,7 +24,8 @@ class Unused:
         self.reader, self.plan = reader, reader.plan
         self.width = self.plan.layout.unused_width
         #: If one of them depends on the order code, each is extracted alone.
-        self.single = () if all(op.bits.are_fixed for op in self.plan.reserved) else self.plan.reserved
+        are_fixed = all(op.bits.are_fixed for op in self.plan.reserved)
+        self.single = () if are_fixed else self.plan.reserved
         self.moved = () if self.single else moved_bits(self.plan)
 
     def __bool__(self) -> bool:
