@@ -432,7 +432,7 @@ def test_leftovers_of_a_killed_run_are_named(capsys: pytest.CaptureFixture[str],
     (generated / ".codewheel-mine-abcd1234/notes.txt").write_text("mine")
     code, out, err = run(capsys, "generate", "--check", *TARGETS)
     assert code == 1
-    assert out.splitlines()[1:] == ["left over  generated/.codewheel-biss-abcd1234"]
+    assert out.splitlines()[-1] == "left over  generated/.codewheel-biss-abcd1234"
     assert err.startswith("codewheel: 1 file out of date; run: codewheel generate --target c")
     assert run(capsys, "generate", *TARGETS)[0] == 0
     assert not stage.exists()
