@@ -57,22 +57,24 @@ def sending(
     """Return the bytes to send for an order code. ``errata_at`` returns links to errata that change bytes."""
     requests = tuple(_requests(device, interface, errata_at))
     commands = tuple(_commands(device, variant, errata_at))
-    preset = next((item for item in _preset_registers(device) if zero_of(device, item, variant) is not None), None)
+    preset = next(
+        (register for register in _preset_registers(device) if zero_of(device, register, variant) is not None), None
+    )
     possible = commands_over(device, interface)
     facts = list(_facts(device, interface, possible, bool(commands), preset is not None))
-    inputs = [link(text(title(item)), f"#input-{item.name}") for item in device.inputs]
+    inputs = [link(text(title(checked_input)), f"#input-{checked_input.name}") for checked_input in device.inputs]
     if inputs:
         facts.append(f"Inputs: {', '.join(inputs)}.")
-    other = _other_value(family.register(preset.name), variant) if preset is not None else ""
-    return Sending(tuple(facts), requests, commands, other)
+    other_value = _other_value(family.register(preset.name), variant) if preset is not None else ""
+    return Sending(tuple(facts), requests, commands, other_value)
 
 
 def _facts(device: Device, interface: Interface, possible: Commands, has_rows: bool, has_preset: bool) -> Iterator[str]:
     """Yield what the bytes mean. A sentence denies only what nothing in ``possible`` contradicts."""
     match interface:
         case Ssi():
-            none = " It has no preset, reset or save command." if possible.is_empty else ""
-            yield f"SSI only reads the position.{none}"
+            denial = " It has no preset, reset or save command." if possible.is_empty else ""
+            yield f"SSI only reads the position.{denial}"
             yield from _registers_to_write(possible)
         case Biss():
             yield from _facts_of_biss(device, possible, has_rows, has_preset)
@@ -112,8 +114,8 @@ def _registers_to_write(possible: Commands) -> Iterator[str]:
         names = ", ".join(code(title(value)) for field in register.layout.fields for value in field.values)
         yield f"Write a command to {_register_link(register)}: {names}."
     if possible.settings:
-        others = ", ".join(map(_register_link, possible.settings))
-        yield f"{'Other registers' if possible.registers else 'Registers'} that can be written: {others}."
+        settings = ", ".join(map(_register_link, possible.settings))
+        yield f"{'Other registers' if possible.registers else 'Registers'} that can be written: {settings}."
 
 
 def _register_link(register: Register) -> str:
@@ -124,16 +126,16 @@ def _denied_by_t_format(device: Device, possible: Commands) -> Iterator[str]:
     """Yield the commands that requests of the T-format lack."""
     if possible.may_preset:
         return
-    others = " other than the resets" if possible.resets else ""
+    exception = " other than the resets" if possible.resets else ""
     save = "" if possible.may_save else ", and no save command"
     there_is = "There is" if document(device) == "manual" else "The spec describes"
-    yield f"{there_is} no preset{others}{save}."
+    yield f"{there_is} no preset{exception}{save}."
 
 
 def _preset_registers(device: Device) -> Iterator[Register]:
     """Yield the registers to which procedures write a position."""
-    for item in device.procedures:
-        yield from (device.register(one.of) for one in item.arguments if one.name == "position")
+    for procedure in device.procedures:
+        yield from (device.register(argument.of) for argument in procedure.arguments if argument.name == "position")
 
 
 def _other_value(register: Register, variant: Variant) -> str:
@@ -153,61 +155,67 @@ def _other_value(register: Register, variant: Variant) -> str:
 
 def _requests(device: Device, interface: Interface, errata_at: Callable[..., str]) -> Iterator[Row]:
     """Yield rows of request with its reply, meaning."""
-    for each in exchanges(interface):
-        frames = [link(code(item.name), f"#layout-{item.name}") for item in (each.request, each.reply) if item]
-        bits = each.item.word_bits
-        effect = PURPOSES[each.item.purpose] or text(each.request.note.partition(". ")[0].removesuffix("."))
+    for exchange in exchanges(interface):
+        frames = [
+            link(code(layout.name), f"#layout-{layout.name}") for layout in (exchange.request, exchange.reply) if layout
+        ]
+        bits = exchange.item.word_bits
+        effect = PURPOSES[exchange.item.purpose] or text(exchange.request.note.partition(". ")[0].removesuffix("."))
         about = [effect, f"in words of {word_lengths([bits])}" if bits is not None else ""]
-        told = ", ".join(filter(None, about))
-        yield " → ".join(frames), told[:1].upper() + told[1:]
+        description = ", ".join(filter(None, about))
+        yield " → ".join(frames), description[:1].upper() + description[1:]
     if not isinstance(interface, Rs485):
         return
-    for item in interface.data_ids:
-        asked, answered = (_frame_of(interface, sender, item.id) for sender in ("master", "encoder"))
-        rest = asked.fields if asked is not None else ()
-        others = dict.fromkeys(
-            field.group or field.name for field in rest if not field.group or field.group != rest[0].group
+    for data_id in interface.data_ids:
+        request, reply = (_frame_of(interface, sender, data_id.id) for sender in ("master", "encoder"))
+        request_fields = request.fields if request is not None else ()
+        part_names = dict.fromkeys(
+            field.group or field.name
+            for field in request_fields
+            if not field.group or field.group != request_fields[0].group
         )
-        sent = ", ".join([code(f"{item.control:02X}"), *(text(as_words(name).partition(" of ")[0]) for name in others)])
-        back = (
-            f" → {link(counted(answered.widest // 8, 'byte'), f'#layout-{answered.name}')}"
-            if answered is not None
-            else ""
+        sent_bytes = ", ".join(
+            [code(f"{data_id.control:02X}"), *(text(as_words(name).partition(" of ")[0]) for name in part_names)]
         )
-        told = joined([text(item.meaning or item.purpose), *_repeated(device, item)], ". ")
-        errors = errata_at(*(f"procedures.{procedure.name}" for procedure in _sending_only(device, item)))
-        meaning = joined([f"{told}.", f"<small>Data ID {item.id:X} {code(item.name)}</small>", errors], " ")
-        yield sent + back, meaning
+        reply_link = (
+            f" → {link(counted(reply.widest // 8, 'byte'), f'#layout-{reply.name}')}" if reply is not None else ""
+        )
+        description = joined([text(data_id.meaning or data_id.purpose), *_repeated(device, data_id)], ". ")
+        errors = errata_at(*(f"procedures.{procedure.name}" for procedure in _sending_only(device, data_id)))
+        meaning = joined(
+            [f"{description}.", f"<small>Data ID {data_id.id:X} {code(data_id.name)}</small>", errors], " "
+        )
+        yield sent_bytes + reply_link, meaning
 
 
-def _sending_only(device: Device, item: DataId) -> Iterator[Procedure]:
+def _sending_only(device: Device, data_id: DataId) -> Iterator[Procedure]:
     """Yield the procedures that send this request and no other."""
     for procedure in device.procedures:
-        if [step.data_id for step in procedure.steps if isinstance(step, SendStep)] == [item.name]:
+        if [step.data_id for step in procedure.steps if isinstance(step, SendStep)] == [data_id.name]:
             yield procedure
 
 
-def _repeated(device: Device, item: DataId) -> Iterator[str]:
+def _repeated(device: Device, data_id: DataId) -> Iterator[str]:
     """Yield the repetition and the waiting time of the procedures that send only this request, with links."""
-    for procedure in _sending_only(device, item):
-        sent = next(step for step in procedure.steps if isinstance(step, SendStep))
+    for procedure in _sending_only(device, data_id):
+        send_step = next(step for step in procedure.steps if isinstance(step, SendStep))
         waits = [f"wait {microseconds(step.microseconds)}" for step in procedure.steps if isinstance(step, WaitStep)]
-        times = f"{sent.times} times"
-        apart = f"at least {microseconds(sent.microseconds)} apart" if sent.microseconds else ""
+        times = f"{send_step.times} times"
+        apart = f"at least {microseconds(send_step.microseconds)} apart" if send_step.microseconds else ""
         yield "Send it " + joined([link(times, f"#procedure-{procedure.name}"), apart, *waits], ", ")
 
 
 def _frame_of(interface: Rs485, sender: str, data_id: int) -> Layout | None:
-    return next((item for item in interface.layouts if item.sender == sender and data_id in item.selects), None)
+    return next((layout for layout in interface.layouts if layout.sender == sender and data_id in layout.selects), None)
 
 
 def _commands(device: Device, variant: Variant, errata_at: Callable[..., str]) -> Iterator[Row]:
     """Yield rows of task and bytes to send, with the errata that change them, for procedures that write something."""
-    for item in device.procedures:
-        if any(isinstance(step, (WriteStep, ModifyStep)) for step in item.steps):
-            sent = joined((_sent(device, step, variant) for step in item.steps), ", ")
-            errors = errata_at(*_places_of_bytes(item), exactly=_registers_written(item))
-            yield link(text(item.title), f"#procedure-{item.name}"), joined([sent, errors], ". ")
+    for procedure in device.procedures:
+        if any(isinstance(step, (WriteStep, ModifyStep)) for step in procedure.steps):
+            bytes_to_write = joined((_sent(device, step, variant) for step in procedure.steps), ", ")
+            errors = errata_at(*_places_of_bytes(procedure), exactly=_registers_written(procedure))
+            yield link(text(procedure.title), f"#procedure-{procedure.name}"), joined([bytes_to_write, errors], ". ")
 
 
 def _places_of_bytes(procedure: Procedure) -> Iterator[str]:
@@ -257,9 +265,9 @@ def zero_of(device: Device, register: Register, variant: Variant) -> bytes | Non
         return None
     constants = codec_of(device, register.layout).constants
     total = 0
-    for item in register.layout.place(variant.parameters).fields:
-        if item.name in constants:
-            total |= constants[item.name] << item.low
-        elif not isinstance(meaning_of(item.field), (Raw, TwosComplement)):
+    for placed_field in register.layout.place(variant.parameters).fields:
+        if placed_field.name in constants:
+            total |= constants[placed_field.name] << placed_field.low
+        elif not isinstance(meaning_of(placed_field.field), (Raw, TwosComplement)):
             return None
     return register.bytes_of(total)

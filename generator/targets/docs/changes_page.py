@@ -45,15 +45,15 @@ def page_values(device: Device) -> ChangesPage:
         "version": device.manufacturer.version,
         "manual": text(manual.revision) + (f" of {manual.date}" if manual.date else ""),
         "rule": _RULE,
-        "releases": [_release(item) for item in device.releases],
+        "releases": [_release(release) for release in device.releases],
     }
 
 
 def _release(release: Release) -> dict[str, Any]:
     parts = []
     for impact, title in _TITLES.items():
-        here = [change for change in release.changes if change.impact == impact]
-        items = [_item(change) for change in here]
+        impact_changes = [change for change in release.changes if change.impact == impact]
+        items = [_item(change) for change in impact_changes]
         if impact == "documentation" and len(items) > _MOST_WORDS:
             items = [f"{counted(len(items), 'change')} to wording, sources, errata and examples"]
         if items:

@@ -45,8 +45,8 @@ def speed(family: Device, device: Device, interface: Interface, layout: Layout |
         case Ssi() | Biss():
             return _clock(family, device, interface, layout)
         case Spi():
-            shown = map(STYLE.sentence, settings(device, interface))
-            return Speed("Clock and words", tuple(shown))
+            setting_sentences = map(STYLE.sentence, settings(device, interface))
+            return Speed("Clock and words", tuple(setting_sentences))
         case Rs485():
             return _baud(family, device, interface)
         case _:
@@ -59,11 +59,11 @@ def _clock(family: Device, device: Device, interface: Ssi | Biss, layout: Layout
     before = _BEFORE_BISS if isinstance(interface, Biss) else 0
     plus = ", with the start bit and the CDS bit" if before else ""
     lowest, highest = clock.min_hz or 0, clock.fastest_hz
-    shown = min(max(1_000_000, lowest), highest)
+    example_hz = min(max(1_000_000, lowest), highest)
     facts = [f"Clock: {clock_words(clock)} ({cited(clock.source)})."]
     if lengths:
-        durations = _either(_duration(bits + before, shown) for bits in lengths)
-        facts.append(f"{_either(map(str, lengths))} bits at {hertz(shown)}: {durations}{plus}.")
+        durations = _either(_duration(bits + before, example_hz) for bits in lengths)
+        facts.append(f"{_either(map(str, lengths))} bits at {hertz(example_hz)}: {durations}{plus}.")
     facts += _pauses(family, interface)
     table = cable_table(device, interface)
     fitting = [(row.metres, min(row.hz, highest)) for row in table.rows if row.hz >= lowest]
@@ -95,7 +95,7 @@ def _pauses(family: Device, interface: Ssi | Biss) -> Iterator[str]:
 def _baud(family: Device, device: Device, interface: Rs485) -> Speed:
     port = interface.port
     bits = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
-    sizes = sorted({item.widest // 8 for item in interface.layouts if item.sender == "encoder"})
+    sizes = sorted({layout.widest // 8 for layout in interface.layouts if layout.sender == "encoder"})
     times = ", ".join(f"{counted(size, 'byte')} {_duration(size * bits, port.baud)}" for size in (1, *sizes))
     rate = STYLE.phrase(next(iter(settings(device, interface))))
     facts = (

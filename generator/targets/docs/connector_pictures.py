@@ -38,20 +38,20 @@ def connector_text(connector: Connector) -> str:
     return f"{connector.title}: {', '.join(map(_told, connector.contacts))}"
 
 
-def _told(item: Contact) -> str:
-    return f"{item.contact} {item.signal}" + (f" (only {item.only})" if item.only else "")
+def _told(contact: Contact) -> str:
+    return f"{contact.contact} {contact.signal}" + (f" (only {contact.only})" if contact.only else "")
 
 
 def connector_picture(connector: Connector) -> str:
     """Return the picture of a connector or cable."""
     body: list[str] = []
-    top, left = _MARGIN, _LEFT if all(map(_is_pin, connector.contacts)) else _SIGNAL
-    for item in connector.contacts:
-        lines = list(_lines(item, WIDE - _MARGIN - left))
+    top, text_start = _MARGIN, _LEFT if all(map(_is_pin, connector.contacts)) else _SIGNAL
+    for contact in connector.contacts:
+        lines = list(_lines(contact, WIDE - _MARGIN - text_start))
         high = max(_ROW, _LINE * len(lines) + 8)
-        body += _contact(item, top)
+        body += _contact(contact, top)
         body += [
-            text(left, top + 18 + _LINE * index, line, _SIZE, "start", faint=faint)
+            text(text_start, top + 18 + _LINE * index, line, _SIZE, "start", faint=faint)
             for index, (line, faint) in enumerate(lines)
         ]
         top += high
@@ -62,28 +62,28 @@ def connector_picture(connector: Connector) -> str:
     return card(connector.title, body, WIDE, top + _MARGIN, connector_text(connector))
 
 
-def _lines(item: Contact, room: float) -> Iterator[tuple[str, bool]]:
+def _lines(contact: Contact, room: float) -> Iterator[tuple[str, bool]]:
     """Yield the lines for a signal and its order codes, each with True if it is faint."""
-    yield from ((line, False) for line in wrapped(item.signal, room, _SIZE))
-    if item.only:
-        yield from ((line, True) for line in wrapped(f"only {item.only}", room, _SIZE))
+    yield from ((line, False) for line in wrapped(contact.signal, room, _SIZE))
+    if contact.only:
+        yield from ((line, True) for line in wrapped(f"only {contact.only}", room, _SIZE))
 
 
-def _is_pin(item: Contact) -> bool:
-    return item.contact.isdecimal() and len(item.contact) <= 3
+def _is_pin(contact: Contact) -> bool:
+    return contact.contact.isdecimal() and len(contact.contact) <= 3
 
 
-def _contact(item: Contact, top: float) -> Iterator[str]:
+def _contact(contact: Contact, top: float) -> Iterator[str]:
     """Yield the elements of a pin with its number, a wire with its colours and their names, or only a name."""
-    if _is_pin(item):
+    if _is_pin(contact):
         yield rect(_MARGIN, top + 3, 28, 22, "data")
-        yield text(_MARGIN + 14, top + 18, item.contact, _SIZE, "middle", bold=True)
+        yield text(_MARGIN + 14, top + 18, contact.contact, _SIZE, "middle", bold=True)
         return
-    colours = [_WIRES.get(part) for part in _BETWEEN_COLOURS.split(item.contact.lower())]
-    known = [colour for colour in colours if colour is not None]
-    if len(known) == len(colours):
-        wide = 28.0 / len(known)
-        for index, colour in enumerate(known):
+    colours = [_WIRES.get(part) for part in _BETWEEN_COLOURS.split(contact.contact.lower())]
+    wire_colours = [colour for colour in colours if colour is not None]
+    if len(wire_colours) == len(colours):
+        wide = 28.0 / len(wire_colours)
+        for index, colour in enumerate(wire_colours):
             yield swatch(_MARGIN + wide * index, top + 5, wide, 18, colour)
-    for line in wrapped(item.contact, _SIGNAL - _NAME - 6, _SIZE)[:1]:
+    for line in wrapped(contact.contact, _SIGNAL - _NAME - 6, _SIZE)[:1]:
         yield text(_NAME, top + 18, line, _SIZE, "start")

@@ -46,21 +46,21 @@ class AlarmsPage(TypedDict):
 
 def which(devices: Sequence[Device]) -> WhichPage:
     return {
-        "label_rows": [_label_row(item) for item in devices],
-        "told_rows": [row for item in devices for row in _told(item)],
-        "resolution_rows": [row for item in devices for row in _resolutions(item)],
-        "byte_order_rows": [row for item in devices for row in _byte_orders(item)],
-        "compared_rows": _side_by_side(row for item in devices for row in _compared(item)),
-        "frame_rows": _side_by_side(row for item in devices for row in _frames(item)),
+        "label_rows": [_label_row(device) for device in devices],
+        "told_rows": [row for device in devices for row in _told(device)],
+        "resolution_rows": [row for device in devices for row in _resolutions(device)],
+        "byte_order_rows": [row for device in devices for row in _byte_orders(device)],
+        "compared_rows": _side_by_side(row for device in devices for row in _compared(device)),
+        "frame_rows": _side_by_side(row for device in devices for row in _frames(device)),
     }
 
 
 def _side_by_side(rows: Iterable[Row]) -> list[Row]:
     """Group the rows by interface, in the order in which the interfaces first occur."""
-    found: dict[str, list[Row]] = {}
+    rows_of_interface: dict[str, list[Row]] = {}
     for row in rows:
-        found.setdefault(row[0], []).append(row)
-    return [row for part in found.values() for row in part]
+        rows_of_interface.setdefault(row[0], []).append(row)
+    return [row for interface_rows in rows_of_interface.values() for row in interface_rows]
 
 
 def _family(device: Device) -> str:
@@ -68,9 +68,9 @@ def _family(device: Device) -> str:
 
 
 def _label_row(device: Device) -> Row:
-    titles = joined((item.title for item in device.interfaces), ", ")
+    titles = joined((interface.title for interface in device.interfaces), ", ")
     supplies = dict.fromkeys(filter(None, map(device.supply_of, device.variants)))
-    labels = joined(map(code, patterns(device, [item.code for item in device.variants])))
+    labels = joined(map(code, patterns(device, [variant.code for variant in device.variants])))
     return _family(device), text(device.title), labels, titles, joined(map(_volts, supplies))
 
 
@@ -100,16 +100,22 @@ def _held(field: Field) -> str:
 
 def _compared(device: Device) -> Iterator[Row]:
     for interface in device.interfaces:
-        for item in settings(device, interface):
-            if item.label in _COMPARED:
-                yield interface.title, _family(device), text(item.label), STYLE.phrase(item), cited(item.source)
+        for setting in settings(device, interface):
+            if setting.label in _COMPARED:
+                yield (
+                    interface.title,
+                    _family(device),
+                    text(setting.label),
+                    STYLE.phrase(setting),
+                    cited(setting.source),
+                )
 
 
 def _frames(device: Device) -> Iterator[Row]:
     for interface, layout in device.layouts():
         if device.tells_position(interface.name, layout):
             variants = device.variants_over(interface.name)
-            lengths = sorted({layout.place(item.parameters).bits for item in variants}) or [0]
+            lengths = sorted({layout.place(variant.parameters).bits for variant in variants}) or [0]
             crc = device.crc_of(layout)
             yield (
                 interface.title,
@@ -123,30 +129,37 @@ def _frames(device: Device) -> Iterator[Row]:
 
 def _resolutions(device: Device) -> Iterator[Row]:
     """Yield the resolution and range of the position by order code."""
-    held = run_time_names(device)
-    for item in device.set_parameters:
-        if not item.unit or item.name in held:
+    register_names = run_time_names(device)
+    for parameter in device.set_parameters:
+        if not parameter.unit or parameter.name in register_names:
             continue
-        found = sorted({one.parameters[item.name] for one in device.variants if item.name in one.parameters})
-        values = ", ".join(value(item, count) for count in found)
-        yield _family(device), text(item.meaning), values, text(item.unit), cited(item.source)
+        counts = sorted(
+            {variant.parameters[parameter.name] for variant in device.variants if parameter.name in variant.parameters}
+        )
+        values = ", ".join(value(parameter, count) for count in counts)
+        yield _family(device), text(parameter.meaning), values, text(parameter.unit), cited(parameter.source)
 
 
 def _byte_orders(device: Device) -> Iterator[Row]:
     """Yield the byte order of registers that have several bytes."""
-    found: dict[str, list[Register]] = {}
-    for item in device.registers:
-        if item.length > 1:
-            found.setdefault(item.byte_order, []).append(item)
-    for order, those in found.items():
-        links = (to_register(device, item, f"{addresses(item)} {text(title(item))}") for item in those)
+    registers_by_order: dict[str, list[Register]] = {}
+    for register in device.registers:
+        if register.length > 1:
+            registers_by_order.setdefault(register.byte_order, []).append(register)
+    for order, ordered_registers in registers_by_order.items():
+        links = (
+            to_register(device, register, f"{addresses(register)} {text(title(register))}")
+            for register in ordered_registers
+        )
         yield _family(device), order.replace("_", " "), ", ".join(links)
 
 
 def registers(devices: Sequence[Device]) -> RegistersPage:
-    found = [(item, device) for device in devices for item in device.registers]
-    found.sort(key=lambda pair: (pair[0].address, -1 if pair[0].bank is None else pair[0].bank, pair[1].name))
-    return {"register_rows": [_register_row(*pair) for pair in found]}
+    device_registers = [(register, device) for device in devices for register in device.registers]
+    device_registers.sort(
+        key=lambda pair: (pair[0].address, -1 if pair[0].bank is None else pair[0].bank, pair[1].name)
+    )
+    return {"register_rows": [_register_row(*pair) for pair in device_registers]}
 
 
 def _register_row(register: Register, device: Device) -> Row:
@@ -164,39 +177,43 @@ def _register_row(register: Register, device: Device) -> Row:
 
 
 def alarms(devices: Sequence[Device]) -> AlarmsPage:
-    found = sorted((item for device in devices for item in _alarms(device)), key=_by_name)
+    explained_alarms = sorted(
+        (explained_alarm for device in devices for explained_alarm in _alarms(device)), key=_by_name
+    )
     return {
-        "alarm_rows": [_alarm_row(*item) for item in found],
+        "alarm_rows": [_alarm_row(*explained_alarm) for explained_alarm in explained_alarms],
         "led_rows": [
             (
-                text(item.title),
+                text(led.title),
                 text(state.state),
                 _family(device),
                 joined([text(state.meaning), *to_steps(f"{device.name}/", state.by_hand)]),
                 code(state.only),
-                cited(item.source),
+                cited(led.source),
             )
             for device in devices
-            for item in device.leds
-            for state in item.states
+            for led in device.leds
+            for state in led.states
         ],
     }
 
 
 def _alarms(device: Device) -> list[tuple[Alarm, Device, Interface]]:
     """Return each alarm with the first interface that has it, whose page explains it."""
-    found = [(alarm, item) for item in device.interfaces for alarm in for_interface(device, item.name).alarms]
-    over = {alarm.name: item for alarm, item in reversed(found)}
-    return [(alarm, device, over[alarm.name]) for alarm in device.alarms]
+    alarm_interfaces = [
+        (alarm, interface) for interface in device.interfaces for alarm in for_interface(device, interface.name).alarms
+    ]
+    first_interfaces = {alarm.name: interface for alarm, interface in reversed(alarm_interfaces)}
+    return [(alarm, device, first_interfaces[alarm.name]) for alarm in device.alarms]
 
 
-def _by_name(item: tuple[Alarm, Device, Interface]) -> tuple[str, str]:
-    alarm, device, _ = item
+def _by_name(explained_alarm: tuple[Alarm, Device, Interface]) -> tuple[str, str]:
+    alarm, device, _ = explained_alarm
     return title(alarm).casefold(), device.name
 
 
-def _alarm_row(alarm: Alarm, device: Device, over: Interface) -> Row:
-    name = to_alarm(device, over, alarm, text(title(alarm)))
+def _alarm_row(alarm: Alarm, device: Device, interface: Interface) -> Row:
+    name = to_alarm(device, interface, alarm, text(title(alarm)))
     meaning = text(alarm.meaning) if alarm.implemented else "not implemented in this encoder"
     remedy = joined([text(alarm.remedy), *to_steps(f"{device.name}/", alarm.by_hand)])
     return name, _family(device), meaning, remedy, code(alarm.only), cited(alarm.source)

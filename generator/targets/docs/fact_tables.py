@@ -48,35 +48,35 @@ SEVERITIES = tuple(_SEVERITY)
 
 def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, str, str]]:
     """Yield rows of fact, value, source."""
-    for item in settings(device, interface):
-        yield text(item.label), STYLE.phrase(item), cited(item.source)
+    for setting in settings(device, interface):
+        yield text(setting.label), STYLE.phrase(setting), cited(setting.source)
 
 
-def step_rows(device: Device, item: Procedure) -> Iterator[tuple[str, ...]]:
+def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]:
     """Yield number, instruction, reason, source. A step that exists only in generated code is not numbered."""
     index = 0
-    for operation in run_of(device, item).operations:
-        part = operation.step
+    for operation in run_of(device, procedure).operations:
+        spec_step = operation.step
         if isinstance(operation, Verifies):
             field = operation.field.name if operation.field is not None else ""
-            what = STYLE.sentence(read_back(device, operation.register, field))
+            instruction = STYLE.sentence(read_back(device, operation.register, field))
             yield (
                 "",
-                what,
+                instruction,
                 "Added to the given steps by generated code, because a corrupted write can look successful.",
                 "",
             )
             continue
         index += 1
-        source = cited(part.source) if part.source != item.source else ""
-        yield f"{index}", STYLE.sentence(step(device, part)), text(part.meaning), source
+        source = cited(spec_step.source) if spec_step.source != procedure.source else ""
+        yield f"{index}", STYLE.sentence(step(device, spec_step)), text(spec_step.meaning), source
 
 
 def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
     """Yield the name, meaning, duration and source of each time."""
-    for item in timings:
-        duration = text(bounds_with_codes(item))
-        yield joined([code(item.name), text(item.symbol)]), text(item.meaning), duration, cited(item.source)
+    for timing in timings:
+        duration = text(bounds_with_codes(timing))
+        yield joined([code(timing.name), text(timing.symbol)]), text(timing.meaning), duration, cited(timing.source)
 
 
 def crc_rows(device: Device, crc: Crc) -> Iterator[tuple[str, str]]:
@@ -100,9 +100,9 @@ def _yes(value: bool) -> str:
 
 
 def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]:
-    yield from ((fact, said) for fact, said in _worked(device, example) if said)
+    yield from ((fact, content) for fact, content in _worked(device, example) if content)
     if example.erratum and example.erratum not in {
-        item.name for item in errata(device, f"examples.{example.name}", wording=True)
+        erratum.name for erratum in errata(device, f"examples.{example.name}", wording=True)
     }:
         yield "Erratum", link(code(example.erratum), f"{ERRATA}#erratum-{example.erratum}")
     if example.note:
@@ -120,7 +120,7 @@ def _worked(device: Device, example: Example) -> Iterator[tuple[str, str]]:
             for name, answer in example.alternatives.items():
                 yield "Alternative", f"{link(code(name), f'#alternative-{name}')} = {code(answer)}"
             yield from (_bytes(example.bytes), ("Bits", code(example.bits)))
-            layouts = [item for _, item in device.layouts() if item.name == example.layout]
+            layouts = [layout for _, layout in device.layouts() if layout.name == example.layout]
             yield _values(example.values, layouts)
             yield "Rejected", f"because of its {text(example.refused)}" if example.refused else ""
         case RegisterExample():
@@ -135,7 +135,7 @@ def _worked(device: Device, example: Example) -> Iterator[tuple[str, str]]:
             yield "Order code", code(example.order_code)
             for name, value in example.arguments.items():
                 yield f"Argument {code(name)}", number(value) + (f" ({hexadecimal(value)})" if value > 9 else "")
-            yield "Writes", ", ".join(f"`{item.address:02X}h: {item.value:02X}`" for item in example.writes)
+            yield "Writes", ", ".join(f"`{write.address:02X}h: {write.value:02X}`" for write in example.writes)
         case MeasureExample():
             yield "Order code", code(example.order_code)
             yield "Length", f"{number(example.counts)} counts are {number(example.micrometres)} µm"
@@ -148,7 +148,7 @@ def _bytes(data: bytes) -> tuple[str, str]:
 
 
 def _values(values: Mapping[str, int | str | bool], layouts: Iterable[Layout]) -> tuple[str, str]:
-    scales = {item.name: item.scale for layout in layouts for item in layout.fields}
+    scales = {field.name: field.scale for layout in layouts for field in layout.fields}
     return "Values", ", ".join(f"{code(name)} = {_value(value, scales.get(name))}" for name, value in values.items())
 
 
@@ -160,13 +160,17 @@ def _value(value: int | str | bool, scale: Scale | None) -> str:
     return number(value) + (f" ({text(quantity(scale, value))})" if scale is not None else "")
 
 
-def printed_and_used(item: Erratum) -> Iterator[tuple[str, str]]:
+def printed_and_used(erratum: Erratum) -> Iterator[tuple[str, str]]:
     """Yield the printed text and the value used, or the parts of a change by an overlay or edition."""
-    if item.overlay:
-        yield "Overlay", code(item.overlay)
-    if item.edition:
-        yield "Edition", text(item.edition)
-    parts = changed(item) if item.overlay or item.edition else (("Printed", item.printed), ("Used", item.used))
+    if erratum.overlay:
+        yield "Overlay", code(erratum.overlay)
+    if erratum.edition:
+        yield "Edition", text(erratum.edition)
+    parts = (
+        changed(erratum)
+        if erratum.overlay or erratum.edition
+        else (("Printed", erratum.printed), ("Used", erratum.used))
+    )
     yield from ((label, text(value)) for label, value in parts)
 
 
@@ -181,12 +185,20 @@ def severity(value: str) -> str:
 
 def document_rows(documents: Iterable[Document]) -> list[tuple[str, ...]]:
     """Return the key, title and address of each document."""
-    return [(code(item.key), text(item.title), f"<{item.url}>" if item.url else "") for item in documents]
+    return [
+        (code(document.key), text(document.title), f"<{document.url}>" if document.url else "")
+        for document in documents
+    ]
 
 
 def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
     """Yield the name, bits, meaning and source of each field of the BiSS control frame."""
-    for item in interface.control_data:
-        values = [STYLE.phrase(value(one, item.bits)) for one in item.values]
-        crc = link(code(item.crc), f"#crc-{item.crc}") if item.crc else ""
-        yield named(item), f"{item.bits}", joined([text(item.meaning), crc, *values]), cited(item.source)
+    for control_field in interface.control_data:
+        values = [STYLE.phrase(value(named_value, control_field.bits)) for named_value in control_field.values]
+        crc = link(code(control_field.crc), f"#crc-{control_field.crc}") if control_field.crc else ""
+        yield (
+            named(control_field),
+            f"{control_field.bits}",
+            joined([text(control_field.meaning), crc, *values]),
+            cited(control_field.source),
+        )

@@ -58,7 +58,10 @@ class ManualPage(TypedDict):
 
 def index_values(family: Codes, has_masters: bool) -> FamilyPage:
     device = family.device
-    listed = [(item, [one.code for one in device.variants_over(item.name)]) for item in device.interfaces]
+    interface_codes = [
+        (interface, [variant.code for variant in device.variants_over(interface.name)])
+        for interface in device.interfaces
+    ]
     return {
         "device": device,
         "origin": [*origin(device), *other_editions(device)],
@@ -69,16 +72,19 @@ def index_values(family: Codes, has_masters: bool) -> FamilyPage:
         "wish_rows": list(_wishes(device, has_masters)),
         "interface_rows": [
             (
-                link(item.title, page_links.interface_page(device, item)),
-                ", ".join(map(code, patterns(device, found))) if found else "",
-                "; ".join(STYLE.phrase(said) for said in list(settings(device, item))[:1]),
+                link(interface.title, page_links.interface_page(device, interface)),
+                ", ".join(map(code, patterns(device, order_codes))) if order_codes else "",
+                "; ".join(STYLE.phrase(setting) for setting in list(settings(device, interface))[:1]),
             )
-            for item, found in listed
+            for interface, order_codes in interface_codes
         ],
         "code_links": [
-            (f"{item.title}: {counted(len(found), 'order code')}", [family.links[one] for one in found])
-            for item, found in listed
-            if found
+            (
+                f"{interface.title}: {counted(len(order_codes), 'order code')}",
+                [family.links[order_code] for order_code in order_codes],
+            )
+            for interface, order_codes in interface_codes
+            if order_codes
         ],
         "part_rows": list(order_code_tables.part_rows(device)),
         "spelling_rows": list(order_code_tables.spelling_rows(device)),
@@ -91,17 +97,20 @@ def index_values(family: Codes, has_masters: bool) -> FamilyPage:
 def _wishes(device: Device, has_masters: bool) -> Iterator[tuple[str, str]]:
     """Yield tasks, with the names used in the manual if it has any, and links to their instructions."""
     frames = [pair for pair in device.layouts() if device.tells_position(pair[0].name, pair[1])]
-    over = [interface.name for interface, _ in frames]
-    labels = (part.title + (f" {code(one.name)}" if over.count(part.name) > 1 else "") for part, one in frames)
+    interface_names = [interface.name for interface, _ in frames]
+    labels = (
+        interface.title + (f" {code(layout.name)}" if interface_names.count(interface.name) > 1 else "")
+        for interface, layout in frames
+    )
     if frames:
-        links = (page_links.to_layout(device, one, label) for (_, one), label in zip(frames, labels, strict=True))
+        links = (page_links.to_layout(device, layout, label) for (_, layout), label in zip(frames, labels, strict=True))
         yield "Read the position", ", ".join(links)
     yield "Check whether the position is usable", link("usable or not", f"{verdict_page.PAGE}#{device.name}")
     for part, wish in _PARTS.items():
-        if found := list(_to_part(device, part)):
-            yield wish, ", ".join(found)
-    for item in device.procedures:
-        yield text(item.title), page_links.to_procedure(device, item)
+        if section_links := list(_to_part(device, part)):
+            yield wish, ", ".join(section_links)
+    for procedure in device.procedures:
+        yield text(procedure.title), page_links.to_procedure(device, procedure)
     for hand in by_hand(device):
         yield text(hand.title), link("by hand", f"{device.name}/hardware.md#by-hand-{hand.characteristic.name}")
     if device.characteristics:
@@ -120,49 +129,59 @@ _PARTS = {
 
 def _to_part(device: Device, part: str) -> Iterator[str]:
     """Yield a link to the section of each interface that has it."""
-    for item in device.interfaces:
-        here = for_interface(device, item.name)
-        if {"wiring": here.connectors, "leds": here.leds, "alarms": here.alarms}[part]:
-            yield link(item.title, f"{page_links.interface_page(device, item)}#{part}")
+    for interface in device.interfaces:
+        interface_device = for_interface(device, interface.name)
+        if {"wiring": interface_device.connectors, "leds": interface_device.leds, "alarms": interface_device.alarms}[
+            part
+        ]:
+            yield link(interface.title, f"{page_links.interface_page(device, interface)}#{part}")
 
 
 def hardware_values(device: Device) -> HardwarePage:
     errata_at, hand = inline_errata.OnPage(device), by_hand(device)
-    listed = {item.characteristic.name: item for item in hand}
+    names_by_hand = {procedure.characteristic.name: procedure for procedure in hand}
     return {
         "device": device,
         "errata_at": errata_at,
         "by_hand": hand,
         "characteristic_rows": [
             (
-                code(item.name),
+                code(characteristic.name),
                 joined(
                     [
-                        link("step by step", f"#by-hand-{item.name}") if item.name in listed else text(item.value),
-                        errata_at.named(f"characteristics.{item.name}"),
+                        link("step by step", f"#by-hand-{characteristic.name}")
+                        if characteristic.name in names_by_hand
+                        else text(characteristic.value),
+                        errata_at.named(f"characteristics.{characteristic.name}"),
                     ]
                 ),
-                code(item.only),
-                cited(item.source),
+                code(characteristic.only),
+                cited(characteristic.source),
             )
-            for item in device.characteristics
+            for characteristic in device.characteristics
         ],
     }
 
 
 def manual_values(device: Device) -> ManualPage:
     style = page_links.style_beside(device)
-    tests = [edition_test(item.revision, test) for item in device.editions for test in item.tests]
+    tests = [edition_test(edition.revision, test) for edition in device.editions for test in edition.tests]
     return {
         "device": device,
         "manual_rows": [row for row in _manual_rows(device) if row[1]],
         "edition_rows": list(_edition_rows(device)),
-        "edition_tests": [style.sentence(item) for item in tests],
-        "lost_rows": [(text(item.content), cited(item.source)) for item in device.lost_figures],
+        "edition_tests": [style.sentence(edition_test_text) for edition_test_text in tests],
+        "lost_rows": [(text(figure.content), cited(figure.source)) for figure in device.lost_figures],
         "document_rows": fact_tables.document_rows(device.documents),
         "history_rows": [
-            (text(item.revision), item.date, text(item.changes), text(item.hardware), text(item.software))
-            for item in device.manual.history
+            (
+                text(history_revision.revision),
+                history_revision.date,
+                text(history_revision.changes),
+                text(history_revision.hardware),
+                text(history_revision.software),
+            )
+            for history_revision in device.manual.history
         ],
     }
 
@@ -174,11 +193,16 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
     yield "Language", text(language(manual.language))
     yield "Publisher", text(manual.publisher)
     yield "Transcribed", _times_read(device.times_read)
-    for said in (grade(device), *basis(device)):
-        yield said.label, STYLE.phrase(replace(said, label=""))
+    for evidence in (grade(device), *basis(device)):
+        yield evidence.label, STYLE.phrase(replace(evidence, label=""))
     yield "Manufacturer", text(device.manufacturer.title)
-    for item in manual.editions:
-        about = [text(language(item.language)), text(item.title), f"revision {text(item.revision)}", item.date]
+    for edition in manual.editions:
+        about = [
+            text(language(edition.language)),
+            text(edition.title),
+            f"revision {text(edition.revision)}",
+            edition.date,
+        ]
         yield "Other edition", joined(about, ", ")
     yield "Version", f"{text(device.manufacturer.version)}, {link('changes', f'../{changes_page.page(device)}')}"
 
@@ -200,12 +224,20 @@ def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """Yield the differences in other editions, with the revision that introduced them."""
 
     def links(name: str) -> str:
-        found = (item.name for item in device.errata if item.edition == name)
-        return ", ".join(link(code(item), f"{page_links.ERRATA}#erratum-{item}") for item in found)
+        erratum_names = (erratum.name for erratum in device.errata if erratum.edition == name)
+        return ", ".join(
+            link(code(erratum_name), f"{page_links.ERRATA}#erratum-{erratum_name}") for erratum_name in erratum_names
+        )
 
-    for item in device.editions:
-        name = item.revision
-        yield text(name), item.date, links(f"before {name}"), links(name), ", ".join(map(code, item.labels))
+    for edition in device.editions:
+        revision_name = edition.revision
+        yield (
+            text(revision_name),
+            edition.date,
+            links(f"before {revision_name}"),
+            links(revision_name),
+            ", ".join(map(code, edition.labels)),
+        )
 
 
 def revision(manual: Manual) -> str:

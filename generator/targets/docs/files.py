@@ -84,7 +84,8 @@ def _family(device: Device, library: Library, options: Options) -> _Part:
     files = {f"docs/{device.name}/{name}": picture for name, picture in _pictures(codes)}
     pages = _rendered(dict(_pages(codes, masters)), library)
     linked = {
-        name: page_links.with_errata_linked(device, name.removeprefix("docs/"), made) for name, made in pages.items()
+        name: page_links.with_errata_linked(device, name.removeprefix("docs/"), page_text)
+        for name, page_text in pages.items()
     }
     return {
         "files": files | linked,
@@ -104,18 +105,26 @@ def _pages(
 ) -> Iterator[tuple[str, tuple[str, Mapping[str, Any]]]]:
     """Yield each page with its template and its values."""
     device, folder = codes.device, codes.device.name
-    taken = {item.name for item in device.interfaces if masters_page.has_masters(for_interface(device, item.name))}
-    yield f"{folder}.md", ("device.md.jinja", family_pages.index_values(codes, bool(taken)))
-    for item in device.interfaces:
-        values = interface_page.page_values(device, item.name, codes.links_beside, item.name in taken, codes.pictures)
-        yield f"{folder}/{item.name}.md", ("interface.md.jinja", values)
+    interfaces_with_masters = {
+        interface.name
+        for interface in device.interfaces
+        if masters_page.has_masters(for_interface(device, interface.name))
+    }
+    yield f"{folder}.md", ("device.md.jinja", family_pages.index_values(codes, bool(interfaces_with_masters)))
+    for interface in device.interfaces:
+        values = interface_page.page_values(
+            device, interface.name, codes.links_beside, interface.name in interfaces_with_masters, codes.pictures
+        )
+        yield f"{folder}/{interface.name}.md", ("interface.md.jinja", values)
     for alike in codes.alike:
-        one = order_code_page.page_values(alike, alike.interface.name in taken, codes.pictures)
-        yield f"{folder}/{alike.name}.md", ("code.md.jinja", one)
+        code_values = order_code_page.page_values(
+            alike, alike.interface.name in interfaces_with_masters, codes.pictures
+        )
+        yield f"{folder}/{alike.name}.md", ("code.md.jinja", code_values)
     yield f"{folder}/hardware.md", ("hardware.md.jinja", family_pages.hardware_values(device))
     yield f"{folder}/{page_links.ERRATA}", ("errata.md.jinja", inline_errata.page_values(device))
     yield f"{folder}/manual.md", ("manual.md.jinja", family_pages.manual_values(device))
-    if taken:
+    if interfaces_with_masters:
         yield f"{folder}-masters.md", ("masters.md.jinja", masters_page.page_values(device, masters))
     yield changes_page.page(device), ("changes.md.jinja", changes_page.page_values(device))
 
@@ -123,17 +132,17 @@ def _pages(
 def _pictures(codes: order_code_page.Codes) -> Iterator[tuple[str, str]]:
     """Yield each picture with its file name."""
     for group in (codes.pictures, *(alike.pictures for alike in codes.alike)):
-        yield from ((item.name, item.drawn) for item in group.values())
+        yield from ((picture.name, picture.drawn) for picture in group.values())
     for interface in codes.device.interfaces:
-        shown = timing_pictures.wave(codes.device, interface)
-        if shown is not None:
-            yield f"timing-{interface.name}.svg", timing_pictures.drawn(shown)
+        timing = timing_pictures.wave(codes.device, interface)
+        if timing is not None:
+            yield f"timing-{interface.name}.svg", timing_pictures.drawn(timing)
 
 
-def _tidy(made: str) -> str:
+def _tidy(page_text: str) -> str:
     """Remove trailing spaces and repeated empty lines, and end the file with a single line end."""
     lines: list[str] = []
-    for line in made.splitlines():
+    for line in page_text.splitlines():
         if line.strip() or (lines and lines[-1]):
             lines.append(line.rstrip())
     return "\n".join(lines).rstrip() + "\n"
@@ -142,14 +151,16 @@ def _tidy(made: str) -> str:
 def _order_codes(codes: order_code_page.Codes) -> Iterator[Section]:
     """Yield the sections of a family on the index, one for each interface."""
     device = codes.device
-    for part in device.interfaces:
-        of_part = [one.code for one in device.variants_over(part.name)]
-        if of_part:
+    for interface in device.interfaces:
+        interface_codes = [variant.code for variant in device.variants_over(interface.name)]
+        if interface_codes:
             yield {
-                "pages": codes.page_links(part.name),
-                "counted": f"All {counted(len(of_part), 'order code')}" if len(of_part) > 1 else "The order code",
-                "interface": link(f"{device.name.upper()}, {part.title}", f"{device.name}/{part.name}.md"),
-                "links": [codes.links[one] for one in of_part],
+                "pages": codes.page_links(interface.name),
+                "counted": f"All {counted(len(interface_codes), 'order code')}"
+                if len(interface_codes) > 1
+                else "The order code",
+                "interface": link(f"{device.name.upper()}, {interface.title}", f"{device.name}/{interface.name}.md"),
+                "links": [codes.links[order_code] for order_code in interface_codes],
             }
 
 
@@ -157,7 +168,9 @@ def _index(library: Library, order_codes: list[Section]) -> Index:
     rows: Rows = []
     for device in library.devices:
         page, maker = link(text(device.title), f"{device.name}.md"), text(device.manufacturer.title)
-        titles = ", ".join(link(item.title, f"{device.name}/{item.name}.md") for item in device.interfaces)
+        titles = ", ".join(
+            link(interface.title, f"{device.name}/{interface.name}.md") for interface in device.interfaces
+        )
         masters = link("settings", f"{device.name}-masters.md") if masters_page.has_masters(device) else ""
         manual = f"{text(device.manual.title)}, revision {family_pages.revision(device.manual)}"
         rows.append((page, maker, titles, f"{len(device.variants)}", masters, manual, text(device.evidence.grade)))

@@ -29,24 +29,28 @@ from ...say.words import WORTH, counted
 _SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def position_frame(family: Device, here: Interface) -> Layout | None:
+def position_frame(family: Device, interface: Interface) -> Layout | None:
     """Return the frame that says most about the position: its parts, then its flags. With a tie, the shortest."""
-    telling = {item.name for item in family.interface(here.name).layouts if family.tells_position(here.name, item)}
-    of = family.position_names(here.name)
+    position_layouts = {
+        layout.name
+        for layout in family.interface(interface.name).layouts
+        if family.tells_position(interface.name, layout)
+    }
+    position_names = family.position_names(interface.name)
 
-    def worth(item: Layout) -> tuple[int, int, int]:
-        flags = sum(isinstance(meaning_of(field), Active) for field in item.fields)
-        return len(of & {field.name for field in item.fields}), flags, -item.widest
+    def worth(layout: Layout) -> tuple[int, int, int]:
+        flags = sum(isinstance(meaning_of(field), Active) for field in layout.fields)
+        return len(position_names & {field.name for field in layout.fields}), flags, -layout.widest
 
-    return max((item for item in here.layouts if item.name in telling), key=worth, default=None)
+    return max((layout for layout in interface.layouts if layout.name in position_layouts), key=worth, default=None)
 
 
 def questions(device: Device, layout: Layout) -> Iterator[str]:
     """Yield a sentence for each question about a frame that the manual leaves open, with a link to it."""
-    for item in device.alternatives_of(layout):
-        asked = link("open question", f"#alternative-{item.name}")
-        answers = " and ".join(code(answer.name) for answer in item.answers)
-        yield f"This frame depends on an {asked} with the answers {answers}."
+    for alternative in device.alternatives_of(layout):
+        question = link("open question", f"#alternative-{alternative.name}")
+        answers = " and ".join(code(answer.name) for answer in alternative.answers)
+        yield f"This frame depends on an {question} with the answers {answers}."
 
 
 def frame_facts(family: Device, layout: Layout, variant: Variant) -> Iterator[tuple[str, str]]:
@@ -55,36 +59,44 @@ def frame_facts(family: Device, layout: Layout, variant: Variant) -> Iterator[tu
     yield "CRC", crc_line(family, checked) if checked is not None else "none"
     by_level: dict[str, list[tuple[str, str]]] = {}
     # The layout of a page has other notes, and the range of a position is known for that of the family.
-    layout = next(item for item in family.interface(variant.interface).layouts if item.name == layout.name)
+    layout = next(
+        family_layout
+        for family_layout in family.interface(variant.interface).layouts
+        if family_layout.name == layout.name
+    )
     placed = layout.place(variant.parameters)
-    for item in placed.fields:
-        of_byte = frame_bytes(layout, placed.bits, item.high, item.low) if layout.in_bytes else ""
-        at = (code(item.name), of_byte or bits(item.high, item.low))
-        if isinstance(meaning_of(item.field), Active):
-            by_level.setdefault(f"Active at {deciding(item.field)}", []).append(at)
-        elif not of_byte and item.field.printed_name and deciding(item.field) in {"0", "1"}:
+    for placed_field in placed.fields:
+        of_byte = frame_bytes(layout, placed.bits, placed_field.high, placed_field.low) if layout.in_bytes else ""
+        at = (code(placed_field.name), of_byte or bits(placed_field.high, placed_field.low))
+        if isinstance(meaning_of(placed_field.field), Active):
+            by_level.setdefault(f"Active at {deciding(placed_field.field)}", []).append(at)
+        elif not of_byte and placed_field.field.printed_name and deciding(placed_field.field) in {"0", "1"}:
             by_level.setdefault("Not used by this encoder", []).append(at)
     yield from ((label, ", ".join(_with_places(names))) for label, names in by_level.items())
-    signed = [item for item in placed.fields if isinstance(meaning_of(item.field), TwosComplement)]
-    yield from (("Signed", _signed(family, item, placed)) for item in signed)
-    judgement = next((item.judgement for item in reportings(family) if item.codec.layout.name == layout.name), None)
+    signed = [
+        placed_field for placed_field in placed.fields if isinstance(meaning_of(placed_field.field), TwosComplement)
+    ]
+    yield from (("Signed", _signed(family, placed_field, placed)) for placed_field in signed)
+    judgement = next(
+        (reporting.judgement for reporting in reportings(family) if reporting.codec.layout.name == layout.name), None
+    )
     if judgement is not None:
         line = verdict_line(judgement, variant, checked is not None)
         yield "Position", line
-        for asked in family.verdict_alternatives(layout):
-            for answer in asked.answers[1:]:
-                chosen = with_answers(family, variant, {asked.name: answer.name})
+        for alternative in family.verdict_alternatives(layout):
+            for answer in alternative.answers[1:]:
+                chosen = with_answers(family, variant, {alternative.name: answer.name})
                 other_line = verdict_line(judgement, chosen, checked is not None)
                 if other_line != line:
-                    choice = link("your choice", f"#alternative-{asked.name}")
-                    about = f"({choice} instead of {code(asked.default)})"
+                    choice = link("your choice", f"#alternative-{alternative.name}")
+                    about = f"({choice} instead of {code(alternative.default)})"
                     yield f"Position, with {code(answer.name)}", f"{other_line} {about}"
 
 
-def _signed(family: Device, item: PlacedField, placed: PlacedLayout) -> str:
+def _signed(family: Device, placed_field: PlacedField, placed: PlacedLayout) -> str:
     """Return the notation and range of a signed number."""
-    lowest, highest = family.signed_range(item, placed)
-    return f"{code(item.name)}, in two's complement, {number(lowest)} to {number(highest)}"
+    lowest, highest = family.signed_range(placed_field, placed)
+    return f"{code(placed_field.name)}, in two's complement, {number(lowest)} to {number(highest)}"
 
 
 def _with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
@@ -118,8 +130,8 @@ def crc_line(family: Device, crc: Crc) -> str:
 def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
     """Return the rule for the verdict on the position of an order code."""
     parts = []
-    for verdict, items in judgement.worst_first:
-        applying = [item for item in items if all(_applies(only, variant) for only in item.conditions)]
+    for verdict, causes in judgement.worst_first:
+        applying = [cause for cause in causes if all(_applies(only, variant) for only in cause.conditions)]
         if applying:
             parts.append(f"{_VERDICT[verdict]} if {', or if '.join(_causes(applying))}")
     if not parts:
@@ -128,16 +140,16 @@ def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
     return "; ".join([*parts, f"otherwise{correct} {_VERDICT[judgement.otherwise]}"])
 
 
-def _causes(items: Sequence[Speaks]) -> Iterator[str]:
+def _causes(causes: Sequence[Speaks]) -> Iterator[str]:
     """Yield the conditions of a verdict. Flags with the same active level are one condition."""
     by_value: dict[str, list[str]] = {}
-    for item in items:
-        if not isinstance(item.by, Match):
-            by_value.setdefault(deciding(item.by.field), []).append(_cause(item))
+    for cause in causes:
+        if not isinstance(cause.by, Match):
+            by_value.setdefault(deciding(cause.by.field), []).append(_cause(cause))
     yield from (f"{' or '.join(names)} is {value}" for value, names in by_value.items())
-    for item in items:
-        if isinstance(item.by, Match):
-            yield STYLE.phrase(conditions((part.field, value) for part, value in item.by.conditions))
+    for cause in causes:
+        if isinstance(cause.by, Match):
+            yield STYLE.phrase(conditions((part.field, value) for part, value in cause.by.conditions))
 
 
 _VERDICT = {
@@ -148,10 +160,10 @@ _VERDICT = {
 }
 
 
-def _cause(item: Speaks) -> str:
-    unless = " and ".join(code(part.field.name) for part in item.unless)
-    return code(item.by.field.name) + (
-        f" (while {unless} {'is' if len(item.unless) == 1 else 'are'} inactive)" if unless else ""
+def _cause(cause: Speaks) -> str:
+    unless = " and ".join(code(part.field.name) for part in cause.unless)
+    return code(cause.by.field.name) + (
+        f" (while {unless} {'is' if len(cause.unless) == 1 else 'are'} inactive)" if unless else ""
     )
 
 

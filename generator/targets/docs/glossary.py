@@ -24,57 +24,61 @@ class GlossaryPage(TypedDict):
 def page_values(devices: Sequence[Device]) -> GlossaryPage:
     parts = []
     for device in devices:
-        for item in device.interfaces:
-            here = for_interface(device, item.name)
-            parts.append((here, item, list(_places(here, item))))
-    terms = sorted(TERMS, key=lambda item: item.name.casefold())
-    found = ((term, [one for part in parts if (one := _link(term, *part))]) for term in terms)
-    return {"term_rows": [(text(term.name), text(term.meaning), ", ".join(links)) for term, links in found if links]}
+        for interface in device.interfaces:
+            interface_device = for_interface(device, interface.name)
+            parts.append((interface_device, interface, list(_places(interface_device, interface))))
+    terms = sorted(TERMS, key=lambda term: term.name.casefold())
+    linked_terms = ((term, [term_link for part in parts if (term_link := _link(term, *part))]) for term in terms)
+    return {
+        "term_rows": [(text(term.name), text(term.meaning), ", ".join(links)) for term, links in linked_terms if links]
+    }
 
 
-def _link(term: Term, here: Device, interface: Interface, places: Sequence[tuple[str, str]]) -> str:
+def _link(term: Term, interface_device: Device, interface: Interface, places: Sequence[tuple[str, str]]) -> str:
     """Return a link to the section about the term on an interface page, or an empty string."""
     if term.over is not None:
-        section = term.section if isinstance(interface, term.over) and _has(here, interface, term.section) else ""
+        section = (
+            term.section if isinstance(interface, term.over) and _has(interface_device, interface, term.section) else ""
+        )
     else:
         exactly = (place for name, place in places if name in term.spelled)
         within = (place for name, place in places if any(f" {word} " in f" {name} " for word in term.spelled))
         section = next(chain(exactly, within), "")
-    title = f"{here.name.upper()} {interface.short}"
-    return link(text(title), f"{interface_page(here, interface)}#{section}") if section else ""
+    title = f"{interface_device.name.upper()} {interface.short}"
+    return link(text(title), f"{interface_page(interface_device, interface)}#{section}") if section else ""
 
 
-def _has(here: Device, interface: Interface, section: str) -> bool:
+def _has(interface_device: Device, interface: Interface, section: str) -> bool:
     """Return whether the interface page has the section. Every page has frames and times."""
-    there = {
+    sections_present = {
         "control-data": bool(getattr(interface, "control_data", ())),
-        "procedures": bool(here.procedures),
-        "wiring": bool(here.connectors),
+        "procedures": bool(interface_device.procedures),
+        "wiring": bool(interface_device.connectors),
     }
-    return there.get(section, True)
+    return sections_present.get(section, True)
 
 
-def _places(here: Device, interface: Interface) -> Iterator[tuple[str, str]]:
+def _places(interface_device: Device, interface: Interface) -> Iterator[tuple[str, str]]:
     """Yield the names on an interface page in lowercase with their anchors. Names with their own section are first."""
-    for register in here.registers:
+    for register in interface_device.registers:
         yield from _names(register, f"register-{register.name}")
-    for group in here.field_groups:
+    for group in interface_device.field_groups:
         yield from _names(group, f"group-{group.name}")
-    for crc in here.crcs:
+    for crc in interface_device.crcs:
         yield "crc", f"crc-{crc.name}"
     if isinstance(interface, Ssi) and interface.output_code is not None and interface.output_code.code != "binary":
         yield "gray", "frames"
     for timing in interface.timings:
         yield timing.symbol.casefold(), "timings"
     for layout in interface.layouts:
-        for item in layout.fields:
-            yield from _names(item, f"group-{item.group}" if item.group else f"layout-{layout.name}")
+        for field in layout.fields:
+            yield from _names(field, f"group-{field.group}" if field.group else f"layout-{layout.name}")
         yield from ((join.name, f"layout-{layout.name}") for join in layout.joins)
-    for register in here.registers:
-        for item in register.layout.fields:
-            yield from _names(item, f"register-{register.name}")
+    for register in interface_device.registers:
+        for field in register.layout.fields:
+            yield from _names(field, f"register-{register.name}")
 
 
-def _names(item: Titled, place: str) -> Iterator[tuple[str, str]]:
-    yield item.name.replace("_", " "), place
-    yield item.printed_name.casefold(), place
+def _names(titled: Titled, place: str) -> Iterator[tuple[str, str]]:
+    yield titled.name.replace("_", " "), place
+    yield titled.printed_name.casefold(), place

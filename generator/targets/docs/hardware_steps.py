@@ -20,5 +20,12 @@ class ByHand:
 
 def by_hand(device: Device) -> list[ByHand]:
     """Return the procedures that a person carries out for a family, in the order of its spec."""
-    found = ((item, steps_of(item.value)) for item in device.characteristics if has_steps(item.value))
-    return [ByHand(item, heading(item.name), steps[0], steps[1:]) for item, steps in found]
+    manual_steps = (
+        (characteristic, steps_of(characteristic.value))
+        for characteristic in device.characteristics
+        if has_steps(characteristic.value)
+    )
+    return [
+        ByHand(characteristic, heading(characteristic.name), steps[0], steps[1:])
+        for characteristic, steps in manual_steps
+    ]

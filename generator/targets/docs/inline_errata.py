@@ -39,33 +39,33 @@ class OnPage:
 
     def __call__(self, *paths: str, exactly: Collection[str] = ()) -> str:
         """Return, as a list, the errata about these paths in the spec or about anything inside them."""
-        own, elsewhere = _by_origin(self._device, *paths, exactly=exactly)
-        lines = [self._line(item) for item in own if item.severity != "wording"]
-        wording = [item for item in own if item.severity == "wording"]
+        manual_errata, edition_errata = _by_origin(self._device, *paths, exactly=exactly)
+        lines = [self._line(erratum) for erratum in manual_errata if erratum.severity != "wording"]
+        wording = [erratum for erratum in manual_errata if erratum.severity == "wording"]
         if wording:
-            links = ", ".join(self._link(item, text(heading(item.name))) for item in wording)
+            links = ", ".join(self._link(erratum, text(heading(erratum.name))) for erratum in wording)
             lines.append(f"- Wording {'mistake' if len(wording) == 1 else 'mistakes'} in the manual: {links}")
-        lines += self._of_editions(elsewhere)
+        lines += self._of_editions(edition_errata)
         return "\n".join(lines)
 
     def named(self, *paths: str) -> str:
         """Return the errata about these paths as links for a table cell."""
-        found = errata(self._device, *paths, wording=True)
-        return ", ".join(f"{badge(item)} {self._link(item, code(item.name))}" for item in found)
+        affecting_errata = errata(self._device, *paths, wording=True)
+        return ", ".join(f"{badge(erratum)} {self._link(erratum, code(erratum.name))}" for erratum in affecting_errata)
 
-    def _link(self, item: Erratum, label: str) -> str:
-        return link(label, f"{self._page}#erratum-{item.name}")
+    def _link(self, erratum: Erratum, label: str) -> str:
+        return link(label, f"{self._page}#erratum-{erratum.name}")
 
-    def _line(self, item: Erratum) -> str:
-        if item.name in self._told:
-            return f"- {badge(item)} {link(text(heading(item.name)), f'#erratum-{item.name}')}, see above"
-        self._told.add(item.name)
-        return f"- {anchor(f'erratum-{item.name}')}{in_one_line(item, self._page)}"
+    def _line(self, erratum: Erratum) -> str:
+        if erratum.name in self._told:
+            return f"- {badge(erratum)} {link(text(heading(erratum.name)), f'#erratum-{erratum.name}')}, see above"
+        self._told.add(erratum.name)
+        return f"- {anchor(f'erratum-{erratum.name}')}{in_one_line(erratum, self._page)}"
 
-    def _of_editions(self, found: Sequence[Erratum]) -> Iterator[str]:
+    def _of_editions(self, edition_errata: Sequence[Erratum]) -> Iterator[str]:
         """Yield a line with links to the differences in other editions."""
-        links = (self._link(item, text(_edition(item))) for item in found)
-        if found:
+        links = (self._link(difference, text(_edition(difference))) for difference in edition_errata)
+        if edition_errata:
             yield f"- Other editions differ: {', '.join(dict.fromkeys(links))}"
 
 
@@ -77,38 +77,38 @@ class Badges:
 
     def __call__(self, *paths: str, exactly: Collection[str] = ()) -> str:
         """Return links to the errata about these paths in the spec or about anything inside them, in one line."""
-        own, elsewhere = _by_origin(self._device, *paths, exactly=exactly)
-        self._editions |= {item.name: item for item in elsewhere}
-        return self._linked([item for item in own if item.severity != "wording"])
+        manual_errata, edition_errata = _by_origin(self._device, *paths, exactly=exactly)
+        self._editions |= {difference.name: difference for difference in edition_errata}
+        return self._linked([erratum for erratum in manual_errata if erratum.severity != "wording"])
 
     def of_bytes(self, *paths: str, exactly: Collection[str] = ()) -> str:
         """Return links to those errata about these paths that change bytes on the wire."""
-        own, _ = _by_origin(self._device, *paths, exactly=exactly)
-        return self._linked([item for item in own if item.severity == "wrong_data"])
+        manual_errata, _ = _by_origin(self._device, *paths, exactly=exactly)
+        return self._linked([erratum for erratum in manual_errata if erratum.severity == "wrong_data"])
 
-    def _linked(self, about: Sequence[Erratum]) -> str:
-        self._told |= {item.name: item for item in about}
-        links = [(item, link(text(heading(item.name)), f"#erratum-{item.name}")) for item in about]
+    def _linked(self, linked_errata: Sequence[Erratum]) -> str:
+        self._told |= {erratum.name: erratum for erratum in linked_errata}
+        links = [(erratum, link(text(heading(erratum.name)), f"#erratum-{erratum.name}")) for erratum in linked_errata]
         parts = [
-            f"{mark} {status}: {', '.join(found)}"
+            f"{mark} {status}: {', '.join(status_links)}"
             for status, mark in _MARKS.items()
-            if (found := [shown for item, shown in links if item.status == status])
+            if (status_links := [erratum_link for erratum, erratum_link in links if erratum.status == status])
         ]
         return " ".join(parts)
 
     def summary(self) -> str:
         """Return the number of errata on the page so far, by status."""
-        counts = {status: [item.status for item in self._told.values()].count(status) for status in _MARKS}
-        others = "none that change these facts" if self._device.errata else "none known"
-        return ", ".join(f"{count} {status}" for status, count in counts.items() if count) or others
+        counts = {status: [erratum.status for erratum in self._told.values()].count(status) for status in _MARKS}
+        no_errata = "none that change these facts" if self._device.errata else "none known"
+        return ", ".join(f"{count} {status}" for status, count in counts.items() if count) or no_errata
 
     def listed(self) -> str:
         """Return the errata on the page so far, open ones first, and links to the differences in other editions."""
-        ordered = sorted(self._told.values(), key=lambda item: item.status != "open")
-        lines = [f"- {anchor(f'erratum-{item.name}')}{in_one_line(item, ERRATA)}" for item in ordered]
+        ordered = sorted(self._told.values(), key=lambda erratum: erratum.status != "open")
+        lines = [f"- {anchor(f'erratum-{erratum.name}')}{in_one_line(erratum, ERRATA)}" for erratum in ordered]
         editions: dict[str, list[str]] = {}
-        for item in filter(lambda item: item.name in self._editions, self._device.errata):
-            editions.setdefault(_edition(item), []).append(f"{ERRATA}#erratum-{item.name}")
+        for difference in filter(lambda difference: difference.name in self._editions, self._device.errata):
+            editions.setdefault(_edition(difference), []).append(f"{ERRATA}#erratum-{difference.name}")
         differ = [
             ", ".join(
                 link(text(label) if not index else f"{index + 1}", target) for index, target in enumerate(targets)
@@ -124,71 +124,79 @@ _MARKS = {"open": "⚠", "settled": "✓"}
 
 def _by_origin(device: Device, *paths: str, exactly: Collection[str]) -> tuple[list[Erratum], list[Erratum]]:
     """Return the errata of the manual about these paths, and the differences in other editions."""
-    found = errata(device, *paths, exactly=exactly, wording=True)
-    elsewhere = [item for item in found if item.edition and not device.edition]
-    return [item for item in found if item not in elsewhere], elsewhere
+    affecting_errata = errata(device, *paths, exactly=exactly, wording=True)
+    edition_errata = [erratum for erratum in affecting_errata if erratum.edition and not device.edition]
+    return [erratum for erratum in affecting_errata if erratum not in edition_errata], edition_errata
 
 
-def _edition(item: Erratum) -> str:
+def _edition(difference: Erratum) -> str:
     """Return the edition of a difference as a phrase: ``before edition 1.4``."""
-    label = erratum(item).label
+    label = erratum(difference).label
     return f"{label[0].lower()}{label[1:]}"
 
 
-def _title(item: Erratum) -> str:
+def _title(titled_erratum: Erratum) -> str:
     """Return the title of an erratum. Differences in another edition are numbered."""
-    label = erratum(item).label
-    return f"{label}, difference {item.name.rpartition('_')[2]}" if item.edition else heading(item.name)
+    label = erratum(titled_erratum).label
+    return (
+        f"{label}, difference {titled_erratum.name.rpartition('_')[2]}"
+        if titled_erratum.edition
+        else heading(titled_erratum.name)
+    )
 
 
-def in_one_line(item: Erratum, page: str) -> str:
+def in_one_line(listed_erratum: Erratum, page: str) -> str:
     """Return the status and title of an erratum, and the value used. The link leads to the full text.
 
     A change by an overlay has its reason and source, because the user of a special model needs them.
     """
-    head = f"{badge(item)} {link(text(heading(item.name)), f'{page}#erratum-{item.name}')}"
-    if item.overlay:
-        return " ".join([f"{head} {STYLE.cited(item.source)}:", *map(STYLE.sentence, erratum(item).below)])
-    used = sentence(item.used)
+    head = (
+        f"{badge(listed_erratum)} {link(text(heading(listed_erratum.name)), f'{page}#erratum-{listed_erratum.name}')}"
+    )
+    if listed_erratum.overlay:
+        return " ".join(
+            [f"{head} {STYLE.cited(listed_erratum.source)}:", *map(STYLE.sentence, erratum(listed_erratum).below)]
+        )
+    used = sentence(listed_erratum.used)
     if len(used) > _LONG:
         used = f"{used[:_LONG].rpartition('. ' if '. ' in used[:_LONG] else ' ')[0]} …"
     return f"{head}: {text(used)}"
 
 
-def badge(item: Erratum) -> str:
+def badge(erratum: Erratum) -> str:
     """Return a visible mark for the status."""
-    return "⚠ **open**" if item.status == "open" else "✓ settled"
+    return "⚠ **open**" if erratum.status == "open" else "✓ settled"
 
 
 def _of_manual(device: Device) -> list[Erratum]:
-    return [item for item in device.errata if not (item.overlay or item.edition)]
+    return [erratum for erratum in device.errata if not (erratum.overlay or erratum.edition)]
 
 
 def page_values(device: Device) -> ErrataPage:
     of_manual = _of_manual(device)
-    is_open = [item for item in of_manual if item.status == "open"]
+    is_open = [erratum for erratum in of_manual if erratum.status == "open"]
     summary = _summary(len(of_manual), len(is_open))
     return {
         "device": device,
         "errata_summary": summary + fact_tables.changes(len(device.errata) - len(of_manual)),
         "erratum_links": [
-            (text(standing), [link(code(item.name), f"#erratum-{item.name}") for item in found])
-            for standing, found in _by_standing(device.errata)
+            (text(standing), [link(code(erratum.name), f"#erratum-{erratum.name}") for erratum in alike_errata])
+            for standing, alike_errata in _by_standing(device.errata)
         ],
         "errata_list": [
             {
-                "erratum": item,
-                "title": text(_title(item)),
+                "erratum": erratum,
+                "title": text(_title(erratum)),
                 "rows": [
-                    *fact_tables.printed_and_used(item),
-                    ("Why", text(item.why)),
-                    ("Status", badge(item)),
-                    ("Impact", fact_tables.severity(item.severity)),
-                    ("Affects", ", ".join(map(code, item.affects))),
-                    ("Source", cited(item.source)),
+                    *fact_tables.printed_and_used(erratum),
+                    ("Why", text(erratum.why)),
+                    ("Status", badge(erratum)),
+                    ("Impact", fact_tables.severity(erratum.severity)),
+                    ("Affects", ", ".join(map(code, erratum.affects))),
+                    ("Source", cited(erratum.source)),
                 ],
             }
-            for item in device.errata
+            for erratum in device.errata
         ],
     }
 
@@ -207,11 +215,11 @@ def _summary(count: int, is_open: int) -> str:
     return " ".join(parts)
 
 
-def _by_standing(found: Sequence[Erratum]) -> Iterator[tuple[str, list[Erratum]]]:
+def _by_standing(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[Erratum]]]:
     """Yield the errata by status and impact, with open ones first and wrong bytes before wording."""
     for status in ("open", "settled"):
         for severity in fact_tables.SEVERITIES:
-            alike = [item for item in found if (item.status, item.severity) == (status, severity)]
+            alike = [erratum for erratum in listed_errata if (erratum.status, erratum.severity) == (status, severity)]
             if alike:
                 yield f"{status}, {fact_tables.severity(severity)}", alike
 
@@ -229,7 +237,13 @@ def _rows(devices: Sequence[Device], status: str) -> Iterator[tuple[str, ...]]:
     for severity in fact_tables.SEVERITIES:
         for device in devices:
             family = link(text(device.name.upper()), f"{device.name}.md")
-            for item in _of_manual(device):
-                if (item.status, item.severity) == (status, severity):
-                    name = to_erratum(device, item.name)
-                    yield text(fact_tables.severity(severity)), family, name, text(item.printed), text(item.used)
+            for manual_erratum in _of_manual(device):
+                if (manual_erratum.status, manual_erratum.severity) == (status, severity):
+                    name = to_erratum(device, manual_erratum.name)
+                    yield (
+                        text(fact_tables.severity(severity)),
+                        family,
+                        name,
+                        text(manual_erratum.printed),
+                        text(manual_erratum.used),
+                    )

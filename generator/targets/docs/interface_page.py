@@ -43,18 +43,18 @@ class InterfacePage(Sections, OverValues):
 
 
 def over_values(
-    family: Device, here: Device, variants: Sequence[Variant], has_masters: bool, pictures: Pictures
+    family: Device, interface_device: Device, variants: Sequence[Variant], has_masters: bool, pictures: Pictures
 ) -> OverValues:
-    """Return the values. ``here`` is the family, reduced to the interface."""
-    (interface,) = here.interfaces
+    """Return the values. ``interface_device`` is the family, reduced to the interface."""
+    (interface,) = interface_device.interfaces
     return {
         "interface": interface,
         "has_masters": has_masters,
-        "short_rows": list(_short_rows(here, interface, variants)),
+        "short_rows": list(_short_rows(interface_device, interface, variants)),
         "pictures": pictures,
-        "timing": wave(here, interface),
+        "timing": wave(interface_device, interface),
         "delivered": [
-            item.name for item in family.interface(interface.name).layouts if follows_registers(family, item)
+            layout.name for layout in family.interface(interface.name).layouts if follows_registers(family, layout)
         ],
         "initial": initial(family),
     }
@@ -64,57 +64,63 @@ def page_values(
     device: Device, kind: str, links: Mapping[str, str], has_masters: bool, pictures: Pictures
 ) -> InterfacePage:
     """Return the values of the page. ``links`` contains a link to the page of each order code."""
-    here = for_interface(device, kind)
+    interface_device = for_interface(device, kind)
     variants = device.variants_over(kind)
     return {
-        **sections(here),
-        **over_values(device, here, variants, has_masters, pictures),
-        "patterns": patterns(device, [item.code for item in variants]) if variants else [],
+        **sections(interface_device),
+        **over_values(device, interface_device, variants, has_masters, pictures),
+        "patterns": patterns(device, [variant.code for variant in variants]) if variants else [],
         "code_table": order_code_tables.code_table(device, device.interface(kind), links),
         "parameter_rows": list(order_code_tables.parameter_rows(device, kind)),
         "run_time_rows": list(order_code_tables.run_time_rows(device, kind)),
-        "name_rows": list(_name_rows(here)),
+        "name_rows": list(_name_rows(interface_device)),
     }
 
 
-def _short_rows(here: Device, interface: Interface, variants: Sequence[Variant]) -> Iterator[Row]:
+def _short_rows(interface_device: Device, interface: Interface, variants: Sequence[Variant]) -> Iterator[Row]:
     """Yield the unit of the position, the supply, and the facts of the interface."""
-    counted = here.measurement_of(interface.name)
-    if counted is not None:
-        yield "Position", STYLE.phrase(measurement(counted)), cited(counted.source)
-        for name, own_range in own_ranges(here, interface.name):
+    position_measurement = interface_device.measurement_of(interface.name)
+    if position_measurement is not None:
+        yield "Position", STYLE.phrase(measurement(position_measurement)), cited(position_measurement.source)
+        for name, own_range in own_ranges(interface_device, interface.name):
             yield f"Position in {code(name)}", STYLE.phrase(position_range(own_range)), cited(own_range.source)
-    found = _supplies(here, variants)
-    for voltage, those in found.items():
-        whose = f" ({order_codes(here, those)})" if len(those) < len(variants) else ""
+    codes_by_supply = _supplies(interface_device, variants)
+    for voltage, order_codes_of_supply in codes_by_supply.items():
+        whose = (
+            f" ({order_codes(interface_device, order_codes_of_supply)})"
+            if len(order_codes_of_supply) < len(variants)
+            else ""
+        )
         yield f"Supply{whose}", f"{volts(voltage.min_mv)} to {volts(voltage.max_mv)}", cited(voltage.source)
-    yield from fact_tables.interface_rows(here, interface)
+    yield from fact_tables.interface_rows(interface_device, interface)
 
 
 def _supplies(device: Device, variants: Iterable[Variant]) -> dict[Supply, list[str]]:
-    found: dict[Supply, list[str]] = {}
-    for item in variants:
-        needed = device.supply_of(item)
-        if needed is not None:
-            found.setdefault(needed, []).append(item.code)
-    return found
+    codes_by_supply: dict[Supply, list[str]] = {}
+    for variant in variants:
+        supply = device.supply_of(variant)
+        if supply is not None:
+            codes_by_supply.setdefault(supply, []).append(variant.code)
+    return codes_by_supply
 
 
 def _name_rows(device: Device) -> Iterator[Row]:
     """Yield name, printed name, language and name in that language of items that have other names."""
-    for item in _named(device):
-        for key, name in item.names.items():
-            if name != title(item):
-                yield code(item.name), text(item.printed_name), text(key), text(name)
+    for named_part in _named(device):
+        for key, name in named_part.names.items():
+            if name != title(named_part):
+                yield code(named_part.name), text(named_part.printed_name), text(key), text(name)
 
 
 def _named(device: Device) -> Iterator[Named]:
     (interface,) = device.interfaces
-    placed = [*interface.layouts, *(item.layout for item in device.registers)]
+    placed = [*interface.layouts, *(register.layout for register in device.registers)]
     fields = [field for layout in placed for field in layout.fields]
-    shown = {item.name: item for item in fields if item.names}
-    yield from shown.values()
-    yield from {item.name: item for field in fields for item in field.values if item.names}.values()
+    named_fields = {field.name: field for field in fields if field.names}
+    yield from named_fields.values()
+    yield from {
+        named_value.name: named_value for field in fields for named_value in field.values if named_value.names
+    }.values()
     yield from device.registers
     yield from device.field_groups
     yield from device.alarms

@@ -59,28 +59,34 @@ def sections(device: Device) -> Sections:
         "usable_page": verdict_page.PAGE,
         "errata_at": inline_errata.OnPage(device),
         "alternatives": order_code_tables.alternatives(device),
-        "interfaces": [_interface(device, item) for item in device.interfaces],
-        "crcs": [{"crc": item, "rows": fact_tables.crc_rows(device, item)} for item in device.crcs],
-        "registers": [_register(device, item) for item in device.registers],
-        "register_rows": [_register_row(item) for item in device.registers],
-        "procedures": [_procedure(device, item) for item in device.procedures],
-        "alarms": [{"alarm": item, "title": title(item), "facts": alarm.facts(device, item)} for item in device.alarms],
-        "inputs": [
-            {"input": item, "title": title(item), "facts": hardware_input.facts(device, item)} for item in device.inputs
+        "interfaces": [_interface(device, interface) for interface in device.interfaces],
+        "crcs": [{"crc": crc, "rows": fact_tables.crc_rows(device, crc)} for crc in device.crcs],
+        "registers": [_register(device, register) for register in device.registers],
+        "register_rows": [_register_row(register) for register in device.registers],
+        "procedures": [_procedure(device, procedure) for procedure in device.procedures],
+        "alarms": [
+            {"alarm": device_alarm, "title": title(device_alarm), "facts": alarm.facts(device, device_alarm)}
+            for device_alarm in device.alarms
         ],
-        "connectors": [_connector(item) for item in device.connectors],
+        "inputs": [
+            {"input": device_input, "title": title(device_input), "facts": hardware_input.facts(device, device_input)}
+            for device_input in device.inputs
+        ],
+        "connectors": [_connector(connector) for connector in device.connectors],
         "led_rows": [
             (
-                text(item.title) if index == 0 else "",
+                text(led.title) if index == 0 else "",
                 text(state.state),
                 joined([text(state.meaning), *to_steps("", state.by_hand)]),
                 code(state.only),
-                cited(item.source) if index == 0 else "",
+                cited(led.source) if index == 0 else "",
             )
-            for item in device.leds
-            for index, state in enumerate(item.states)
+            for led in device.leds
+            for index, state in enumerate(led.states)
         ],
-        "examples": [{"example": item, "rows": fact_tables.example_facts(device, item)} for item in device.examples],
+        "examples": [
+            {"example": example, "rows": fact_tables.example_facts(device, example)} for example in device.examples
+        ],
     }
 
 
@@ -101,18 +107,18 @@ _FACTS = (
 
 
 def _interface(device: Device, interface: Interface) -> Section:
-    groups = {item.name: item for item in device.field_groups}
+    groups = {group.name: group for group in device.field_groups}
     place = f"interfaces.{interface.name}"
     return {
         "interface": interface,
         "rows": list(fact_tables.interface_rows(device, interface)),
         "path": place,
         "paths": [f"{place}.{name}" for name in _FACTS],
-        "timing_paths": [f"{place}.{item.name}" for item in interface.timings]
-        + [f"{place}.timings", *(f"timings.{item.name}" for item in device.timings)],
+        "timing_paths": [f"{place}.{timing.name}" for timing in interface.timings]
+        + [f"{place}.timings", *(f"timings.{timing.name}" for timing in device.timings)],
         "data_id_rows": _data_id_rows(interface) if isinstance(interface, Rs485) else [],
         "exchange_rows": _exchange_rows(interface),
-        "layouts": [_layout(device, interface, item) for item in interface.layouts],
+        "layouts": [_layout(device, interface, layout) for layout in interface.layouts],
         "groups": [
             {
                 "group": groups[name],
@@ -130,14 +136,14 @@ def _interface(device: Device, interface: Interface) -> Section:
 def _data_id_rows(interface: Rs485) -> Rows:
     return [
         (
-            f"{item.id:X}",
-            code(item.name),
-            f"`{item.control:02X}h`",
-            text(item.purpose),
-            text(item.meaning),
-            cited(item.source),
+            f"{data_id.id:X}",
+            code(data_id.name),
+            f"`{data_id.control:02X}h`",
+            text(data_id.purpose),
+            text(data_id.meaning),
+            cited(data_id.source),
         )
-        for item in interface.data_ids
+        for data_id in interface.data_ids
     ]
 
 
@@ -145,31 +151,31 @@ def _exchange_rows(interface: Interface) -> Rows:
     def frame(layout: Layout | None) -> str:
         return link(code(layout.name), f"#layout-{layout.name}") if layout is not None else "none"
 
-    found = exchanges(interface)
-    lengths = len({each.request.bits for each in found if not each.request.in_bytes}) > 1
+    frame_exchanges = exchanges(interface)
+    lengths = len({exchange.request.bits for exchange in frame_exchanges if not exchange.request.in_bytes}) > 1
     return [
         (
-            frame(each.request),
-            frame(each.reply),
-            *((f"{each.request.bits.render()} bits",) if lengths else ()),
-            PURPOSES[each.item.purpose],
-            cited(each.item.source),
+            frame(exchange.request),
+            frame(exchange.reply),
+            *((f"{exchange.request.bits.render()} bits",) if lengths else ()),
+            PURPOSES[exchange.item.purpose],
+            cited(exchange.item.source),
         )
-        for each in found
+        for exchange in frame_exchanges
     ]
 
 
 def _memory_rows(interface: Rs485) -> Rows:
     return [
         (
-            text(item.access),
-            f"{item.busy}",
-            text(item.address),
-            text(item.data),
-            text(item.meaning),
-            cited(item.source),
+            text(access.access),
+            f"{access.busy}",
+            text(access.address),
+            text(access.data),
+            text(access.meaning),
+            cited(access.source),
         )
-        for item in interface.memory_access
+        for access in interface.memory_access
     ]
 
 
@@ -202,9 +208,9 @@ def _register(device: Device, register: Register) -> Section:
         "facts": say_register.facts(device, register),
         "rows": [] if is_plain else rows,
         "value_tables": [
-            {"field": code(item.name), "rows": list(layout_tables.value_rows(item)), "alone": len(fields) == 1}
-            for item in fields
-            if layout_tables.has_value_table(item)
+            {"field": code(field.name), "rows": list(layout_tables.value_rows(field)), "alone": len(fields) == 1}
+            for field in fields
+            if layout_tables.has_value_table(field)
         ],
         "joins": say_layout.joins(register.layout),
         "placements": layout_tables.placement_table(device, register.layout, register.interface),
@@ -216,7 +222,7 @@ def _procedure(device: Device, procedure: Procedure) -> Section:
         "procedure": procedure,
         "about": list(say_procedure.about(procedure)),
         "rows": fact_tables.step_rows(device, procedure),
-        "arguments": [(part.name, say_procedure.argument(device, part)) for part in procedure.arguments],
+        "arguments": [(argument.name, say_procedure.argument(device, argument)) for argument in procedure.arguments],
     }
 
 
@@ -224,7 +230,7 @@ def _connector(connector: Connector) -> Section:
     return {
         "connector": connector,
         "head": {"cable": "Wire"}.get(connector.kind, "Pin"),
-        "rows": [(text(part.contact), text(part.signal), code(part.only)) for part in connector.contacts],
+        "rows": [(text(contact.contact), text(contact.signal), code(contact.only)) for contact in connector.contacts],
     }
 
 

@@ -99,17 +99,17 @@ def byte_stack(caption: str, placed: PlacedLayout) -> Stack:
     of the number formed by these bytes.
     """
     lows = _lows(placed.bits, placed.layout.byte_order == "low_byte_first")
-    runs, rows, said = _whole(placed), [], []
+    runs, rows, descriptions = _whole(placed), [], []
     for index, byte_low in enumerate(lows):
         boxes = []
-        for run in (item for item in runs if item.low < byte_low + 8 and item.high >= byte_low):
+        for run in (bit_run for bit_run in runs if bit_run.low < byte_low + 8 and bit_run.high >= byte_low):
             inside = run.high < byte_low + 8 and run.low >= byte_low
             is_byte = inside and run.high - run.low == 7
             place = "" if is_byte else run.part(byte_low, byte_low if inside else run.low)
             boxes.append(run.box(byte_low, place))
         rows.append(Byte(f"byte {index}", tuple(boxes)))
-        said.append(f"byte {index}: " + ", ".join(_named(box.name, box.place, box.active_low) for box in boxes))
-    return Stack(caption, tuple(rows), "; ".join(said))
+        descriptions.append(f"byte {index}: " + ", ".join(_named(box.name, box.place, box.active_low) for box in boxes))
+    return Stack(caption, tuple(rows), "; ".join(descriptions))
 
 
 def group_stack(caption: str, fields: Sequence[tuple[Field, int, int]], bits: int) -> Stack:
@@ -121,20 +121,20 @@ def group_stack(caption: str, fields: Sequence[tuple[Field, int, int]], bits: in
 
 def told(stacks: Sequence[Stack]) -> str:
     """Return the text alternative for a picture of these stacks. It describes the first ones."""
-    rest = [f"and {len(stacks) - _DESCRIBED} more, in the tables"] if len(stacks) > _DESCRIBED + 1 else []
-    return "; ".join([*map(_told, stacks[: _DESCRIBED if rest else None]), *rest])
+    further_stacks = [f"and {len(stacks) - _DESCRIBED} more, in the tables"] if len(stacks) > _DESCRIBED + 1 else []
+    return "; ".join([*map(_told, stacks[: _DESCRIBED if further_stacks else None]), *further_stacks])
 
 
 #: Highest number of stacks that the text describes. The tables beside the picture describe all of them.
 _DESCRIBED = 4
 
 
-def _told(item: Stack) -> str:
+def _told(stack: Stack) -> str:
     # The caption of a frame ends with its number of bits, and so its text need not begin with it.
     return (
-        f"{item.caption}: {item.says.removeprefix(item.caption.rpartition(': ')[2] + ': ')}"
-        if item.caption
-        else item.says
+        f"{stack.caption}: {stack.says.removeprefix(stack.caption.rpartition(': ')[2] + ': ')}"
+        if stack.caption
+        else stack.says
     )
 
 
@@ -159,30 +159,30 @@ def _by_bits(runs: Sequence[_Run]) -> str:
 
 
 def _named(name: str, place: str, active_low: bool) -> str:
-    said = f"always {name}" if name.isdecimal() else name
-    return " ".join(filter(None, (said, place, "(0 = active)" if active_low else "")))
+    spoken_name = f"always {name}" if name.isdecimal() else name
+    return " ".join(filter(None, (spoken_name, place, "(0 = active)" if active_low else "")))
 
 
 def runs_of(placed: PlacedLayout) -> list[_Run]:
     """Return the fields, and the bits that belong to no field, highest first."""
-    runs = [_run(item.field, item.high, item.low) for item in placed.fields]
+    runs = [_run(placed_field.field, placed_field.high, placed_field.low) for placed_field in placed.fields]
     runs += [_Run(high, low, "no field", _NOTHING) for high, low in _gaps(placed)]
     return sorted(runs, key=lambda run: -run.high)
 
 
 def _whole(placed: PlacedLayout) -> list[_Run]:
     """Return the runs, with a group of fields, or a field with its padding, as one run."""
-    there = {item.name for item in placed.fields}
-    found: dict[str, list[_Run]] = {}
-    for item in placed.fields:
-        padded = item.field.padding_of if item.field.padding_of in there else ""
-        whole = item.field.group or padded or item.field.name
-        found.setdefault(whole, []).append(_run(item.field, item.high, item.low))
+    field_names = {placed_field.name for placed_field in placed.fields}
+    runs_by_owner: dict[str, list[_Run]] = {}
+    for placed_field in placed.fields:
+        padded = placed_field.field.padding_of if placed_field.field.padding_of in field_names else ""
+        owner = placed_field.field.group or padded or placed_field.field.name
+        runs_by_owner.setdefault(owner, []).append(_run(placed_field.field, placed_field.high, placed_field.low))
     runs = []
-    for whole, parts in found.items():
+    for owner, parts in runs_by_owner.items():
         low, high = min(part.low for part in parts), max(part.high for part in parts)
-        grouped = any(item.field.group == whole for item in placed.fields)
-        first = _Run(high, low, as_words(whole), _GROUP) if grouped else _run(placed.layout.field(whole), high, low)
+        grouped = any(placed_field.field.group == owner for placed_field in placed.fields)
+        first = _Run(high, low, as_words(owner), _GROUP) if grouped else _run(placed.layout.field(owner), high, low)
         runs.append(first)
     return sorted(runs, key=lambda run: -run.high)
 
@@ -194,7 +194,9 @@ def _run(field: Field, high: int, low: int) -> _Run:
 def _gaps(placed: PlacedLayout) -> list[tuple[int, int]]:
     """Return the highest and lowest bit of each run of bits that belong to no field, highest run first."""
     free = [
-        bit for bit in range(placed.bits - 1, -1, -1) if not any(item.low <= bit <= item.high for item in placed.fields)
+        bit
+        for bit in range(placed.bits - 1, -1, -1)
+        if not any(placed_field.low <= bit <= placed_field.high for placed_field in placed.fields)
     ]
     runs: list[tuple[int, int]] = []
     for bit in free:
@@ -233,12 +235,12 @@ def _row(row: Byte, top: float) -> Iterator[str]:
     if row.label:
         yield text(_MARGIN, top + _BOX / 2 + 4, row.label, _SMALL, "start", faint=True)
     for box in row.boxes:
-        left, room = _MARGIN + _LABELS + (7 - box.high) * _BIT, _room(box)
-        yield rect(left, top, room, _BOX, box.fill)
+        box_x, room = _MARGIN + _LABELS + (7 - box.high) * _BIT, _room(box)
+        yield rect(box_x, top, room, _BOX, box.fill)
         lines = [(line, False) for line in _inside(box)] + ([(box.place, True)] if box.place else [])
         first = top + _BOX / 2 + 4.5 - 7 * (len(lines) - 1)
         for index, (line, faint) in enumerate(lines):
-            yield text(left + room / 2, first + 14 * index, line, _SMALL, "middle", faint=faint)
+            yield text(box_x + room / 2, first + 14 * index, line, _SMALL, "middle", faint=faint)
 
 
 def _room(box: Box) -> float:
@@ -262,6 +264,6 @@ def _below(row: Byte) -> list[tuple[str, str]]:
             bits = f"bit{'s' * (':' in box.place)} {box.place}" if box.place else ""
             about = ", ".join(filter(None, (bits, "0 = active" if box.active_low else "")))
             name = f"{box.name} ({about})" if about else box.name
-            said = wrapped(name, WIDE - 2 * _MARGIN - _INDENT, _SMALL)
-            lines += [("" if index else box.fill, line) for index, line in enumerate(said)]
+            name_lines = wrapped(name, WIDE - 2 * _MARGIN - _INDENT, _SMALL)
+            lines += [("" if index else box.fill, line) for index, line in enumerate(name_lines)]
     return lines

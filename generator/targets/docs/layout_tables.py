@@ -38,34 +38,37 @@ def placements(device: Device, layout: Layout, kind: str, sets: Mapping[str, int
 
     ``sets`` are the parameters set by answers to alternatives, if those are not the first answers.
     """
-    found: dict[tuple[tuple[str, int, int], ...], tuple[PlacedLayout, list[str]]] = {}
+    placements_by_shape: dict[tuple[tuple[str, int, int], ...], tuple[PlacedLayout, list[str]]] = {}
     for variant in device.variants_over(kind):
         placed = layout.place({**variant.parameters, **sets})
-        shape = tuple((item.name, item.low, item.width) for item in placed.fields)
-        found.setdefault(shape, (placed, []))[1].append(variant.code)
+        shape = tuple((placed_field.name, placed_field.low, placed_field.width) for placed_field in placed.fields)
+        placements_by_shape.setdefault(shape, (placed, []))[1].append(variant.code)
     return tuple(
-        sorted((Placement(tuple(codes), placed) for placed, codes in found.values()), key=lambda item: item.placed.bits)
+        sorted(
+            (Placement(tuple(codes), placed) for placed, codes in placements_by_shape.values()),
+            key=lambda placement: placement.placed.bits,
+        )
     )
 
 
-def named(item: Named) -> str:
+def named(named_part: Named) -> str:
     """Return a name as code, with the name used in the manual below it."""
-    return joined([code(item.name), text(item.printed_name)])
+    return joined([code(named_part.name), text(named_part.printed_name)])
 
 
-def field_cell(device: Device, item: Field, in_register: bool = False) -> str:
+def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
     """Return all statements about a field in one cell. Many values of a register are in a separate table."""
-    parts = [*told(item.meaning), *_values(item, in_register), *rules(device, item), *told(item.note)]
+    parts = [*told(field.meaning), *_values(field, in_register), *rules(device, field), *told(field.note)]
     return joined(map(STYLE.sentence, parts))
 
 
-def _values(item: Field, in_register: bool) -> Iterator[Said]:
-    if not has_value_table(item):
-        yield from (value(replace(one, source=()), item.widest) for one in item.values)
+def _values(field: Field, in_register: bool) -> Iterator[Said]:
+    if not has_value_table(field):
+        yield from (value(replace(named_value, source=()), field.widest) for named_value in field.values)
     elif in_register:
         yield said("See the table of values below")
     else:
-        names = (value(replace(one, meaning=""), item.widest).parts for one in item.values)
+        names = (value(replace(named_value, meaning=""), field.widest).parts for named_value in field.values)
         yield said(*parted(names, ", "), label="Values")
 
 
@@ -76,41 +79,43 @@ def has_value_table(field: Field) -> bool:
 
 def value_rows(field: Field) -> Iterator[tuple[str, ...]]:
     """Yield rows of value, name, meaning, source."""
-    for item in field.values:
-        number = hexadecimal(item.value, (field.widest + 3) // 4)
-        yield number, named(item), text(item.meaning), cited(item.source)
+    for named_value in field.values:
+        number = hexadecimal(named_value.value, (field.widest + 3) // 4)
+        yield number, named(named_value), text(named_value.meaning), cited(named_value.source)
 
 
 def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
     """Yield rows of field, place, width, meaning, source. A group of fields is one row with a link to its table."""
-    for item in in_rows(device, layout):
-        if isinstance(item, FieldGroup):
-            name = joined([link(code(item.name), f"#group-{item.name}"), text(item.printed_name)])
-            parts = [Code(field.name) for field in layout.fields if field.group == item.name]
+    for row_part in in_rows(device, layout):
+        if isinstance(row_part, FieldGroup):
+            name = joined([link(code(row_part.name), f"#group-{row_part.name}"), text(row_part.printed_name)])
+            parts = [Code(field.name) for field in layout.fields if field.group == row_part.name]
             made_of = STYLE.sentence(said(*listed(parts), label="Fields"))
-            yield name, group_place(device, layout, item), f"{item.bits}", made_of, ""
+            yield name, group_place(device, layout, row_part), f"{row_part.bits}", made_of, ""
         else:
             yield (
-                named(item),
-                field_place_cell(layout, item, device.alternatives_of(layout)),
-                STYLE.number(item.width),
-                field_cell(device, item, in_register=not layout.sender),
-                cited(item.source) if item.source != layout.source else "",
+                named(row_part),
+                field_place_cell(layout, row_part, device.alternatives_of(layout)),
+                STYLE.number(row_part.width),
+                field_cell(device, row_part, in_register=not layout.sender),
+                cited(row_part.source) if row_part.source != layout.source else "",
             )
 
 
 def in_rows(device: Device, layout: Layout) -> Iterator[Field | FieldGroup]:
     """Yield the groups of fields, and the fields outside of groups. Padding is in the row of the padded field."""
     groups = {group.name: group for group in device.field_groups}
-    there = {item.name for item in layout.fields}
-    whole = (item for item in layout.fields if item.padding_of not in there)
-    rows = {(item.group, "" if item.group else item.name): groups.get(item.group, item) for item in whole}
+    field_names = {field.name for field in layout.fields}
+    unpadded_fields = (field for field in layout.fields if field.padding_of not in field_names)
+    rows = {
+        (field.group, "" if field.group else field.name): groups.get(field.group, field) for field in unpadded_fields
+    }
     yield from rows.values()
 
 
 def group_place(device: Device, layout: Layout, group: FieldGroup) -> str:
     """Return the bytes of a frame that hold a group of fields."""
-    low = _first_bit((item for item in layout.fields if item.group == group.name), _first_answers(device))
+    low = _first_bit((field for field in layout.fields if field.group == group.name), _first_answers(device))
     return frame_bytes(layout, layout.widest, low + group.bits - 1, low)
 
 
@@ -130,19 +135,23 @@ def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], Gr
     """Return the fields of a group, once for each choice that moves them."""
     layout = next(layout for _, layout in device.layouts() if any(field.group == name for field in layout.fields))
     parts = [field for field in layout.fields if field.group == name]
-    deciding = [item for item in device.alternatives_of(layout) if any(_follows(field, item) for field in parts)]
+    deciding = [
+        alternative
+        for alternative in device.alternatives_of(layout)
+        if any(_follows(field, alternative) for field in parts)
+    ]
     shapes = []
     for answers, sets in choices(deciding):
         first = _first_bit(parts, sets)
         lows = ((field, field.low.value(sets) - first) for field in parts)
         placed = [(field, low + field.width.constant - 1, low) for field, low in lows]
-        shapes.append((answers, sorted(placed, key=lambda item: -item[1])))
+        shapes.append((answers, sorted(placed, key=lambda placed_field: -placed_field[1])))
     return shapes
 
 
-def _follows(field: Field, item: Alternative) -> bool:
+def _follows(field: Field, alternative: Alternative) -> bool:
     """Return whether an alternative decides the place of a field."""
-    return not item.answers[0].sets.keys().isdisjoint((*field.low.parameters, *field.width.parameters))
+    return not alternative.answers[0].sets.keys().isdisjoint((*field.low.parameters, *field.width.parameters))
 
 
 def group_rows(device: Device, name: str) -> Iterator[tuple[str, ...]]:
@@ -157,7 +166,7 @@ def group_places(device: Device, name: str, written: Callable[[Sequence[Answer]]
     for field, _, _ in shapes[0][1]:
         places: dict[str, str] = {}
         for answers, fields in shapes:
-            place = next(bits(high, low) for other, high, low in fields if other is field)
+            place = next(bits(high, low) for moved_field, high, low in fields if moved_field is field)
             places.setdefault(place, written(answers))
         several = len(places) > 1
         yield field, joined(f"{place} ({answer})" if several else place for place, answer in places.items())
@@ -165,8 +174,8 @@ def group_places(device: Device, name: str, written: Callable[[Sequence[Answer]]
 
 def frames_with(interface: Interface, group: str) -> list[str]:
     """Return links to the frames that contain a group of fields."""
-    layouts = [item for item in interface.layouts if any(field.group == group for field in item.fields)]
-    return [link(code(item.name), f"#layout-{item.name}") for item in layouts]
+    layouts = [layout for layout in interface.layouts if any(field.group == group for field in layout.fields)]
+    return [link(code(layout.name), f"#layout-{layout.name}") for layout in layouts]
 
 
 def used_groups(interface: Interface) -> list[str]:
@@ -178,28 +187,32 @@ def placement_table(device: Device, layout: Layout, kind: str) -> str:
 
     Only choices that change the length are included. The row of a field shows its places for all other choices.
     """
-    deciding = [item for item in device.alternatives_of(layout) if _lengthens(layout, item)]
+    deciding = [alternative for alternative in device.alternatives_of(layout) if _lengthens(layout, alternative)]
     shapes = [
         (answers, shape) for answers, sets in choices(deciding) for shape in placements(device, layout, kind, sets)
     ]
     if len(shapes) < 2:
         return ""
-    decided = {name for item in device.alternatives for name in item.answers[0].sets}
+    decided = {name for alternative in device.alternatives for name in alternative.answers[0].sets}
     moving = [field for field in layout.fields if not field.padding_of and _moves(field, decided)]
     within = {field.name: field_place_cell(layout, field) for field in moving if field.container and layout.sender}
     rows = []
     for answers, shape in shapes:
         cells = []
         for field in moving:
-            item = shape.placed.field(field.name)
-            below = item.low if item is not None and field.name in within else 0
-            cells.append("–" if item is None else bit_range(item.high - below, item.low - below))
+            placed_field = shape.placed.field(field.name)
+            container_low = placed_field.low if placed_field is not None and field.name in within else 0
+            cells.append(
+                "–"
+                if placed_field is None
+                else bit_range(placed_field.high - container_low, placed_field.low - container_low)
+            )
         total = [f"{shape.placed.bits}"] if not layout.bits.is_constant else [""]
-        rows.append([order_codes(device, shape.codes), *(code(item.name) for item in answers), *total, *cells])
+        rows.append([order_codes(device, shape.codes), *(code(answer.name) for answer in answers), *total, *cells])
     return table(
         [
             "Order codes",
-            *(link(code(item.name), f"#alternative-{item.name}") for item in deciding),
+            *(link(code(alternative.name), f"#alternative-{alternative.name}") for alternative in deciding),
             "Bits",
             *(code(field.name) + (f" in {within[field.name]}" if field.name in within else "") for field in moving),
         ],
@@ -207,9 +220,9 @@ def placement_table(device: Device, layout: Layout, kind: str) -> str:
     )
 
 
-def _lengthens(layout: Layout, item: Alternative) -> bool:
+def _lengthens(layout: Layout, alternative: Alternative) -> bool:
     """Return whether the length of the layout depends on an alternative."""
-    return not item.answers[0].sets.keys().isdisjoint(layout.bits.parameters)
+    return not alternative.answers[0].sets.keys().isdisjoint(layout.bits.parameters)
 
 
 def _moves(field: Field, decided: Container[str]) -> bool:
@@ -222,12 +235,12 @@ def _moves(field: Field, decided: Container[str]) -> bool:
 
 def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[Stack]:
     """Return the bytes of each shape of a layout, once for each choice that moves a field in the picture."""
-    found: dict[tuple[Byte, ...], Stack] = {}
+    stacks_by_rows: dict[tuple[Byte, ...], Stack] = {}
     for answers, sets in choices(device.alternatives_of(layout)):
         for stack in _stacks(layout, placements(device, layout, interface.name, sets)):
-            found.setdefault(stack.rows, replace(stack, caption=_decided(answers, stack.caption)))
-    stacks = list(found.values())
-    return [replace(item, caption="") for item in stacks] if layout.in_bytes and len(stacks) == 1 else stacks
+            stacks_by_rows.setdefault(stack.rows, replace(stack, caption=_decided(answers, stack.caption)))
+    stacks = list(stacks_by_rows.values())
+    return [replace(stack, caption="") for stack in stacks] if layout.in_bytes and len(stacks) == 1 else stacks
 
 
 def _stacks(layout: Layout, shapes: Sequence[Placement]) -> Iterator[Stack]:
@@ -240,22 +253,22 @@ def _stacks(layout: Layout, shapes: Sequence[Placement]) -> Iterator[Stack]:
 
 def shapes(device: Device, interface: Interface, layout: Layout) -> list[tuple[str, PlacedLayout]]:
     """Return each shape of a layout for one order code, with the answers that lead to it as a caption."""
-    found: dict[tuple[tuple[str, int, int], ...], tuple[str, PlacedLayout]] = {}
+    placed_by_shape: dict[tuple[tuple[str, int, int], ...], tuple[str, PlacedLayout]] = {}
     for answers, sets in choices(device.alternatives_of(layout)):
-        for item in placements(device, layout, interface.name, sets):
-            places = tuple((field.name, field.low, field.width) for field in item.placed.fields)
-            found.setdefault(places, (_decided(answers, f"{item.placed.bits} bits"), item.placed))
-    listed = list(found.values())
+        for placement in placements(device, layout, interface.name, sets):
+            places = tuple((field.name, field.low, field.width) for field in placement.placed.fields)
+            placed_by_shape.setdefault(places, (_decided(answers, f"{placement.placed.bits} bits"), placement.placed))
+    listed = list(placed_by_shape.values())
     return [("", listed[0][1])] if len(listed) == 1 else listed
 
 
 def _decided(answers: Sequence[Answer], caption: str) -> str:
-    return ", ".join(filter(None, (*(item.name for item in answers), caption)))
+    return ", ".join(filter(None, (*(answer.name for answer in answers), caption)))
 
 
 def _caption(shape: Placement) -> str:
-    more = f" and {len(shape.codes) - 2} more" if len(shape.codes) > 2 else ""
-    return f"{', '.join(shape.codes[:2])}{more}"
+    further_codes = f" and {len(shape.codes) - 2} more" if len(shape.codes) > 2 else ""
+    return f"{', '.join(shape.codes[:2])}{further_codes}"
 
 
 def group_stacks(device: Device, group: FieldGroup) -> list[Stack]:
@@ -273,6 +286,6 @@ def register_stacks(device: Device, register: Register) -> list[Stack]:
     shapes = placements(device, register.layout, register.interface)
     low_first = register.byte_order == "low_byte_first"
     return [
-        register_stack(_caption(item) if len(shapes) > 1 else "", item.placed, register.address, low_first)
-        for item in shapes
+        register_stack(_caption(placement) if len(shapes) > 1 else "", placement.placed, register.address, low_first)
+        for placement in shapes
     ]

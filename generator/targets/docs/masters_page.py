@@ -28,7 +28,7 @@ Told = Sequence[tuple[Group, Sheet]]
 
 
 def has_masters(device: Device) -> bool:
-    return any(True for item in device.interfaces for _ in records_of(device, item))
+    return any(True for interface in device.interfaces for _ in records_of(device, interface))
 
 
 class MastersPage(TypedDict):
@@ -40,13 +40,16 @@ class MastersPage(TypedDict):
 def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
     parts = [
         (
-            item.interface,
-            item.groups,
-            [(master, list(zip(item.groups, sheets, strict=True))) for master, sheets in item.sheets],
+            interface_sheets.interface,
+            interface_sheets.groups,
+            [
+                (master, list(zip(interface_sheets.groups, sheets, strict=True)))
+                for master, sheets in interface_sheets.sheets
+            ],
         )
-        for item in sheets_of(device, masters)
+        for interface_sheets in sheets_of(device, masters)
     ]
-    sheets = [found for _, _, told in parts for _, rows in told for _, found in rows]
+    sheets = [sheet for _, _, master_sheets in parts for _, rows in master_sheets for _, sheet in rows]
     return {
         "device": device,
         "legend": text(legend(masters, sheets, with_places=True)),
@@ -55,21 +58,21 @@ def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
 
 
 def _interface(
-    device: Device, interface: Interface, groups: Sequence[Group], told: Sequence[tuple[Master, Told]]
+    device: Device, interface: Interface, groups: Sequence[Group], sheets_by_master: Sequence[tuple[Master, Told]]
 ) -> dict[str, Any]:
-    same, tables = _split(
+    common_rows, tables = _split(
         [(group, [(name, (name, text(value))) for name, value in facts(group.record)]) for group in groups]
     )
     codes = [] if tables else [("Order codes", _label(groups))]
     return {
         "title": interface.title,
         "anchor": interface.name,
-        "facts": [*codes, *((text(name), value) for name, value in same)],
+        "facts": [*codes, *((text(name), value) for name, value in common_rows)],
         "tables": tables,
         "cable_errata": ", ".join(to_erratum(device, name) for name in groups[0].record.cables.errata),
         "notes": list(dict.fromkeys(text(note) for group in groups for note in group.record.notes)),
-        "masters": [_master(master, sheets) for master, sheets in told if interface.name in master.takes],
-        "silent": [text(master.title) for master, _ in told if interface.name not in master.takes],
+        "masters": [_master(master, sheets) for master, sheets in sheets_by_master if interface.name in master.takes],
+        "silent": [text(master.title) for master, _ in sheets_by_master if interface.name not in master.takes],
     }
 
 
@@ -80,88 +83,99 @@ def _split(columns: Columns) -> tuple[list[Row], list[Table]]:
     """
     keys = list(dict.fromkeys(key for _, rows in columns for key, _ in rows))
     by_key = [(group, dict(rows)) for group, rows in columns]
-    same, other = [], []
+    common_rows, differing_keys = [], []
     for key in keys:
-        found = {rows.get(key) for _, rows in by_key}
-        only = found.pop()
-        if found or only is None:
-            other.append(key)
+        key_rows = {rows.get(key) for _, rows in by_key}
+        common_row = key_rows.pop()
+        if key_rows or common_row is None:
+            differing_keys.append(key)
         else:
-            same.append(only)
-    by_supply = [key for key in other if _follows_supply(key, by_key)]
-    parts = ([key for key in other if key not in by_supply], by_supply)
-    return same, [_table(keys, by_key) for keys in parts if keys]
+            common_rows.append(common_row)
+    by_supply = [key for key in differing_keys if _follows_supply(key, by_key)]
+    parts = ([key for key in differing_keys if key not in by_supply], by_supply)
+    return common_rows, [_table(keys, by_key) for keys in parts if keys]
 
 
 def _follows_supply(key: Any, columns: Sequence[tuple[Group, dict[Any, Row]]]) -> bool:
-    found: dict[tuple[int | None, int | None], set[Row | None]] = {}
+    rows_by_supply: dict[tuple[int | None, int | None], set[Row | None]] = {}
     for group, rows in columns:
         numbers = group.record.numbers
-        found.setdefault((numbers["supply_min_mv"], numbers["supply_max_mv"]), set()).add(rows.get(key))
-    return all(len(rows) == 1 for rows in found.values())
+        rows_by_supply.setdefault((numbers["supply_min_mv"], numbers["supply_max_mv"]), set()).add(rows.get(key))
+    return all(len(rows) == 1 for rows in rows_by_supply.values())
 
 
 def _table(keys: Sequence[Any], columns: Sequence[tuple[Group, dict[Any, Row]]]) -> Table:
     """Return the column heads, and one row for all groups that have the same values."""
     heads = [next(rows[key][0] for _, rows in columns if key in rows) for key in keys]
-    found: dict[Row, list[Group]] = {}
+    groups_by_cells: dict[Row, list[Group]] = {}
     for group, rows in columns:
-        found.setdefault(tuple(rows[key][1] if key in rows else "–" for key in keys), []).append(group)
-    return {"head": ["Order codes", *heads], "rows": [[_label(groups), *cells] for cells, groups in found.items()]}
+        groups_by_cells.setdefault(tuple(rows[key][1] if key in rows else "–" for key in keys), []).append(group)
+    return {
+        "head": ["Order codes", *heads],
+        "rows": [[_label(groups), *cells] for cells, groups in groups_by_cells.items()],
+    }
 
 
 def _label(groups: Sequence[Group]) -> str:
     """Return the order codes of all groups, with the answers unless every choice is included."""
     device = groups[0].device
-    found: dict[tuple[tuple[str, str], ...], list[str]] = {}
+    codes_by_answers: dict[tuple[tuple[str, str], ...], list[str]] = {}
     for group in groups:
-        found.setdefault(tuple(group.record.answers.items()), []).extend(group.codes)
-    ways = prod(len(item.answers) for item in device.alternatives if item.name in groups[0].record.answers)
-    if len(found) == ways and len({frozenset(codes) for codes in found.values()}) == 1:
-        return order_codes(device, next(iter(found.values())))
+        codes_by_answers.setdefault(tuple(group.record.answers.items()), []).extend(group.codes)
+    answer_count = prod(
+        len(alternative.answers) for alternative in device.alternatives if alternative.name in groups[0].record.answers
+    )
+    if len(codes_by_answers) == answer_count and len({frozenset(codes) for codes in codes_by_answers.values()}) == 1:
+        return order_codes(device, next(iter(codes_by_answers.values())))
     return joined(
         " ".join((order_codes(device, codes), *(f"with {code(f'{name}={answer}')}" for name, answer in answers)))
-        for answers, codes in found.items()
+        for answers, codes in codes_by_answers.items()
     )
 
 
 def _master(master: Master, sheets: Told) -> dict[str, Any]:
-    taken = [(group, item) for group, item in sheets if not item.refusals]
+    accepted_sheets = [(group, sheet) for group, sheet in sheets if not sheet.refusals]
     columns = [
-        (group, [((item.name, item.at), _row(item, found)) for item in found.settings]) for group, found in taken
+        (group, [((setting.name, setting.at), _row(setting, sheet)) for setting in sheet.settings])
+        for group, sheet in accepted_sheets
     ]
-    same, tables = _split(columns)
+    common_rows, tables = _split(columns)
     return {
         "name": master.name,
         "title": text(master.title),
-        "settings": same,
+        "settings": common_rows,
         "tables": tables,
-        "row_notes": _row_notes(columns, {row[0] for row in same}),
+        "row_notes": _row_notes(columns, {row[0] for row in common_rows}),
         "refused": list(_refused(sheets)),
-        "places": list(_places(taken)),
-        "notes": list(_notes(taken)),
+        "places": list(_places(accepted_sheets)),
+        "notes": list(_notes(accepted_sheets)),
         "documents": document_rows(master.documents),
     }
 
 
-def _row(item: Setting, sheet: Sheet) -> Row:
+def _row(setting: Setting, sheet: Sheet) -> Row:
     """Return a row of name with place, value, note, source."""
-    name = text(item.name) + (f" ({text(item.at)})" if item.at else "")
-    value = bound(item) + code(item.text) + _mark(item) if item.value is not None else text(item.text)
-    return name, value, text(" ".join(filter(None, [item.note, *conditions(item, sheet)]))), text(cited(item.source))
+    name = text(setting.name) + (f" ({text(setting.at)})" if setting.at else "")
+    value = bound(setting) + code(setting.text) + _mark(setting) if setting.value is not None else text(setting.text)
+    return (
+        name,
+        value,
+        text(" ".join(filter(None, [setting.note, *conditions(setting, sheet)]))),
+        text(cited(setting.source)),
+    )
 
 
-def _places(taken: Told) -> Iterator[Row]:
+def _places(group_sheets: Told) -> Iterator[Row]:
     """Yield the places of each setting and of each value that a condition needs, once for all order codes."""
-    found: dict[tuple[str, str], tuple[Sequence[Place], str, Sequence[MasterDevice]]] = {}
-    for _, item in taken:
-        devices = item.master.devices
-        for setting in item.settings:
-            found.setdefault((setting.name, setting.at), (setting.places, setting.text, devices))
-        for rule in item.writing:
+    setting_places: dict[tuple[str, str], tuple[Sequence[Place], str, Sequence[MasterDevice]]] = {}
+    for _, sheet in group_sheets:
+        devices = sheet.master.devices
+        for setting in sheet.settings:
+            setting_places.setdefault((setting.name, setting.at), (setting.places, setting.text, devices))
+        for rule in sheet.writing:
             for write in (*rule.needs, *rule.then):
-                found.setdefault((write.title, ""), (write.places, write.text, devices))
-    for (name, _), places in found.items():
+                setting_places.setdefault((write.title, ""), (write.places, write.text, devices))
+    for (name, _), places in setting_places.items():
         for words in place_words(*places):
             place = ": ".join(filter(None, (words.devices, words.location or "not given")))
             unit = {"": "unit not given", "none": ""}.get(words.unit, words.unit)
@@ -176,33 +190,33 @@ def _source(reason: Refusal) -> str:
 
 def _mark(rule: Setting | Refusal) -> str:
     """Return the mark of a rule, which is outside the text to copy."""
-    found = text(mark(rule))
-    return f" {found}" if found else ""
+    rule_mark = text(mark(rule))
+    return f" {rule_mark}" if rule_mark else ""
 
 
-def _row_notes(columns: Columns, same: set[str]) -> list[str]:
+def _row_notes(columns: Columns, common_names: set[str]) -> list[str]:
     """Return the notes and sources of settings that differ between order codes."""
-    rows = [row for _, found in columns for _, row in found if row[0] not in same]
+    rows = [row for _, setting_rows in columns for _, row in setting_rows if row[0] not in common_names]
     notes = dict.fromkeys(f"{name}: {note}" for name, _, note, _ in rows if note)
     sources = dict.fromkeys(f"{name} \\[{source}\\]" for name, _, _, source in rows)
     return [*notes, f"Sources: {', '.join(sources)}"]
 
 
-def _notes(taken: Told) -> Iterator[str]:
+def _notes(group_sheets: Told) -> Iterator[str]:
     """Yield further notes, with the order codes unless a note applies to all of them."""
-    found: dict[str, list[Group]] = {}
-    for group, item in taken:
-        for note in (*(condition(rule) for rule in item.shared_writing), *item.notes):
-            found.setdefault(text(note), []).append(group)
-    for note, groups in found.items():
-        yield note if len(groups) == len(taken) else f"{_label(groups)}: {note}"
+    groups_by_note: dict[str, list[Group]] = {}
+    for group, sheet in group_sheets:
+        for note in (*(condition(rule) for rule in sheet.shared_writing), *sheet.notes):
+            groups_by_note.setdefault(text(note), []).append(group)
+    for note, groups in groups_by_note.items():
+        yield note if len(groups) == len(group_sheets) else f"{_label(groups)}: {note}"
 
 
 def _refused(sheets: Told) -> Iterator[str]:
-    found: dict[str, list[Group]] = {}
-    for group, item in sheets:
-        if item.refusals:
-            reasons = " ".join(f"{text(reason.reason)}{_mark(reason)}{_source(reason)}" for reason in item.refusals)
-            found.setdefault(reasons, []).append(group)
-    for reasons, groups in found.items():
+    groups_by_reasons: dict[str, list[Group]] = {}
+    for group, sheet in sheets:
+        if sheet.refusals:
+            reasons = " ".join(f"{text(reason.reason)}{_mark(reason)}{_source(reason)}" for reason in sheet.refusals)
+            groups_by_reasons.setdefault(reasons, []).append(group)
+    for reasons, groups in groups_by_reasons.items():
         yield f"{_label(groups)}: {reasons}"

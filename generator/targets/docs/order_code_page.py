@@ -79,7 +79,7 @@ class Alike:
 
     @property
     def codes(self) -> list[str]:
-        return [item.code for item in self.variants]
+        return [variant.code for variant in self.variants]
 
     @property
     def interface(self) -> Interface:
@@ -104,16 +104,21 @@ class Codes:
 
     @cached_property
     def alike(self) -> tuple[Alike, ...]:
-        found: dict[tuple[str, tuple[tuple[str, int], ...]], list[Variant]] = {}
-        for item in self.device.variants:
-            found.setdefault((item.interface, tuple(sorted(item.parameters.items()))), []).append(item)
-        names = names_of_codes((variants[0].code for variants in found.values()), TAKEN)
-        return tuple(self._alike(tuple(variants), name) for variants, name in zip(found.values(), names, strict=True))
+        variants_by_quantities: dict[tuple[str, tuple[tuple[str, int], ...]], list[Variant]] = {}
+        for variant in self.device.variants:
+            variants_by_quantities.setdefault(
+                (variant.interface, tuple(sorted(variant.parameters.items()))), []
+            ).append(variant)
+        names = names_of_codes((variants[0].code for variants in variants_by_quantities.values()), TAKEN)
+        return tuple(
+            self._alike(tuple(variants), name)
+            for variants, name in zip(variants_by_quantities.values(), names, strict=True)
+        )
 
     def _alike(self, variants: tuple[Variant, ...], name: str) -> Alike:
-        only = for_codes(self.device, [item.code for item in variants])
-        here = with_own_widths(self.device, with_quantities(only, variants[0]), variants[0])
-        return Alike(self.device, variants, only, here, name)
+        only = for_codes(self.device, [variant.code for variant in variants])
+        page_device = with_own_widths(self.device, with_quantities(only, variants[0]), variants[0])
+        return Alike(self.device, variants, only, page_device, name)
 
     @cached_property
     def pictures(self) -> Pictures:
@@ -133,73 +138,83 @@ class Codes:
     def page_links(self, kind: str) -> list[str]:
         """Return links to the order code pages of an interface, labelled with patterns, for pages next to it."""
         return [
-            link(", ".join(map(code, patterns(self.device, item.codes))), f"{self.device.name}/{item.name}.md")
-            for item in self.alike
-            if item.interface.name == kind
+            link(
+                ", ".join(map(code, patterns(self.device, page_codes.codes))),
+                f"{self.device.name}/{page_codes.name}.md",
+            )
+            for page_codes in self.alike
+            if page_codes.interface.name == kind
         ]
 
     def _links(self, folder: str) -> dict[str, str]:
         return {
-            item.code: link(code(item.code), f"{folder}{alike.name}.md")
+            variant.code: link(code(variant.code), f"{folder}{alike.name}.md")
             for alike in self.alike
-            for item in alike.variants
+            for variant in alike.variants
         }
 
 
-def _position(here: Device, interface: str, measured: Measurement) -> str:
+def _position(page_device: Device, interface: str, measured: Measurement) -> str:
     """Return the unit and range of the position, and the ranges that single frames have."""
-    others = [
-        f"in {code(name)} it {STYLE.phrase(position_range(item))}"
-        if not item.wraps
-        else f"in {code(name)}: {STYLE.phrase(position_range(item))}"
-        for name, item in own_ranges(here, interface)
+    frame_ranges = [
+        f"in {code(name)} it {STYLE.phrase(position_range(frame_range))}"
+        if not frame_range.wraps
+        else f"in {code(name)}: {STYLE.phrase(position_range(frame_range))}"
+        for name, frame_range in own_ranges(page_device, interface)
     ]
-    return ", ".join([STYLE.phrase(measurement(measured)), *others])
+    return ", ".join([STYLE.phrase(measurement(measured)), *frame_ranges])
 
 
 def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage:
     """Return the values of the page. ``pictures`` are those of the family, of which the page may replace some."""
-    here, interface, badges = alike.here, alike.interface, Badges(alike.here)
-    measured = here.measurement_of(interface.name)
-    found = sections(here)
+    page_device, interface, badges = alike.here, alike.interface, Badges(alike.here)
+    measured = page_device.measurement_of(interface.name)
+    page_sections = sections(page_device)
     return {
-        **found,
-        **over_values(alike.family, here, alike.variants, has_masters, alike.pictures),
+        **page_sections,
+        **over_values(alike.family, page_device, alike.variants, has_masters, alike.pictures),
         "errata_at": badges,
         "codes": alike.codes,
         # The notes on SSI and RS-485 begin with the line, those on BiSS with limits that users must keep.
         "lead": lead(interface.note) if isinstance(interface, Biss) else "",
-        "position": _position(here, interface.name, measured) if measured is not None else "",
-        "evidence": grade(here),
-        "wiring": pin_tables.wiring(here),
-        "supply": pin_tables.supply(here, alike.variants),
-        "speed": clock_and_cable.speed(alike.family, here, interface, alike.frame),
+        "position": _position(page_device, interface.name, measured) if measured is not None else "",
+        "evidence": grade(page_device),
+        "wiring": pin_tables.wiring(page_device),
+        "supply": pin_tables.supply(page_device, alike.variants),
+        "speed": clock_and_cable.speed(alike.family, page_device, interface, alike.frame),
         "frame": _frame(alike, alike.frame, {**pictures, **alike.pictures}) if alike.frame is not None else None,
-        "sending": bytes_to_send.sending(alike.family, here, interface, alike.variants[0], badges.of_bytes),
-        "led_rows": list(short_tables.led_rows(here)),
-        "no_leds": no_leds(alike.family, here, interface),
+        "sending": bytes_to_send.sending(alike.family, page_device, interface, alike.variants[0], badges.of_bytes),
+        "led_rows": list(short_tables.led_rows(page_device)),
+        "no_leds": no_leds(alike.family, page_device, interface),
         "no_supply": no_supply(alike.family, interface),
-        "interfaces": [_with_short_rows(here, item) for item in found["interfaces"]],
+        "interfaces": [
+            _with_short_rows(page_device, interface_section) for interface_section in page_sections["interfaces"]
+        ],
         "registers": [
             {
-                **item,
-                "rows": list(short_tables.field_rows(here, item["register"].layout)) if item["rows"] else [],
-                "value_tables": short_tables.value_tables(item["register"]),
+                **register_section,
+                "rows": list(short_tables.field_rows(page_device, register_section["register"].layout))
+                if register_section["rows"]
+                else [],
+                "value_tables": short_tables.value_tables(register_section["register"]),
             }
-            for item in found["registers"]
+            for register_section in page_sections["registers"]
         ],
-        "register_rows": list(short_tables.register_rows(here)),
+        "register_rows": list(short_tables.register_rows(page_device)),
         "procedures": [
-            {**item, "steps": list(short_tables.steps(here, item["procedure"]))} for item in found["procedures"]
+            {**procedure_section, "steps": list(short_tables.steps(page_device, procedure_section["procedure"]))}
+            for procedure_section in page_sections["procedures"]
         ],
-        "procedures_summary": f"{counted(len(here.procedures), 'procedure')}, step by step",
-        "setting_lines": list(short_tables.setting_lines(here, interface)),
-        "frames_summary": counted(len(interface.layouts), "frame") + (" with CRC" if here.crcs else ""),
-        "registers_summary": _summary(here),
-        "time_rows": list(short_tables.time_rows(interface.timings + here.timings)),
-        "by_hand": by_hand(here),
+        "procedures_summary": f"{counted(len(page_device.procedures), 'procedure')}, step by step",
+        "setting_lines": list(short_tables.setting_lines(page_device, interface)),
+        "frames_summary": counted(len(interface.layouts), "frame") + (" with CRC" if page_device.crcs else ""),
+        "registers_summary": _summary(page_device),
+        "time_rows": list(short_tables.time_rows(interface.timings + page_device.timings)),
+        "by_hand": by_hand(page_device),
         "example_rows": list(
-            short_tables.example_rows(here, (item for item in here.examples if getattr(item, "order_code", "")))
+            short_tables.example_rows(
+                page_device, (example for example in page_device.examples if getattr(example, "order_code", ""))
+            )
         ),
         "quantity_rows": list(_quantity_rows(alike)),
         "errata_summary": badges.summary,
@@ -229,33 +244,44 @@ def _frame(alike: Alike, layout: Layout, pictures: Pictures) -> Section:
     }
 
 
-def _with_short_rows(device: Device, item: Section) -> Section:
+def _with_short_rows(device: Device, interface_section: Section) -> Section:
     """Return the values of an interface with tables of two columns."""
-    layouts = [{**part, "rows": list(short_tables.field_rows(device, part["layout"]))} for part in item["layouts"]]
-    groups = [{**part, "rows": list(short_tables.group_rows(device, part["group"].name))} for part in item["groups"]]
-    return {**item, "layouts": layouts, "groups": groups}
+    layouts = [
+        {**layout_section, "rows": list(short_tables.field_rows(device, layout_section["layout"]))}
+        for layout_section in interface_section["layouts"]
+    ]
+    groups = [
+        {**group_section, "rows": list(short_tables.group_rows(device, group_section["group"].name))}
+        for group_section in interface_section["groups"]
+    ]
+    return {**interface_section, "layouts": layouts, "groups": groups}
 
 
 def _summary(device: Device) -> str:
     if not device.registers:
         return ""
-    first, last = min(item.address for item in device.registers), max(item.last_address for item in device.registers)
+    first, last = (
+        min(register.address for register in device.registers),
+        max(register.last_address for register in device.registers),
+    )
     return f"{counted(len(device.registers), 'register')} from {hexadecimal(first)} to {hexadecimal(last)}"
 
 
 def _quantity_rows(alike: Alike) -> Iterator[Row]:
     """Yield the quantities set by the order code, and the factory defaults of those that registers hold."""
-    later = run_time_names(alike.family)
-    for item in parameters_of(alike.family, alike.interface.name):
-        if not item.alternative and alike.variants[0].parameters[item.name] != 0:
-            yield _quantity(alike, item, item.name in later)
+    names_at_run_time = run_time_names(alike.family)
+    for parameter in parameters_of(alike.family, alike.interface.name):
+        if not parameter.alternative and alike.variants[0].parameters[parameter.name] != 0:
+            yield _quantity(alike, parameter, parameter.name in names_at_run_time)
 
 
-def _quantity(alike: Alike, item: Parameter, is_held: bool) -> Row:
-    shown = value(item, alike.variants[0].parameters[item.name])
-    by_code = item.read_from and alike.family.register(item.register).default is None
+def _quantity(alike: Alike, parameter: Parameter, is_held: bool) -> Row:
+    quantity = value(parameter, alike.variants[0].parameters[parameter.name])
+    by_code = parameter.read_from and alike.family.register(parameter.register).default is None
     kind = "Value of the order code" if by_code else "Factory default"
-    held = f" {kind}, held in {text(field_at(alike.family, item.read_from))}." if item.read_from else ""
-    held = held or (" Factory default, set by registers." if is_held else "")
-    about = f"{text(sentence(own_meaning(alike.family, item)))}{held} <small>{code(item.name)}</small>"
-    return with_unit(shown, text(item.unit)), f"{about} <small>{cited(item.source)}</small>"
+    origin_text = (
+        f" {kind}, held in {text(field_at(alike.family, parameter.read_from))}." if parameter.read_from else ""
+    )
+    origin_text = origin_text or (" Factory default, set by registers." if is_held else "")
+    about = f"{text(sentence(own_meaning(alike.family, parameter)))}{origin_text} <small>{code(parameter.name)}</small>"
+    return with_unit(quantity, text(parameter.unit)), f"{about} <small>{cited(parameter.source)}</small>"

@@ -21,8 +21,10 @@ def order_codes(device: Device, codes: Sequence[str]) -> str:
 
 def patterns(device: Device, codes: Collection[str]) -> list[str]:
     """Return patterns, with differences in braces, that together match exactly these order codes."""
-    names = [item.name for item in device.order_code.parts]
-    rows = [tuple(item.parts.get(name, "") for name in names) for item in device.variants if item.code in codes]
+    names = [part.name for part in device.order_code.parts]
+    rows = [
+        tuple(variant.parts.get(name, "") for name in names) for variant in device.variants if variant.code in codes
+    ]
 
     def spelled(box: Sequence[Sequence[str]]) -> str:
         texts = {
@@ -36,7 +38,7 @@ def patterns(device: Device, codes: Collection[str]) -> list[str]:
 
 def _boxes(rows: Sequence[_Parts]) -> Iterator[list[list[str]]]:
     """Yield the rows as products of the texts of each part. Rows are split if a part combines with only some others."""
-    divided = [found for index in range(len(rows[0])) if len(found := _divided(rows, index)) > 1]
+    divided = [row_groups for index in range(len(rows[0])) if len(row_groups := _divided(rows, index)) > 1]
     if not divided:
         yield [list(dict.fromkeys(texts)) for texts in zip(*rows, strict=True)]
         return
@@ -46,10 +48,10 @@ def _boxes(rows: Sequence[_Parts]) -> Iterator[list[list[str]]]:
 
 def _divided(rows: Sequence[_Parts], index: int) -> list[list[_Parts]]:
     """Group the rows by one part, and merge texts of it that combine with the same other parts."""
-    rests: dict[str, set[_Parts]] = {}
+    partners: dict[str, set[_Parts]] = {}
     for row in rows:
-        rests.setdefault(row[index], set()).add(row[:index] + row[index + 1 :])
-    found: dict[frozenset[_Parts], list[_Parts]] = {}
+        partners.setdefault(row[index], set()).add(row[:index] + row[index + 1 :])
+    rows_by_partners: dict[frozenset[_Parts], list[_Parts]] = {}
     for row in rows:
-        found.setdefault(frozenset(rests[row[index]]), []).append(row)
-    return list(found.values())
+        rows_by_partners.setdefault(frozenset(partners[row[index]]), []).append(row)
+    return list(rows_by_partners.values())

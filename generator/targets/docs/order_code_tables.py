@@ -18,7 +18,7 @@ from .page_links import style_beside
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """Yield rows of part, meaning, value, meaning of the value, source."""
-    parameters = {item.name: item for item in device.parameters}
+    parameters = {parameter.name: parameter for parameter in device.parameters}
     for part in device.order_code.parts:
         for index, value in enumerate(part.values):
             head = (code(part.name), text(part.meaning)) if index == 0 else ("", "")
@@ -31,19 +31,21 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
                 joined([text(value.meaning), sets, _only_with(value.only_with)]),
                 cited(value.source or part.source),
             )
-        for item in open_values(part):
-            shown = joined([STYLE.sentence(item), _only_with(part.open_only_with)])
-            yield "", "", "", shown, cited(part.source)
+        for open_value in open_values(part):
+            meaning = joined([STYLE.sentence(open_value), _only_with(part.open_only_with)])
+            yield "", "", "", meaning, cited(part.source)
 
 
 def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """Yield rows of pattern on the label, where it is used, its texts for the listed values, source."""
-    for item in device.order_code.also_written:
+    for spelling in device.order_code.also_written:
         values = "; ".join(
-            f"{code(value.text)} is {code(value.value)}" for value in item.values if value.text != value.value
+            f"{code(spelled.text)} is {code(spelled.value)}"
+            for spelled in spelling.values
+            if spelled.text != spelled.value
         )
-        then = f"{code(item.then)} may follow and has no meaning here" if item.then else ""
-        yield code(item.pattern), text(item.where), joined([values, then]), cited(item.source)
+        then = f"{code(spelling.then)} may follow and has no meaning here" if spelling.then else ""
+        yield code(spelling.pattern), text(spelling.where), joined([values, then]), cited(spelling.source)
 
 
 def _only_with(combined: Any) -> str:
@@ -53,14 +55,14 @@ def _only_with(combined: Any) -> str:
 def parameter_rows(device: Device, kind: str) -> Iterator[tuple[str, ...]]:
     """Yield the name, meaning, unit, formula and source of the quantities that an order code sets for an interface."""
     names = run_time_names(device)
-    for item in parameters_of(device, kind):
-        if item.name not in names and not item.alternative:
+    for parameter in parameters_of(device, kind):
+        if parameter.name not in names and not parameter.alternative:
             yield (
-                code(item.name),
-                text(item.meaning),
-                text(item.unit),
-                STYLE.number(item.equals) if item.equals is not None else "",
-                cited(item.source),
+                code(parameter.name),
+                text(parameter.meaning),
+                text(parameter.unit),
+                STYLE.number(parameter.equals) if parameter.equals is not None else "",
+                cited(parameter.source),
             )
 
 
@@ -70,41 +72,46 @@ def run_time_rows(device: Device, kind: str) -> Iterator[tuple[str, ...]]:
     The registers may belong to another interface.
     """
     names = run_time_names(device)
-    for item in parameters_of(device, kind):
-        if item.name in names:
-            unit = f"unit: {text(item.unit)}" if item.unit else ""
+    for parameter in parameters_of(device, kind):
+        if parameter.name in names:
+            unit = f"unit: {text(parameter.unit)}" if parameter.unit else ""
             yield (
-                code(item.name),
-                joined([text(item.meaning), unit]),
-                style_beside(device).paragraph(origin(device, item)),
-                _delivered(device, item),
-                cited(item.source),
+                code(parameter.name),
+                joined([text(parameter.meaning), unit]),
+                style_beside(device).paragraph(origin(device, parameter)),
+                _delivered(device, parameter),
+                cited(parameter.source),
             )
 
 
 def _kinds(device: Device, parameter: Parameter) -> list[str]:
-    return [item.name for item in device.interfaces if parameter in parameters_of(device, item.name)]
+    return [interface.name for interface in device.interfaces if parameter in parameters_of(device, interface.name)]
 
 
 def _delivered(device: Device, parameter: Parameter) -> str:
     if parameter.read_from and device.register(parameter.register).default is None:
         return "by order code"
     kinds = _kinds(device, parameter)
-    found = next((item.parameters[parameter.name] for item in device.variants if item.interface in kinds), None)
-    return parameter_value(parameter, found) if found is not None else ""
+    default = next(
+        (variant.parameters[parameter.name] for variant in device.variants if variant.interface in kinds), None
+    )
+    return parameter_value(parameter, default) if default is not None else ""
 
 
 def code_table(device: Device, interface: Interface, links: Mapping[str, str]) -> dict[str, Any]:
     """Return the order codes of an interface as links to their pages, with the quantities that they set."""
     names = run_time_names(device)
-    shown = (item for item in parameters_of(device, interface.name) if item.name not in names)
-    parameters = [item for item in shown if not item.alternative]
+    code_parameters = (parameter for parameter in parameters_of(device, interface.name) if parameter.name not in names)
+    parameters = [parameter for parameter in code_parameters if not parameter.alternative]
     variants = device.variants_over(interface.name)
     rows = [
-        (links[item.code], *(parameter_value(part, item.parameters[part.name]) for part in parameters))
-        for item in variants
+        (
+            links[variant.code],
+            *(parameter_value(parameter, variant.parameters[parameter.name]) for parameter in parameters),
+        )
+        for variant in variants
     ]
-    head = ["Order code", *(code(item.name) for item in parameters)]
+    head = ["Order code", *(code(parameter.name) for parameter in parameters)]
     return {"head": head, "rows": rows}
 
 
@@ -112,36 +119,46 @@ def alternatives(device: Device) -> list[dict[str, Any]]:
     """Return each question that the manual leaves open, its answers, and the frames that need one."""
     return [
         {
-            "alternative": item,
-            "title": heading(item.name),
-            "rows": [_answer_row(device, item, one) for one in item.answers],
+            "alternative": alternative,
+            "title": heading(alternative.name),
+            "rows": [_answer_row(device, alternative, answer) for answer in alternative.answers],
             "frames": [
                 link(code(layout.name), f"#layout-{layout.name}")
                 for _, layout in device.layouts()
-                if item in (*device.alternatives_of(layout), *device.verdict_alternatives(layout))
+                if alternative in (*device.alternatives_of(layout), *device.verdict_alternatives(layout))
             ],
-            "members": list(map(code, item.answers[0].sets)),
+            "members": list(map(code, alternative.answers[0].sets)),
         }
-        for item in device.alternatives
+        for alternative in device.alternatives
     ]
 
 
-def _answer_row(device: Device, item: Alternative, one: Answer) -> tuple[str, ...]:
+def _answer_row(device: Device, alternative: Alternative, answer: Answer) -> tuple[str, ...]:
     """Return a row of answer, meaning, quantities that it sets, source."""
-    parameters = {item.name: item for item in device.parameters}
+    parameters = {parameter.name: parameter for parameter in device.parameters}
     # The page of one interface lacks the parameters of others.
-    shown = ((parameters[name], count) for name, count in one.sets.items() if name in parameters)
-    sets = (f"{code(part.name)} = {parameter_value(part, count)}: {text(part.meaning)}" for part, count in shown)
-    return code(one.name), text(one.meaning), joined(sets), cited(one.source or item.source)
+    parameter_counts = ((parameters[name], count) for name, count in answer.sets.items() if name in parameters)
+    sets = (
+        f"{code(parameter.name)} = {parameter_value(parameter, count)}: {text(parameter.meaning)}"
+        for parameter, count in parameter_counts
+    )
+    return code(answer.name), text(answer.meaning), joined(sets), cited(answer.source or alternative.source)
 
 
 def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """Yield the unit of the position, for all interfaces or for one."""
-    for over, item in [("", device.measurement), *((part.title, part.measurement) for part in device.interfaces)]:
-        if item is not None:
-            yield code(item.of) + (f" over {over}" if over else ""), STYLE.phrase(measurement(item)), cited(item.source)
+    for interface_title, unit in [
+        ("", device.measurement),
+        *((interface.title, interface.measurement) for interface in device.interfaces),
+    ]:
+        if unit is not None:
+            yield (
+                code(unit.of) + (f" over {interface_title}" if interface_title else ""),
+                STYLE.phrase(measurement(unit)),
+                cited(unit.source),
+            )
     for interface in device.interfaces:
-        of = device.measurement_of(interface.name)
-        for name, item_range in own_ranges(device, interface.name) if of is not None else ():
-            where = f"{code(of.of)} in {code(name)}" if of is not None else ""
+        position_unit = device.measurement_of(interface.name)
+        for name, item_range in own_ranges(device, interface.name) if position_unit is not None else ():
+            where = f"{code(position_unit.of)} in {code(name)}" if position_unit is not None else ""
             yield where, STYLE.phrase(position_range(item_range)), cited(item_range.source)

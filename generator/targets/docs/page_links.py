@@ -19,39 +19,43 @@ def interface_page(device: Device, interface: Interface) -> str:
     return f"{device.name}/{interface.name}.md"
 
 
-def to_register(device: Device, item: Register, label: str) -> str:
-    return link(label, f"{interface_page(device, device.interface(item.interface))}#register-{item.name}")
+def to_register(device: Device, register: Register, label: str) -> str:
+    return link(label, f"{interface_page(device, device.interface(register.interface))}#register-{register.name}")
 
 
-def to_layout(device: Device, item: Layout, label: str) -> str:
-    over = next(interface for interface, layout in device.layouts() if layout.name == item.name)
-    return link(label, f"{interface_page(device, over)}#layout-{item.name}")
+def to_layout(device: Device, layout: Layout, label: str) -> str:
+    interface = next(interface for interface, device_layout in device.layouts() if device_layout.name == layout.name)
+    return link(label, f"{interface_page(device, interface)}#layout-{layout.name}")
 
 
-def to_alarm(device: Device, over: Interface, item: Alarm, label: str) -> str:
-    return link(label, f"{interface_page(device, over)}#alarm-{item.name}")
+def to_alarm(device: Device, interface: Interface, alarm: Alarm, label: str) -> str:
+    return link(label, f"{interface_page(device, interface)}#alarm-{alarm.name}")
 
 
-def to_procedure(device: Device, item: Procedure) -> str:
-    over = device.interface(item.interface)
-    return link(over.title, f"{interface_page(device, over)}#procedure-{item.name}")
+def to_procedure(device: Device, procedure: Procedure) -> str:
+    interface = device.interface(procedure.interface)
+    return link(interface.title, f"{interface_page(device, interface)}#procedure-{procedure.name}")
 
 
 def to_erratum(device: Device, name: str) -> str:
     return link(code(name), f"{device.name}/{ERRATA}#erratum-{name}")
 
 
-def with_errata_linked(device: Device, page: str, made: str) -> str:
+def with_errata_linked(device: Device, page: str, page_text: str) -> str:
     """Return a page of a family with links to the errata that its sentences name, as in ``See erratum crc_start.``"""
     if not device.errata:
-        return made
+        return page_text
     folder = "" if page.startswith(f"{device.name}/") else f"{device.name}/"
-    name = f"(?:{'|'.join(sorted((item.name for item in device.errata), key=len, reverse=True))})\\b"
+    name = f"(?:{'|'.join(sorted((erratum.name for erratum in device.errata), key=len, reverse=True))})\\b"
 
-    def linked(found: re.Match[str]) -> str:
-        return re.sub(name, lambda one: link(code(one[0]), f"{folder}{ERRATA}#erratum-{one[0]}"), found[0])
+    def linked(mention: re.Match[str]) -> str:
+        return re.sub(
+            name,
+            lambda named_erratum: link(code(named_erratum[0]), f"{folder}{ERRATA}#erratum-{named_erratum[0]}"),
+            mention[0],
+        )
 
-    return re.sub(rf"\berrat(?:um|a)\s(?:{name}(?:, (?={name}))?)+", linked, made)
+    return re.sub(rf"\berrat(?:um|a)\s(?:{name}(?:, (?={name}))?)+", linked, page_text)
 
 
 def to_steps(folder: str, names: Iterable[str]) -> list[str]:
@@ -63,7 +67,7 @@ def style_beside(device: Device) -> Style:
     """Return the style for a page in the folder of the family, where registers are on their interface page."""
 
     def written(ref: Ref) -> str:
-        found = next((item for item in device.registers if ref.anchor == f"register-{item.name}"), None)
-        return reference(ref) if found is None else link(code(ref.name), f"{found.interface}.md#{ref.anchor}")
+        register = next((register for register in device.registers if ref.anchor == f"register-{register.name}"), None)
+        return reference(ref) if register is None else link(code(ref.name), f"{register.interface}.md#{ref.anchor}")
 
     return replace(STYLE, ref=written)

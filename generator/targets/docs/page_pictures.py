@@ -28,47 +28,47 @@ Pictures = dict[str, Picture]
 
 
 def of_family(device: Device) -> Pictures:
-    found: Pictures = {}
+    pictures: Pictures = {}
     for interface, layout in device.layouts():
-        found[_frame(layout)] = _picture(
+        pictures[_frame(layout)] = _picture(
             f"{layout.name}.svg", layout, layout_tables.layout_stacks(device, interface, layout)
         )
-    groups = {item.name: item for item in device.field_groups}
+    groups = {group.name: group for group in device.field_groups}
     for interface in device.interfaces:
         for name in layout_tables.used_groups(interface):
             stacks = layout_tables.group_stacks(device, groups[name])
-            found[f"group-{name}"] = _picture(f"{name}.svg", groups[name], stacks)
-    for item in device.registers:
-        if layout_tables.has_picture(item):
-            stacks = layout_tables.register_stacks(device, item)
-            found[_held(item)] = _picture(f"register-{item.name}.svg", item, stacks)
+            pictures[f"group-{name}"] = _picture(f"{name}.svg", groups[name], stacks)
+    for register in device.registers:
+        if layout_tables.has_picture(register):
+            stacks = layout_tables.register_stacks(device, register)
+            pictures[_held(register)] = _picture(f"register-{register.name}.svg", register, stacks)
     for connector in device.connectors:
         key = f"connector-{connector.name}"
-        found[key] = Picture(f"{key}.svg", connector_text(connector), connector_picture(connector))
-    return found
+        pictures[key] = Picture(f"{key}.svg", connector_text(connector), connector_picture(connector))
+    return pictures
 
 
-def of_codes(device: Device, here: Device, page: str, frame: str) -> Pictures:
+def of_codes(device: Device, codes_device: Device, page: str, frame: str) -> Pictures:
     """Return the pictures for a page of order codes that differ from the family's pictures.
 
     They are those of the layout ``frame``, also as one line, and of registers whose fields the order code moves.
-    ``here`` is the family with only these order codes.
+    ``codes_device`` is the family with only these order codes.
     """
-    found: Pictures = {}
-    for interface, layout in here.layouts():
+    pictures: Pictures = {}
+    for interface, layout in codes_device.layouts():
         if layout.name == frame:
-            stacks = _uncaptioned(layout_tables.layout_stacks(here, interface, layout))
+            stacks = _uncaptioned(layout_tables.layout_stacks(codes_device, interface, layout))
             if not layout.in_bytes or stacks != layout_tables.layout_stacks(device, interface, layout):
-                found[_frame(layout)] = _picture(f"{page}-{layout.name}.svg", layout, stacks)
-            shapes = layout_tables.shapes(here, interface, layout)
+                pictures[_frame(layout)] = _picture(f"{page}-{layout.name}.svg", layout, stacks)
+            shapes = layout_tables.shapes(codes_device, interface, layout)
             drawn = wide_picture(title(layout), shapes)
-            found[f"wide-{layout.name}"] = Picture(f"{page}-{layout.name}-wide.svg", told(stacks), drawn)
-    for item in here.registers:
-        differs = len(layout_tables.register_stacks(device, item)) > 1
-        if differs and layout_tables.has_picture(item):
-            stacks = _uncaptioned(layout_tables.register_stacks(here, item))
-            found[_held(item)] = _picture(f"{page}-register-{item.name}.svg", item, stacks)
-    return found
+            pictures[f"wide-{layout.name}"] = Picture(f"{page}-{layout.name}-wide.svg", told(stacks), drawn)
+    for register in codes_device.registers:
+        differs = len(layout_tables.register_stacks(device, register)) > 1
+        if differs and layout_tables.has_picture(register):
+            stacks = _uncaptioned(layout_tables.register_stacks(codes_device, register))
+            pictures[_held(register)] = _picture(f"{page}-register-{register.name}.svg", register, stacks)
+    return pictures
 
 
 def _frame(layout: Layout) -> str:
@@ -79,10 +79,10 @@ def _held(register: Register) -> str:
     return f"register-{register.name}"
 
 
-def _picture(name: str, item: Titled, stacks: Sequence[Stack]) -> Picture:
-    return Picture(name, told(stacks), draw(title(item), stacks))
+def _picture(name: str, titled: Titled, stacks: Sequence[Stack]) -> Picture:
+    return Picture(name, told(stacks), draw(title(titled), stacks))
 
 
 def _uncaptioned(stacks: Sequence[Stack]) -> list[Stack]:
     """Return the stacks without a caption if there is only one."""
-    return [replace(item, caption="") for item in stacks] if len(stacks) == 1 else list(stacks)
+    return [replace(stack, caption="") for stack in stacks] if len(stacks) == 1 else list(stacks)

@@ -35,38 +35,46 @@ class Wiring:
 def wiring(device: Device) -> Wiring:
     """Return one table with the contacts of every connector and cable for each signal."""
     columns = _columns(device.connectors)
-    signals = dict.fromkeys(_signal(item) for connector in device.connectors for item in connector.contacts)
+    signals = dict.fromkeys(_signal(contact) for connector in device.connectors for contact in connector.contacts)
     kinds = ["Wire" if column[0].kind == "cable" else "Pin" for column in columns]
     names = _short_names([column[0].title for column in columns])
     head = [kind if kinds.count(kind) == 1 else name for kind, name in zip(kinds, names, strict=True)]
     rows = [(*(_contacts(column, signal) for column in columns), text(signal)) for signal in signals]
     about = [f"{name}: {', or '.join(map(_named, column))}" for name, column in zip(head, columns, strict=True)]
-    sentences = [item.note.rstrip(".").split(". ") for item in device.connectors]
-    notes = [text(sentence(one)) for one in (sentences or [[]])[0] if one and all(one in other for other in sentences)]
-    errata = tuple(f"connectors.{item.name}" for item in device.connectors)
+    sentences = [connector.note.rstrip(".").split(". ") for connector in device.connectors]
+    notes = [
+        text(sentence(sentence_of_note))
+        for sentence_of_note in (sentences or [[]])[0]
+        if sentence_of_note and all(sentence_of_note in connector_sentences for connector_sentences in sentences)
+    ]
+    errata = tuple(f"connectors.{connector.name}" for connector in device.connectors)
     return Wiring((*head, "Signal"), tuple(rows), tuple(about), tuple(notes), errata)
 
 
 def _columns(connectors: Sequence[Connector]) -> list[list[Connector]]:
     """Group connectors of one kind that have the same contacts for most signals of the one with fewer."""
     columns: list[list[Connector]] = []
-    for item in connectors:
+    for connector in connectors:
         for column in columns:
-            mine, other = _by_signal(item), _by_signal(column[0])
-            alike = sum(mine.get(signal) == contacts for signal, contacts in other.items())
-            if item.kind == column[0].kind and 2 * alike > min(len(mine), len(other)):
-                column.append(item)
+            connector_contacts, column_contacts = _by_signal(connector), _by_signal(column[0])
+            equal_signals = sum(
+                connector_contacts.get(signal) == contacts for signal, contacts in column_contacts.items()
+            )
+            if connector.kind == column[0].kind and 2 * equal_signals > min(
+                len(connector_contacts), len(column_contacts)
+            ):
+                column.append(connector)
                 break
         else:
-            columns.append([item])
+            columns.append([connector])
     return columns
 
 
 def _by_signal(connector: Connector) -> dict[str, list[str]]:
-    found: dict[str, list[str]] = {}
-    for item in connector.contacts:
-        found.setdefault(_signal(item), []).append(item.contact)
-    return found
+    contacts_by_signal: dict[str, list[str]] = {}
+    for contact in connector.contacts:
+        contacts_by_signal.setdefault(_signal(contact), []).append(contact.contact)
+    return contacts_by_signal
 
 
 def _signal(contact: Contact) -> str:
@@ -76,10 +84,10 @@ def _signal(contact: Contact) -> str:
 
 def _contacts(column: Sequence[Connector], signal: str) -> str:
     """Return the contacts of a signal, marked with the name of their connector if they differ."""
-    found = [_in_short(_by_signal(item).get(signal, [])) for item in column]
-    names = _short_names([item.title for item in column])
-    marked = [f"{contacts} ({name})" for contacts, name in zip(found, names, strict=True) if contacts]
-    return text(found[0] if len(set(found)) == 1 else ", ".join(marked))
+    signal_contacts = [_in_short(_by_signal(connector).get(signal, [])) for connector in column]
+    names = _short_names([connector.title for connector in column])
+    marked = [f"{contacts} ({name})" for contacts, name in zip(signal_contacts, names, strict=True) if contacts]
+    return text(signal_contacts[0] if len(set(signal_contacts)) == 1 else ", ".join(marked))
 
 
 def _short_names(titles: Sequence[str]) -> list[str]:
@@ -94,24 +102,26 @@ def _short_names(titles: Sequence[str]) -> list[str]:
 
 def _in_short(contacts: Sequence[str]) -> str:
     """Return contacts as a list, with three or more consecutive numbers as a range."""
-    numbers = [int(item) for item in contacts if item.isdecimal()]
+    numbers = [int(contact) for contact in contacts if contact.isdecimal()]
     if len(numbers) == len(contacts) > 2 and numbers == list(range(numbers[0], numbers[-1] + 1)):
         return f"{numbers[0]} to {numbers[-1]}"
     return ", ".join(contacts)
 
 
-def _named(item: Connector) -> str:
-    return f"{anchor(f'connector-{item.name}')}{text(item.title)}"
+def _named(connector: Connector) -> str:
+    return f"{anchor(f'connector-{connector.name}')}{text(connector.title)}"
 
 
 def supply(device: Device, variants: Sequence[Variant]) -> list[str]:
     """Return the supply of each order code, or of all if it is the same, with its source."""
-    found: dict[str, list[str]] = {}
-    for item in variants:
-        needed = device.supply_of(item)
-        if needed is not None:
-            said_ = f"{volts(needed.min_mv)} to {volts(needed.max_mv)} ({cited(needed.source)})"
-            found.setdefault(said_, []).append(item.code)
-    if len(found) == 1:
-        return list(found)
-    return [f"{value} with {', '.join(map(code, codes))}" for value, codes in found.items()]
+    codes_by_supply: dict[str, list[str]] = {}
+    for variant in variants:
+        variant_supply = device.supply_of(variant)
+        if variant_supply is not None:
+            supply_text = (
+                f"{volts(variant_supply.min_mv)} to {volts(variant_supply.max_mv)} ({cited(variant_supply.source)})"
+            )
+            codes_by_supply.setdefault(supply_text, []).append(variant.code)
+    if len(codes_by_supply) == 1:
+        return list(codes_by_supply)
+    return [f"{value} with {', '.join(map(code, codes))}" for value, codes in codes_by_supply.items()]

@@ -28,34 +28,34 @@ from .layout_tables import (
 Row = tuple[str, ...]
 
 
-def titled(item: Titled) -> str:
+def titled(titled_part: Titled) -> str:
     """Return a title in words, with the identifier for programmers in small type."""
-    return f"{text(title(item))} <small>{code(item.name)}</small>"
+    return f"{text(title(titled_part))} <small>{code(titled_part.name)}</small>"
 
 
 def field_rows(device: Device, layout: Layout) -> Iterator[Row]:
     """Yield rows of place, field. A group of fields is one row with a link to its table."""
-    for item in in_rows(device, layout):
-        if isinstance(item, FieldGroup):
-            names = ", ".join(code(field.name) for field in layout.fields if field.group == item.name)
-            to = link(text(heading(item.name)), f"#group-{item.name}")
-            yield group_place(device, layout, item), f"{to} <small>{code(item.name)}</small>: {names}"
+    for row_part in in_rows(device, layout):
+        if isinstance(row_part, FieldGroup):
+            names = ", ".join(code(field.name) for field in layout.fields if field.group == row_part.name)
+            to = link(text(heading(row_part.name)), f"#group-{row_part.name}")
+            yield group_place(device, layout, row_part), f"{to} <small>{code(row_part.name)}</small>: {names}"
         else:
-            place = field_place_cell(layout, item, device.alternatives_of(layout))
-            size = counted(STYLE.number(item.width), "bit") if item.container else ""
-            yield joined([place, size]), _described(device, item, layout.source, in_register=not layout.sender)
+            place = field_place_cell(layout, row_part, device.alternatives_of(layout))
+            size = counted(STYLE.number(row_part.width), "bit") if row_part.container else ""
+            yield joined([place, size]), _described(device, row_part, layout.source, in_register=not layout.sender)
 
 
 def group_rows(device: Device, name: str) -> Iterator[Row]:
     """Yield rows of place, field for a group of fields."""
-    for field, where in group_places(device, name, lambda answers: code(", ".join(item.name for item in answers))):
+    for field, where in group_places(device, name, lambda answers: code(", ".join(answer.name for answer in answers))):
         yield where, _described(device, field, ())
 
 
-def _described(device: Device, field: Field, known: Sources, in_register: bool = False) -> str:
-    """Return a field with all statements about it, and its source unless it is ``known``."""
+def _described(device: Device, field: Field, layout_source: Sources, in_register: bool = False) -> str:
+    """Return a field with all statements about it, and its source unless it is ``layout_source``."""
     about = joined([titled(field), field_cell(device, field, in_register)])
-    return about + (f" <small>{cited(field.source)}</small>" if field.source and field.source != known else "")
+    return about + (f" <small>{cited(field.source)}</small>" if field.source and field.source != layout_source else "")
 
 
 def value_tables(register: Register) -> list[list[Row]]:
@@ -69,46 +69,48 @@ def value_tables(register: Register) -> list[list[Row]]:
 
 def register_rows(device: Device) -> Iterator[Row]:
     """Yield rows of bank, addresses, register."""
-    for item in device.registers:
-        data = item.default_bytes()
+    for register in device.registers:
+        data = register.default_bytes()
         default = f", default {code(data.hex(' ').upper())}" if data is not None else ""
-        to = f"{link(text(title(item)), f'#register-{item.name}')} <small>{code(item.name)}</small>"
-        bank = "" if item.bank is None else f"{item.bank}"
-        yield bank, addresses(item), f"{to} {say_register.access(item)}{default}"
+        to = f"{link(text(title(register)), f'#register-{register.name}')} <small>{code(register.name)}</small>"
+        bank = "" if register.bank is None else f"{register.bank}"
+        yield bank, addresses(register), f"{to} {say_register.access(register)}{default}"
 
 
 def steps(device: Device, procedure: Procedure) -> Iterator[str]:
     """Yield the steps as sentences, each with its reason."""
-    for item in procedure.steps:
-        reason = f" ({text(item.meaning)})" if item.meaning else ""
-        yield STYLE.phrase(step(device, item)) + reason + "."
+    for procedure_step in procedure.steps:
+        reason = f" ({text(procedure_step.meaning)})" if procedure_step.meaning else ""
+        yield STYLE.phrase(step(device, procedure_step)) + reason + "."
 
 
 def time_rows(timings: Iterable[Timing]) -> Iterator[Row]:
     """Yield rows of duration, time."""
-    for item in timings:
-        names = "</small> <small>".join(filter(None, (text(item.symbol), code(item.name))))
+    for timing in timings:
+        names = "</small> <small>".join(filter(None, (text(timing.symbol), code(timing.name))))
         yield (
-            text(bounds_with_codes(item)),
-            f"{text(item.meaning)} <small>{names}</small> <small>{cited(item.source)}</small>",
+            text(bounds_with_codes(timing)),
+            f"{text(timing.meaning)} <small>{names}</small> <small>{cited(timing.source)}</small>",
         )
 
 
 def example_rows(device: Device, examples: Iterable[Example]) -> Iterator[Row]:
     """Yield rows of example, its facts."""
-    for item in examples:
+    for example in examples:
         facts = [
-            f"{label}: {value}" for label, value in example_facts(device, item) if label not in ("Order code", "Source")
+            f"{label}: {value}"
+            for label, value in example_facts(device, example)
+            if label not in ("Order code", "Source")
         ]
-        source = f" <small>{cited(item.source)}</small>"
-        yield anchor(f"example-{item.name}") + text(heading(item.name)), joined(facts) + source
+        source = f" <small>{cited(example.source)}</small>"
+        yield anchor(f"example-{example.name}") + text(heading(example.name)), joined(facts) + source
 
 
 def led_rows(device: Device) -> Iterator[Row]:
     """Yield rows of LED or state, meaning."""
-    for item in device.leds:
-        yield f"**{text(item.title)}**", f"<small>{cited(item.source)}</small>"
-        for state in item.states:
+    for led in device.leds:
+        yield f"**{text(led.title)}**", f"<small>{cited(led.source)}</small>"
+        for state in led.states:
             hands = (link("Step by step", f"hardware.md#by-hand-{name}") + "." for name in state.by_hand)
             codes = [f"Only with {code(state.only)}."] if state.only else []
             yield text(state.state), joined([text(sentence(state.meaning)), *codes, *hands], " ")
@@ -116,5 +118,5 @@ def led_rows(device: Device) -> Iterator[Row]:
 
 def setting_lines(device: Device, interface: Interface) -> Iterator[str]:
     """Yield the settings of the interface, each with its source."""
-    for item in settings(device, interface):
-        yield f"{text(item.label)}: {STYLE.phrase(said(*item.parts))} <small>{cited(item.source)}</small>"
+    for setting in settings(device, interface):
+        yield f"{text(setting.label)}: {STYLE.phrase(said(*setting.parts))} <small>{cited(setting.source)}</small>"

@@ -31,8 +31,8 @@ _COLOURS = (
 
 
 def _style() -> str:
-    light = "".join(f".{name}{{{what}:{colour}}}" for name, what, colour, _ in _COLOURS)
-    dark = "".join(f".{name}{{{what}:{colour}}}" for name, what, _, colour in _COLOURS)
+    light = "".join(f".{name}{{{property_name}:{colour}}}" for name, property_name, colour, _ in _COLOURS)
+    dark = "".join(f".{name}{{{property_name}:{colour}}}" for name, property_name, _, colour in _COLOURS)
     always = ".line,.wave{fill:none}rect{stroke:#64748b}"
     return f"<style>{always}{light}@media(prefers-color-scheme:dark){{{dark}}}</style>"
 
@@ -45,9 +45,9 @@ def card(title: str, body: Sequence[str], width: float, height: float, desc: str
         'font-family="system-ui, -apple-system, Segoe UI, Helvetica, Arial, sans-serif">'
     )
     size = f'width="{number(width - 1)}" height="{number(height - 1)}"'
-    told = [f"<title>{_text(title)}</title>", f"<desc>{_text(desc)}</desc>"]
+    descriptions = [f"<title>{_text(title)}</title>", f"<desc>{_text(desc)}</desc>"]
     below = f'<rect x="0.5" y="0.5" {size} rx="6" class="card"/>'
-    return "\n".join([head, *told, _style(), below, *body, "</svg>", ""])
+    return "\n".join([head, *descriptions, _style(), below, *body, "</svg>", ""])
 
 
 def _text(words: str) -> str:
@@ -55,16 +55,16 @@ def _text(words: str) -> str:
     return html.escape(plain(words), quote=False)
 
 
-def rect(left: float, top: float, wide: float, high: float, fill: str) -> str:
+def rect(x: float, top: float, wide: float, high: float, fill: str) -> str:
     """Return a box. ``fill`` is its colour class."""
     size = f'width="{number(wide)}" height="{number(high)}"'
-    return f'<rect x="{number(left)}" y="{number(top)}" {size} class="{fill}"/>'
+    return f'<rect x="{number(x)}" y="{number(top)}" {size} class="{fill}"/>'
 
 
-def swatch(left: float, top: float, wide: float, high: float, colour: str) -> str:
+def swatch(x: float, top: float, wide: float, high: float, colour: str) -> str:
     """Return a box in a colour that is the same in both colour schemes, such as that of a wire."""
     size = f'width="{number(wide)}" height="{number(high)}"'
-    return f'<rect x="{number(left)}" y="{number(top)}" {size} fill="{colour}"/>'
+    return f'<rect x="{number(x)}" y="{number(top)}" {size} fill="{colour}"/>'
 
 
 def text(

@@ -128,9 +128,9 @@ def _ssi(interface: Ssi) -> Wave:
 def _spi(interface: Spi) -> Wave:
     """Return two words, with the request and the reply of each."""
     up, down = Trace.UP, Trace.DOWN
-    asked = bool(interface.exchanges)
-    late = asked and interface.reply == "next_word"
-    shown = ("reply to the request before", "reply to request 1") if late else ("reply 1", "reply 2")
+    has_requests = bool(interface.exchanges)
+    late = has_requests and interface.reply == "next_word"
+    replies = ("reply to the request before", "reply to request 1") if late else ("reply 1", "reply 2")
     select = (Part(up, 40), Part(down, 180), Part(up, 40), Part(down, 180), Part(up, 40))
     clock = (
         Part(down, 56),
@@ -142,13 +142,17 @@ def _spi(interface: Spi) -> Wave:
         boxes = Part(Trace.EITHER, 172, first, "data"), Part(Trace.EITHER, 172, second, "data")
         return (Part(down, 44), boxes[0], Part(down, 48), boxes[1], Part(down, 44))
 
-    requests = (("MOSI", words_of("request 1", "request 2")),) if asked else ()
+    requests = (("MOSI", words_of("request 1", "request 2")),) if has_requests else ()
     return Wave(
         "SPI: two words",
-        (("CS", select), ("Clock", clock), *requests, ("MISO", words_of(*shown))),
+        (("CS", select), ("Clock", clock), *requests, ("MISO", words_of(*replies))),
         (),
         f"Chip select is low during each word of {word_lengths(interface.lengths)}, and high between words. "
-        + (f"{REPLIES[interface.reply].capitalize()}." if asked else "The encoder ignores the words of the master."),
+        + (
+            f"{REPLIES[interface.reply].capitalize()}."
+            if has_requests
+            else "The encoder ignores the words of the master."
+        ),
     )
 
 
@@ -213,13 +217,13 @@ def _fields(codec: Codec, position: Container[str]) -> Iterator[tuple[str, str]]
 def _rs485(device: Device, interface: Rs485) -> Wave:
     """Return a request with its reply, and a repetition of the request."""
     request, reply = _lengths(interface, "master"), _lengths(interface, "encoder")
-    asked = f"{'at least ' if len(request) > 1 else ''}{counted(request[0], 'byte')}"
-    label = f"request, {asked}"
-    answered = f"{'up to ' if len(reply) > 1 else ''}{counted(reply[-1], 'byte')}"
+    request_size = f"{'at least ' if len(request) > 1 else ''}{counted(request[0], 'byte')}"
+    label = f"request, {request_size}"
+    reply_size = f"{'up to ' if len(reply) > 1 else ''}{counted(reply[-1], 'byte')}"
     master = [Part(Trace.UP, 40), Part(Trace.EITHER, width(label, 11) + 12, label, "choice")]
     asking = sum(part.wide for part in master)
-    encoder = [Part(Trace.UP, asking + 40), Part(Trace.EITHER, 170, f"reply, {answered}", "data"), Part(Trace.UP, 40)]
-    told = f"The master sends a request of {asked}. The encoder answers with {answered}."
+    encoder = [Part(Trace.UP, asking + 40), Part(Trace.EITHER, 170, f"reply, {reply_size}", "data"), Part(Trace.UP, 40)]
+    description = f"The master sends a request of {request_size}. The encoder answers with {reply_size}."
     spans: tuple[Span, ...] = ()
     if again := _between_requests(device, interface):
         box, first = 60.0, asking + 270
@@ -228,72 +232,76 @@ def _rs485(device: Device, interface: Rs485) -> Wave:
         master += [Part(Trace.UP, 270), repeated[0], Part(Trace.UP, box), repeated[1], Part(Trace.GAP, 40)]
         encoder.append(Part(Trace.UP, 240))
         spans = (Span(first + box, first + 2 * box, between),)
-        told += f" {between.capitalize()}."
+        description += f" {between.capitalize()}."
     lines = (("Master", tuple(master)), ("Encoder", tuple(encoder)))
-    return Wave("RS-485: requests and replies", lines, spans, told)
+    return Wave("RS-485: requests and replies", lines, spans, description)
 
 
 def _between_requests(device: Device, interface: Interface) -> int:
     """Return the microseconds between the repeated requests of a procedure, or 0 if no procedure repeats a request."""
-    steps = (step for item in device.procedures if item.interface == interface.name for step in item.steps)
+    steps = (
+        step for procedure in device.procedures if procedure.interface == interface.name for step in procedure.steps
+    )
     return max((step.microseconds for step in steps if isinstance(step, SendStep)), default=0)
 
 
 def _lengths(interface: Interface, sender: str) -> list[int]:
     """Return the different lengths in bytes of the frames sent by one side, shortest first."""
-    return sorted({item.widest // 8 for item in interface.layouts if item.sender == sender}) or [1]
+    return sorted({layout.widest // 8 for layout in interface.layouts if layout.sender == sender}) or [1]
 
 
-def drawn(item: Wave) -> str:
+def drawn(diagram: Wave) -> str:
     """Return the picture of a timing diagram."""
     body: list[str] = []
-    right = 0.0
-    for row, (name, parts) in enumerate(item.lines):
+    right_end = 0.0
+    for row, (name, parts) in enumerate(diagram.lines):
         top = _MARGIN + 14 + row * _ROW
         body.append(text(_MARGIN, top + _HIGH - 7, name, 12, "start", bold=True))
         body += _line(parts, _MARGIN + _NAME, top)
-        right = max(right, _MARGIN + _NAME + sum(part.wide for part in parts))
-    below = _MARGIN + 14 + len(item.lines) * _ROW - 18
-    for row, span in enumerate(item.spans):
+        right_end = max(right_end, _MARGIN + _NAME + sum(part.wide for part in parts))
+    below = _MARGIN + 14 + len(diagram.lines) * _ROW - 18
+    for row, span in enumerate(diagram.spans):
         middle = below + 10 + row * 22
-        left, end = _MARGIN + _NAME + span.start, _MARGIN + _NAME + span.end
-        body.append(f'<path d="M{number(left)} {number(middle - 6)}v12m0 -6H{number(end)}m0 -6v12" class="line"/>')
-        after = end + 8 + width(span.label, 11) <= right
-        x, anchor = (end + 8, "start") if after else (left - 8, "end")
+        span_start, end = _MARGIN + _NAME + span.start, _MARGIN + _NAME + span.end
+        body.append(
+            f'<path d="M{number(span_start)} {number(middle - 6)}v12m0 -6H{number(end)}m0 -6v12" class="line"/>'
+        )
+        after = end + 8 + width(span.label, 11) <= right_end
+        x, anchor = (end + 8, "start") if after else (span_start - 8, "end")
         body.append(text(x, middle + 4, span.label, 11, anchor))
-    return card(item.title, body, right + _MARGIN, below + 10 + 22 * len(item.spans) + 4, item.told)
+    return card(diagram.title, body, right_end + _MARGIN, below + 10 + 22 * len(diagram.spans) + 4, diagram.told)
 
 
-def _line(parts: Sequence[Part], left: float, top: float) -> Iterator[str]:
+def _line(parts: Sequence[Part], part_start: float, top: float) -> Iterator[str]:
     path: list[str] = []
     for part in parts:
         match part.what:
             case Trace.UP | Trace.DOWN:
                 y = top if part.what is Trace.UP else top + _HIGH
-                path.append(f"{'L' if path else 'M'}{number(left)} {number(y)}H{number(left + part.wide)}")
+                path.append(f"{'L' if path else 'M'}{number(part_start)} {number(y)}H{number(part_start + part.wide)}")
                 if part.label:
-                    yield text(left + part.wide / 2, top + _HIGH - 8, part.label, 11, "middle", faint=True)
+                    yield text(part_start + part.wide / 2, top + _HIGH - 8, part.label, 11, "middle", faint=True)
             case Trace.CLOCK:
-                path += _pulses(left, top, part, starts=not path)
+                path += _pulses(part_start, top, part, starts=not path)
             case Trace.GAP:
-                yield text(left + part.wide / 2, top + _HIGH - 7, "· · ·", 12, "middle", faint=True)
-                path.append(f"M{number(left + part.wide)} {number(top)}")
+                yield text(part_start + part.wide / 2, top + _HIGH - 7, "· · ·", 12, "middle", faint=True)
+                path.append(f"M{number(part_start + part.wide)} {number(top)}")
             case Trace.EITHER:
-                yield rect(left, top, part.wide, _HIGH, part.fill)
-                yield text(left + part.wide / 2, top + _HIGH - 8, part.label, 11, "middle")
-                path.append(f"M{number(left + part.wide)} {number(top)}")
+                yield rect(part_start, top, part.wide, _HIGH, part.fill)
+                yield text(part_start + part.wide / 2, top + _HIGH - 8, part.label, 11, "middle")
+                path.append(f"M{number(part_start + part.wide)} {number(top)}")
             case _:
                 assert_never(part.what)
-        left += part.wide
+        part_start += part.wide
     yield f'<path d="{"".join(path)}" class="wave"/>'
 
 
-def _pulses(left: float, top: float, part: Part, *, starts: bool) -> Iterator[str]:
+def _pulses(pulses_start: float, top: float, part: Part, *, starts: bool) -> Iterator[str]:
     """Yield the path of adjacent pulses. Each pulse is first low and then high."""
     count = round(part.wide / _PERIOD)
     half = part.wide / count / 2
     if starts:
-        yield f"M{number(left)} {number(top)}"
+        yield f"M{number(pulses_start)} {number(top)}"
     for index in range(count):
-        at = left + 2 * half * index
+        at = pulses_start + 2 * half * index
         yield f"L{number(at)} {number(top + _HIGH)}H{number(at + half)}V{number(top)}H{number(at + 2 * half)}"

@@ -28,12 +28,18 @@ class UsablePage(TypedDict):
 
 
 def page_values(devices: Sequence[Device]) -> UsablePage:
-    told = [(device, list(reportings(device))) for device in devices]
+    family_reportings = [(device, list(reportings(device))) for device in devices]
     return {
         "decides_rows": [
-            row for device, found in told for row in _of_family(device, _decides(device, found), device.name)
+            row
+            for device, device_reportings in family_reportings
+            for row in _of_family(device, _decides(device, device_reportings), device.name)
         ],
-        "frame_rows": [row for device, found in told for row in _of_family(device, _frames(device, found))],
+        "frame_rows": [
+            row
+            for device, device_reportings in family_reportings
+            for row in _of_family(device, _frames(device, device_reportings))
+        ],
         "report_rows": [row for device in devices for row in _of_family(device, _reports(device))],
     }
 
@@ -45,18 +51,32 @@ def _of_family(device: Device, rows: Iterator[Row], name: str = "") -> Iterator[
         yield family if index == 0 else "", *row
 
 
-def _decides(device: Device, told: Sequence[Reporting]) -> Iterator[Row]:
+def _decides(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[Row]:
     """Yield rows of interface, frames, deciding field, its active value, verdict, source, errata."""
-    found: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
-    for item in told:
-        if item.judgement is not None:
-            layout = item.codec.layout
-            rows = tuple(_speaking(device, item.interface, layout, item.judgement))
-            last = ("none of these" if rows else "no field decides", "", code(item.judgement.otherwise.value), "", "")
-            found.setdefault((item.interface.title, (*rows, last)), []).append(layout)
-    if not found:
-        yield ", ".join(item.title for item in device.interfaces), "no frame with a position", "", "", "", "", ""
-    for (title, rows), layouts in found.items():
+    layouts_by_rows: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
+    for reporting in reporting_frames:
+        if reporting.judgement is not None:
+            layout = reporting.codec.layout
+            rows = tuple(_speaking(device, reporting.interface, layout, reporting.judgement))
+            last_row = (
+                "none of these" if rows else "no field decides",
+                "",
+                code(reporting.judgement.otherwise.value),
+                "",
+                "",
+            )
+            layouts_by_rows.setdefault((reporting.interface.title, (*rows, last_row)), []).append(layout)
+    if not layouts_by_rows:
+        yield (
+            ", ".join(interface.title for interface in device.interfaces),
+            "no frame with a position",
+            "",
+            "",
+            "",
+            "",
+            "",
+        )
+    for (title, rows), layouts in layouts_by_rows.items():
         for index, row in enumerate(rows):
             yield *((title, _links(device, layouts)) if index == 0 else ("", "")), *row
 
@@ -64,18 +84,20 @@ def _decides(device: Device, told: Sequence[Reporting]) -> Iterator[Row]:
 def _speaking(device: Device, interface: Interface, layout: Layout, judgement: Judgement) -> Iterator[Row]:
     """Yield the fields that decide the verdict on a frame, worst verdict first."""
     speaking: list[tuple[Verdict, Field, tuple[Only, ...]]] = [
-        (verdict, item.by.field, item.conditions) for verdict, items in judgement.worst_first for item in items
+        (verdict, flag.by.field, flag.conditions)
+        for verdict, deciding_flags in judgement.worst_first
+        for flag in deciding_flags
     ]
     signs = {sign.flag.name: sign for sign in layout.signs}
-    order = [*(item.name for item in layout.fields), *signs]
+    order = [*(field.name for field in layout.fields), *signs]
     if judgement.otherwise is Verdict.UNKNOWN:
         # A warning does not improve on an unknown position.
         not_better = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
-        warning = (item for item in layout.fields if verdict_of(item) in not_better)
-        speaking += [(judgement.otherwise, item, ()) for item in warning]
-    speaking.sort(key=lambda item: ([*Verdict].index(item[0]), order.index(item[1].name)))
+        warning = (field for field in layout.fields if verdict_of(field) in not_better)
+        speaking += [(judgement.otherwise, field, ()) for field in warning]
+    speaking.sort(key=lambda speaker: ([*Verdict].index(speaker[0]), order.index(speaker[1].name)))
     fields = (*layout.fields, *(sign.flag for sign in signs.values()))
-    speaking += [(Verdict.USABLE, item, ()) for item in fields if verdict_of(item) is Verdict.USABLE]
+    speaking += [(Verdict.USABLE, field, ()) for field in fields if verdict_of(field) is Verdict.USABLE]
     for verdict, field, conditions_on_codes in speaking:
         sign = signs.get(field.name)
         yield (
@@ -96,12 +118,16 @@ def _when(device: Device, field: Field, conditions_on_codes: Sequence[Only]) -> 
 
 def _condition(device: Device, only: Only) -> str:
     """Return the order codes, or the answer to a question with a link to it."""
-    asked = next((item for item in device.optional_alternatives if item.parameter == only.parameter), None)
-    if asked is None:
+    open_question = next(
+        (alternative for alternative in device.optional_alternatives if alternative.parameter == only.parameter), None
+    )
+    if open_question is None:
         return f"with {code(only.codes)}" if only.holds else "with all others"
-    names = [code(item.name) for item in asked.answers if bool(item.sets[only.parameter]) == only.holds]
-    interface = next(item.name for item, layout in device.layouts() if asked in device.verdict_alternatives(layout))
-    question = link("your choice", f"{device.name}/{interface}.md#alternative-{asked.name}")
+    names = [code(answer.name) for answer in open_question.answers if bool(answer.sets[only.parameter]) == only.holds]
+    interface = next(
+        interface.name for interface, layout in device.layouts() if open_question in device.verdict_alternatives(layout)
+    )
+    question = link("your choice", f"{device.name}/{interface}.md#alternative-{open_question.name}")
     default = "" if only.holds else ", the default"
     return f"and {question} is {' or '.join(names)}{default}"
 
@@ -113,38 +139,41 @@ def _conditions(layout: Layout, sign: Sign) -> str:
 
 def _unless(field: Field, layout: Layout) -> str:
     """Return the flags of the frame that must be inactive if a flag that combines them is to decide."""
-    here = [Code(name) for name in sums_up(field) if any(item.name == name for item in layout.fields)]
-    return f", with {STYLE.phrase(said(*listed(here)))} inactive" if here else ""
+    lower_flags = [Code(name) for name in sums_up(field) if any(field.name == name for field in layout.fields)]
+    return f", with {STYLE.phrase(said(*listed(lower_flags)))} inactive" if lower_flags else ""
 
 
 def _frames(device: Device, reporting: Sequence[Reporting]) -> Iterator[Row]:
     """Yield rows of interface, frames, possible reports."""
-    told = {item.codec.layout.name: item.told for item in reporting}
-    found: dict[tuple[str, tuple[str, ...]], list[Layout]] = {}
+    reports_by_frame = {reporting.codec.layout.name: reporting.told for reporting in reporting}
+    layouts_by_reports: dict[tuple[str, tuple[str, ...]], list[Layout]] = {}
     for interface, layout in device.layouts():
         if layout.sender == "encoder":
-            names = tuple(item.report.name for item in told.get(layout.name, ()))
-            found.setdefault((interface.title, names), []).append(layout)
-    for (title, names), layouts in found.items():
+            names = tuple(reported.report.name for reported in reports_by_frame.get(layout.name, ()))
+            layouts_by_reports.setdefault((interface.title, names), []).append(layout)
+    for (title, names), layouts in layouts_by_reports.items():
         yield title, _links(device, layouts), ", ".join(map(code, names)) or "nothing"
 
 
 def _reports(device: Device) -> Iterator[Row]:
     """Yield rows of report, meaning, remedy, source."""
-    for item in reports_of(device):
-        alarm = alarm_of(device, item.field)
-        name = joined([code(item.name), text(own_names(item.field))])
-        steps = to_steps(f"{device.name}/", by_hand(item.field, alarm))
-        advised = joined([text(advice(item.field, alarm)), *steps])
+    for report in reports_of(device):
+        alarm = alarm_of(device, report.field)
+        name = joined([code(report.name), text(own_names(report.field))])
+        steps = to_steps(f"{device.name}/", by_hand(report.field, alarm))
+        advised = joined([text(advice(report.field, alarm)), *steps])
         what_to_do = advised or _clearing(device, alarm) or f"The {document(device)} gives no remedy"
-        yield name, text(meaning(item.field, alarm)), what_to_do, cited(source(item.field, alarm))
+        yield name, text(meaning(report.field, alarm)), what_to_do, cited(source(report.field, alarm))
 
 
 def _clearing(device: Device, alarm: Alarm | None) -> str:
     """Return links to the procedures that clear an alarm, or an empty string."""
     names = alarm.cleared_by if alarm is not None else ()
     procedures = map(device.procedure, names)
-    links = [link(text(item.title), f"{device.name}/{item.interface}.md#procedure-{item.name}") for item in procedures]
+    links = [
+        link(text(procedure.title), f"{device.name}/{procedure.interface}.md#procedure-{procedure.name}")
+        for procedure in procedures
+    ]
     return f"Cleared by: {', '.join(links)}" if links else ""
 
 
@@ -157,17 +186,19 @@ def _cited(device: Device, field: Field) -> str:
 
 
 def _links(device: Device, layouts: Sequence[Layout]) -> str:
-    return ", ".join(to_layout(device, item, code(item.name)) for item in layouts)
+    return ", ".join(to_layout(device, layout, code(layout.name)) for layout in layouts)
 
 
 def _errata(device: Device, interface: Interface, layout: Layout, field: Field, sign: Sign | None) -> str:
     """Return links to the errata about a field and, for a flag, about its group. A sign has those of all its fields."""
     frame = f"interfaces.{interface.name}.{layout.name}"
     paths = {f"{frame}.{field.name}"}
-    for item in [field] if sign is None else [layout.field(name) for name, _ in sign.conditions]:
-        paths |= {f"{frame}.{item.name}", f"field_groups.{item.group}.{item.name}"}
-        if item.group and isinstance(meaning_of(item), Active):
-            paths.add(f"field_groups.{item.group}")
-    about = (item for item in device.errata if not item.edition and not paths.isdisjoint(item.affects))
-    found = (item.name for item in about if item.severity != "wording")
-    return ", ".join(to_erratum(device, name) for name in found)
+    for field_of_sign in [field] if sign is None else [layout.field(name) for name, _ in sign.conditions]:
+        paths |= {f"{frame}.{field_of_sign.name}", f"field_groups.{field_of_sign.group}.{field_of_sign.name}"}
+        if field_of_sign.group and isinstance(meaning_of(field_of_sign), Active):
+            paths.add(f"field_groups.{field_of_sign.group}")
+    field_errata = (
+        erratum for erratum in device.errata if not erratum.edition and not paths.isdisjoint(erratum.affects)
+    )
+    erratum_names = (erratum.name for erratum in field_errata if erratum.severity != "wording")
+    return ", ".join(to_erratum(device, name) for name in erratum_names)

@@ -36,8 +36,8 @@ class _Cell:
         words = self.name.split(" ")
         if max(map(len, [*words, self.place])) > letters:
             return []
-        found = wrap(self.name, letters)
-        return [*found, *([self.place] if self.place else [])] if len(found) <= 2 else []
+        name_lines = wrap(self.name, letters)
+        return [*name_lines, *([self.place] if self.place else [])] if len(name_lines) <= 2 else []
 
 
 def wide_picture(title: str, shapes: Sequence[tuple[str, PlacedLayout]]) -> str:
@@ -69,19 +69,19 @@ def _line(placed: PlacedLayout, stack: Stack, top: float) -> tuple[list[str], fl
     if not placed.layout.in_bytes:
         body.append(f'<path d="{_ticks(placed.bits, top + _RULER)}" class="line"/>')
     below = list(_below(cells, top + _RULER + _BOX + 4))
-    body += [item for _, item in below]
+    body += [drawn_name for _, drawn_name in below]
     return body, max((bottom for bottom, _ in below), default=top + _RULER + _BOX) + _MARGIN
 
 
 def _bits(placed: PlacedLayout) -> Iterator[_Cell]:
     bit = _bit(placed.bits)
     for run in runs_of(placed):
-        left = _MARGIN + (placed.bits - 1 - run.high) * bit
+        cell_start = _MARGIN + (placed.bits - 1 - run.high) * bit
         place = f"bit{'s' * (run.high > run.low)} {bit_range(run.high, run.low)}"
         active = ", 0 = active" if run.active_low else ""
         about = f"{run.name} ({place}{active})"
         wide = (run.high - run.low + 1) * bit
-        yield _Cell(left, left + wide, f"{run.name}{active}", "", about, run.fill)
+        yield _Cell(cell_start, cell_start + wide, f"{run.name}{active}", "", about, run.fill)
 
 
 def _bytes(stack: Stack) -> Iterator[_Cell]:
@@ -89,10 +89,10 @@ def _bytes(stack: Stack) -> Iterator[_Cell]:
     byte = (WIDE - 2 * _MARGIN) / len(stack.rows)
     for index, row in enumerate(stack.rows):
         for box in row.boxes:
-            left = _MARGIN + byte * (index + (7 - box.high) / 8)
+            cell_start = _MARGIN + byte * (index + (7 - box.high) / 8)
             bits = f" {box.place}" if box.place else ""
-            right = left + byte * (box.high - box.low + 1) / 8
-            yield _Cell(left, right, box.name, box.place, f"{box.name}{bits} ({row.label})", box.fill)
+            cell_end = cell_start + byte * (box.high - box.low + 1) / 8
+            yield _Cell(cell_start, cell_end, box.name, box.place, f"{box.name}{bits} ({row.label})", box.fill)
 
 
 def _bit(bits: int) -> float:
@@ -103,12 +103,12 @@ def _bit_marks(placed: PlacedLayout) -> Iterator[tuple[float, str, str]]:
     """Yield the place, text and anchor of the numbers of the first and the last bit of each box."""
     bit = _bit(placed.bits)
     for run in runs_of(placed):
-        left, right = (_MARGIN + (placed.bits - 1 - end) * bit for end in (run.high, run.low - 1))
+        box_start, box_end = (_MARGIN + (placed.bits - 1 - end) * bit for end in (run.high, run.low - 1))
         if run.high == run.low:
-            yield (left + right) / 2, f"{run.high}", "middle"
+            yield (box_start + box_end) / 2, f"{run.high}", "middle"
         else:
-            yield left + 2, f"{run.high}", "start"
-            yield right - 2, f"{run.low}", "end"
+            yield box_start + 2, f"{run.high}", "start"
+            yield box_end - 2, f"{run.low}", "end"
 
 
 def _byte_marks(stack: Stack) -> Iterator[tuple[float, str, str]]:
@@ -126,12 +126,12 @@ def _ticks(bits: int, top: float) -> str:
 
 def _below(cells: Sequence[_Cell], top: float) -> Iterator[tuple[float, str]]:
     """Yield the names that do not fit into their boxes, side by side, each with the bottom of its line."""
-    left = _MARGIN
+    name_start = _MARGIN
     for cell in cells:
         if not cell.lines:
             wide = 16 + width(cell.about, _SIZE) + 16
-            if left + wide > WIDE - _MARGIN and left > _MARGIN:
-                left, top = _MARGIN, top + _LINE
-            yield top + _LINE, rect(left, top + 4, 10, 10, cell.fill)
-            yield top + _LINE, text(left + 16, top + 13, cell.about, _SIZE, "start")
-            left += wide
+            if name_start + wide > WIDE - _MARGIN and name_start > _MARGIN:
+                name_start, top = _MARGIN, top + _LINE
+            yield top + _LINE, rect(name_start, top + 4, 10, 10, cell.fill)
+            yield top + _LINE, text(name_start + 16, top + 13, cell.about, _SIZE, "start")
+            name_start += wide
