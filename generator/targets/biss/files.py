@@ -131,7 +131,7 @@ def _family(device: Device, library: Library, options: Options) -> dict[str, str
 
 def _by_code(folder: str, device: Device) -> Iterator[tuple[str, str]]:
     """Yield a description of each listed order code, with numbers instead of expressions."""
-    names = names_of_codes(item.code for item in device.variants)
+    names = names_of_codes(variant.code for variant in device.variants)
     for name, variant in zip(names, device.variants, strict=True):
         yield f"{folder}/{name}.xml", to_xml(variant_dump(device, Match(variant, (), "", special=False)))
 
@@ -143,10 +143,10 @@ def ascii_only(text: object) -> str:
 
 def comment_text(text: object) -> Markup:
     """Return ``text`` for a comment, without double hyphens, which would end it."""
-    made = ascii_only(text)
-    while "--" in made:
-        made = made.replace("--", "- -")
-    return Markup(made + " " if made.endswith("-") else made)
+    comment_line = ascii_only(text)
+    while "--" in comment_line:
+        comment_line = comment_line.replace("--", "- -")
+    return Markup(comment_line + " " if comment_line.endswith("-") else comment_line)
 
 
 def comment(text: object, indent: str) -> Markup:
@@ -162,8 +162,8 @@ def comment(text: object, indent: str) -> Markup:
 @lru_cache(maxsize=1024)
 def _wrapped(line: str, width: int) -> Sequence[str]:
     """Return the lines of a comment for one line of its text. An indented one is an item of a list."""
-    first, others = ("  ", "    ") if line.startswith("  ") else ("", "")
-    return textwrap.wrap(str(comment_text(line)), width, initial_indent=first, subsequent_indent=others)
+    first, indent = ("  ", "    ") if line.startswith("  ") else ("", "")
+    return textwrap.wrap(str(comment_text(line)), width, initial_indent=first, subsequent_indent=indent)
 
 
 def ascii_text(text: object) -> Markup:
@@ -174,8 +174,8 @@ def ascii_text(text: object) -> Markup:
 def _identified(devices: Sequence[Device]) -> tuple[list[Node], str]:
     """Return the elements of the encoders that a master can identify, and a sentence about the others."""
     # A master cannot distinguish a special model or another edition from its family.
-    own = [device for device in devices if device.over(Biss) is not None and not device.base]
-    listed = [(device, device_bits(device)) for device in own]
+    families = [device for device in devices if device.over(Biss) is not None and not device.base]
+    listed = [(device, device_bits(device)) for device in families]
     nodes = [node for device, ids in listed if ids for node in [_device(device, ids)] if node is not None]
     missing = [device.title for device, ids in listed if not ids]
     left_out = f"Not listed, because the spec has no device ID: {', '.join(missing)}" if missing else ""
@@ -184,26 +184,28 @@ def _identified(devices: Sequence[Device]) -> tuple[list[Node], str]:
 
 def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tuple[str, str]]:
     """Yield a file for each order code, or for each answer where the manual leaves the length open."""
-    ids, found, maker = device_bits(device), single_cycle_data(device), device.manufacturer
-    if not ids or found is None:
+    ids, cycle_data, maker = device_bits(device), single_cycle_data(device), device.manufacturer
+    if not ids or cycle_data is None:
         return
-    layout, _ = found
+    layout, _ = cycle_data
     open_questions = device.alternatives_of(layout)
     variants = device.variants_over(Biss.name)
     encoders = [(variant, answers) for variant in variants for answers, _ in choices(open_questions)]
-    names = names_of_codes("-".join((variant.code, *(item.name for item in answers))) for variant, answers in encoders)
+    names = names_of_codes(
+        "-".join((variant.code, *(answer.name for answer in answers))) for variant, answers in encoders
+    )
     for name, (variant, answers) in zip(names, encoders, strict=True):
-        decided = dict(zip((item.name for item in open_questions), answers, strict=True))
+        decided = dict(zip((question.name for question in open_questions), answers, strict=True))
         narrowed = tuple(
-            replace(item, answers=(decided[item.name],)) if item.name in decided else item
-            for item in device.alternatives
+            replace(alternative, answers=(decided[alternative.name],)) if alternative.name in decided else alternative
+            for alternative in device.alternatives
         )
         node = _device(replace(device, variants=(variant,), alternatives=narrowed), ids, one_encoder=True)
         about = [f"{maker.title}: {variant.code}.", _ONE_ENCODER_NOTE]
         about += [
-            f"The manual leaves {item.name} open ({item.meaning}). This file is for {decided[item.name].name}: "
-            f"{decided[item.name].meaning}. There is a file for each answer."
-            for item in open_questions
+            f"The manual leaves {choice.name} open ({choice.meaning}). This file is for {decided[choice.name].name}: "
+            f"{decided[choice.name].meaning}. There is a file for each answer."
+            for choice in open_questions
         ]
         text = _identifier(maker, biss_id, about, [node] if node is not None else [], library)
         yield f"biss/{maker.name}-{device.name}/idbiss-{name}.xml", text
@@ -259,10 +261,10 @@ _ONE_ENCODER_NOTE = (
 
 
 def _device(device: Device, ids: tuple[IdBits, ...], one_encoder: bool = False) -> Node | None:
-    found = single_cycle_data(device)
-    if found is None:
+    cycle_data = single_cycle_data(device)
+    if cycle_data is None:
         return None
-    layout, crc = found
+    layout, crc = cycle_data
     lengths = data_lengths(device, layout)
     manual = device.manual
     notes = (f"{device.title}; manual {manual.title}, revision {manual.revision}.",)
@@ -284,7 +286,7 @@ def _by_length(
     device: Device, layout: Layout, ids: tuple[IdBits, ...], lengths: Sequence[DataLength]
 ) -> tuple[Node, ...]:
     """Return the element with the data length if the device ID implies a single length."""
-    if len({item.data_bits for item in lengths}) != 1:
+    if len({length.data_bits for length in lengths}) != 1:
         return ()
     notes = ("The same identity again, because the public example does not have CrcPoly and Length in one SCDS.",)
     return (
@@ -299,10 +301,10 @@ def _by_length(
 
 
 def _at_factory_defaults(device: Device, layout: Layout) -> str:
-    held = [field_at(device, path) for path in run_time_widths(device, layout)]
+    register_fields = [field_at(device, path) for path in run_time_widths(device, layout)]
     return (
-        f"\nInferred: Length is that of the {initial(device)} of {' and '.join(held)}. It changes with them."
-        if held
+        f"\nInferred: Length is that of the {initial(device)} of {' and '.join(register_fields)}. It changes with them."
+        if register_fields
         else ""
     )
 
@@ -310,12 +312,12 @@ def _at_factory_defaults(device: Device, layout: Layout) -> str:
 def _length_by_profile(device: Device, lengths: Sequence[DataLength]) -> dict[int, int]:
     """Return the data length for each profile ID, if the profile ID distinguishes the models."""
     sizes = {
-        number: {item.data_bits for item in lengths if not set(codes).isdisjoint(item.codes)}
+        number: {length.data_bits for length in lengths if not set(codes).isdisjoint(length.codes)}
         for number, codes in profile_ids(device).items()
     }
     return (
-        {number: min(found) for number, found in sizes.items()}
-        if len(sizes) > 1 and all(len(found) == 1 for found in sizes.values())
+        {number: min(bit_counts) for number, bit_counts in sizes.items()}
+        if len(sizes) > 1 and all(len(bit_counts) == 1 for bit_counts in sizes.values())
         else {}
     )
 
@@ -348,11 +350,11 @@ def _to_tell(
     """Return the other master settings as the lines of a comment."""
     about = "Further settings of the master:" if one_encoder else _about_length(device, layout, lengths)
     lines = [about, *_lengths_by_profile(device, lengths)]
-    for item in lengths:
-        parts = " + ".join(f"{name} {width}" for name, width in item.parts.items())
+    for length in lengths:
+        parts = " + ".join(f"{name} {width}" for name, width in length.parts.items())
         lines.append(
-            f"  {', '.join(item.codes)}{_with(item)}: {parts} = {item.data_bits} bits, "
-            f"with status bits {item.with_status}, with CRC {item.total}"
+            f"  {', '.join(length.codes)}{_with(length)}: {parts} = {length.data_bits} bits, "
+            f"with status bits {length.with_status}, with CRC {length.total}"
         )
     status = layout.status_fields
     order = [
@@ -368,19 +370,19 @@ def _to_tell(
     lines.append(f"  CRC: {_crc_words(device, crc)}. CrcPoly is the polynomial with its top bit")
     lines += _other_channels(device, layout)
     facts = say_interface.settings(device, device.interface("biss"))
-    lines += [f"  {BY_NAME.sentence(item)}" for item in facts]
+    lines += [f"  {BY_NAME.sentence(setting)}" for setting in facts]
     lines += _one_profile(device, lengths)
-    paths = [f"interfaces.biss.{layout.name}", *dict.fromkeys(f"registers.{item.register}" for item in ids)]
-    for found in errata(device, *paths):
-        head, *below = BY_NAME.lines(erratum(found))
+    paths = [f"interfaces.biss.{layout.name}", *dict.fromkeys(f"registers.{id_bits.register}" for id_bits in ids)]
+    for listed_erratum in errata(device, *paths):
+        head, *below = BY_NAME.lines(erratum(listed_erratum))
         lines += [f"  {head}", *(f"    {line}" for line in below)]
     lines.append(f"  registers, procedures and everything else: {device.manufacturer.name}-{device.name}.xml")
     return "\n".join(lines)
 
 
-def _with(item: DataLength) -> str:
+def _with(length: DataLength) -> str:
     """Return the answers on which a length depends."""
-    return f" with {' and '.join(item.answers)}" if item.answers else ""
+    return f" with {' and '.join(length.answers)}" if length.answers else ""
 
 
 def _active(status: Field) -> str:
@@ -389,15 +391,15 @@ def _active(status: Field) -> str:
             return "active low" if low else "active high"
         case Raw() | TwosComplement() | ZeroMeans() | Named() | DigitRuns() | Characters():
             return "not used, always 1"
-        case other:
-            assert_never(other)
+        case meaning:
+            assert_never(meaning)
 
 
 def _lengths_by_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
-    found, profiles = _length_by_profile(device, lengths), profile_ids(device)
+    length_by_profile, profiles = _length_by_profile(device, lengths), profile_ids(device)
     lines = [
         f"  profile ID {number:04X}h, registers 42h and 43h ({', '.join(profiles[number])}): {length} bits"
-        for number, length in found.items()
+        for number, length in length_by_profile.items()
     ]
     return [*lines, f"  {_PROFILE_NOTE}"] if lines else []
 
@@ -411,8 +413,10 @@ def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
     if number == 0:
         return ["  profile ID, registers 42h and 43h: 0000h, which means no profile"]
     line = f"  profile ID, registers 42h and 43h: {number:04X}h"
-    if len({item.data_bits for item in lengths}) > 1:
-        fitting = [f"{', '.join(item.codes)}{_with(item)}" for item in lengths if item.data_bits == number & 0xFF]
+    if len({length.data_bits for length in lengths}) > 1:
+        fitting = [
+            f"{', '.join(length.codes)}{_with(length)}" for length in lengths if length.data_bits == number & 0xFF
+        ]
         only = f". Its low byte, {number & 0xFF}, is the data length of {', '.join(fitting)} only" if fitting else ""
         line += f", for all lengths{only}"
     return [line]
@@ -425,47 +429,47 @@ def _crc_words(device: Device, crc: Crc) -> str:
 def _other_channels(device: Device, layout: Layout) -> list[str]:
     """Return lines about the data channels that do not carry the position. The format has no known place for them."""
     lines = []
-    for other in device.interface(Biss.name).layouts:
-        crc = device.crc_of(other)
-        if other is layout or other.channel is None or crc is None:
+    for channel_layout in device.interface(Biss.name).layouts:
+        crc = device.crc_of(channel_layout)
+        if channel_layout is layout or channel_layout.channel is None or crc is None:
             continue
-        fields = (field for field in other.fields if field is not other.crc_field)
+        fields = (field for field in channel_layout.fields if field is not channel_layout.crc_field)
         parts = ", ".join(f"{field.name} {field.width.render()}" for field in fields)
-        channel = f"  other data channel {other.channel}, {other.name}"
+        channel = f"  other data channel {channel_layout.channel}, {channel_layout.name}"
         lines.append(f"{channel}: {parts} bits, CRC of {_crc_words(device, crc)}")
     return lines
 
 
 def _about_length(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> str:
-    sizes = {item.data_bits for item in lengths}
-    held = [field_at(device, path) for path in run_time_widths(device, layout)]
-    if held:
-        now = f"it depends on the current content of {' and '.join(held)}"
+    sizes = {length.data_bits for length in lengths}
+    register_fields = [field_at(device, path) for path in run_time_widths(device, layout)]
+    if register_fields:
+        now = f"it depends on the current content of {' and '.join(register_fields)}"
         return f"No Length: {now}. Set it in the master. {initial(device).capitalize()}:"
     if len(sizes) == 1:
         return "Further settings of the master, by order code:"
-    told = ". The profile ID distinguishes them" if _length_by_profile(device, lengths) else ""
-    for item in device.alternatives_of(layout):
-        told += f". You choose {item.name} ({item.meaning})"
-    several = f"one device ID covers {len(sizes)} data lengths{told}"
+    distinction = ". The profile ID distinguishes them" if _length_by_profile(device, lengths) else ""
+    for alternative in device.alternatives_of(layout):
+        distinction += f". You choose {alternative.name} ({alternative.meaning})"
+    several = f"one device ID covers {len(sizes)} data lengths{distinction}"
     return f"No Length: {several}. Set the length of the order code in the master:"
 
 
 def _code(device: Device, layout: Layout) -> str:
     if not layout.gray_of:
         return "binary"
-    held = [
-        field_at(device, item.read_from)
-        for item in device.run_time_parameters
-        if item.name in device.needed_parameters([layout.gray_when])
+    register_fields = [
+        field_at(device, parameter.read_from)
+        for parameter in device.run_time_parameters
+        if parameter.name in device.needed_parameters([layout.gray_when])
     ]
     if not layout.gray_when:
         return f"{layout.gray_of} in Gray code"
     delivered = {bool(variant.parameters[layout.gray_when]) for variant in device.variants_over(Biss.name)}
     word = {frozenset({True}): "Gray", frozenset({False}): "binary"}.get(frozenset(delivered), "by order code")
     return (
-        f"{layout.gray_of} in Gray code or binary, selected by {', '.join(held)}, factory default {word}"
-        if held
+        f"{layout.gray_of} in Gray code or binary, selected by {', '.join(register_fields)}, factory default {word}"
+        if register_fields
         else f"{layout.gray_of} {word}"
     )
 

@@ -27,10 +27,17 @@ class Context:
         self.stem = f"{device.name}_{self.interface.name}"
         self.prefix = f"{device.manufacturer.name}_{self.stem}"
         self.PREFIX = self.prefix.upper()
-        asked = (item for item in device.alternatives if not item.default)
-        self.alternatives = tuple(AlternativeCode(device, self.prefix, item) for item in asked)
-        held = {one.parameter.name: one.most for item in held_parameters(device) for one in item.parameters}
-        largest = {item.name: max(item.largest, held.get(item.name, 0)) for item in device.set_parameters}
+        open_questions = (alternative for alternative in device.alternatives if not alternative.default)
+        self.alternatives = tuple(AlternativeCode(device, self.prefix, question) for question in open_questions)
+        largest_in_registers = {
+            held_parameter.parameter.name: held_parameter.most
+            for group in held_parameters(device)
+            for held_parameter in group.parameters
+        }
+        largest = {
+            parameter.name: max(parameter.largest, largest_in_registers.get(parameter.name, 0))
+            for parameter in device.set_parameters
+        }
         answers = {name: code.argument for code in self.alternatives for name in code.item.answers[0].sets}
         self.scope = Scope(self.prefix, largest, answers)
         self.enumerations = Enumerations(device, self.prefix)
@@ -57,6 +64,6 @@ class Context:
         name = f"{self.prefix}_reg_{register.name}" + (f"_{meaning.name}" if meaning is not None else "") + f"_{side}"
         return name.upper() if limit.is_constant else f"{name}({variant})"
 
-    def member_type(self, item: Parameter) -> str:
+    def member_type(self, parameter: Parameter) -> str:
         """Return the type of a parameter in the variant."""
-        return unsigned(self.scope.largest[item.name].bit_length())
+        return unsigned(self.scope.largest[parameter.name].bit_length())

@@ -51,19 +51,19 @@ class FrameReports:
     @property
     def told(self) -> Iterator[Expr]:
         """The terms of the mask of its reports."""
-        for told in self.reporting.told:
-            says = joined("&&", (*map(_holds, told.conditions), self._says(told.by)))
-            yield Either(says, self.family.constant(told.report), Number(0))
+        for reported in self.reporting.told:
+            says = joined("&&", (*map(_holds, reported.conditions), self._says(reported.by)))
+            yield Either(says, self.family.constant(reported.report), Number(0))
 
     @property
     def verdict_depends(self) -> bool:
         """True if the verdict depends on the order code or on an answer of the user."""
-        return any(item.conditions for _, speaking in self._levels for item in speaking)
+        return any(cause.conditions for _, speaking in self._levels for cause in speaking)
 
     @property
     def reports_depend(self) -> bool:
         """True if the reports depend on the order code."""
-        return any(item.only for item in self.reporting.told)
+        return any(reported.only for reported in self.reporting.told)
 
     @property
     def _levels(self) -> tuple[tuple[Verdict, tuple[Speaks, ...]], ...]:
@@ -93,13 +93,13 @@ class FrameReports:
 
     def _any(self, speaking: Sequence[Speaks]) -> Expr:
         """Return the condition that one of these is active. Unused bits are checked together."""
-        unused = [item.by for item in speaking if isinstance(item.by, Reserved)]
-        said = [
-            joined("&&", (*map(_holds, item.conditions), *self._active(item.by), *map(_inactive, item.unless)))
-            for item in speaking
-            if not isinstance(item.by, Reserved)
+        unused = [cause.by for cause in speaking if isinstance(cause.by, Reserved)]
+        conditions = [
+            joined("&&", (*map(_holds, cause.conditions), *self._active(cause.by), *map(_inactive, cause.unless)))
+            for cause in speaking
+            if not isinstance(cause.by, Reserved)
         ]
-        return joined("||", (*said, *([self._differ(unused)] if unused else [])))
+        return joined("||", (*conditions, *([self._differ(unused)] if unused else [])))
 
     def _differ(self, unused: Sequence[Reserved]) -> Expr:
         """Return the condition that some of these bits differ from the manual."""
@@ -113,17 +113,19 @@ class Reports:
     def __init__(self, device: Device, prefix: str, choices: Mapping[tuple[str, str], Enumeration]) -> None:
         self.all, self._choices = reports_of(device), choices
         if len(self.all) > 64:
-            wrong = f"the frames have {len(self.all)} flags, values and fields of unused bits to report"
-            raise TargetError(f"{wrong}; the C target supports at most 64", ("interfaces",))
+            problem = f"the frames have {len(self.all)} flags, values and fields of unused bits to report"
+            raise TargetError(f"{problem}; the C target supports at most 64", ("interfaces",))
         self.mask = unsigned(max(len(self.all), 32))
         self.text = f"{prefix}_report_text"
-        self.texts = tuple(_texts(device, item) for item in self.all)
+        self.texts = tuple(_texts(device, report) for report in self.all)
         stem = f"{prefix}_report".upper()
-        entries = (Entry(f"{stem}_{item.name.upper()}", 1 << item.number, _note(device, item)) for item in self.all)
+        entries = (
+            Entry(f"{stem}_{report.name.upper()}", 1 << report.number, _note(device, report)) for report in self.all
+        )
         about = "Reports of the encoder. The _reports() functions of the frames return a mask of these bits."
         digits = (len(self.all) + 3) // 4
         self.enumeration = Enumeration(f"{prefix}_report", about, (), tuple(entries), digits, ())
-        self._by_frame = {item.codec.layout.name: item for item in reportings(device)}
+        self._by_frame = {reporting.codec.layout.name: reporting for reporting in reportings(device)}
 
     def declared(self) -> Iterator[Declared]:
         """Yield the names that it declares at file scope."""
@@ -147,7 +149,9 @@ class Reports:
     def _path(self, report: Report) -> Path:
         """Return the path of the first frame with this report."""
         first = next(
-            item for item in self._by_frame.values() if any(told.report.number == report.number for told in item.told)
+            reporting
+            for reporting in self._by_frame.values()
+            if any(reported.report.number == report.number for reported in reporting.told)
         )
         return ("interfaces", first.interface.name, "layouts", first.codec.layout.name)
 

@@ -223,11 +223,9 @@ def _times_read(counts: TimesRead | None) -> str:
 def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """Yield the differences in other editions, with the revision that introduced them."""
 
-    def links(name: str) -> str:
-        erratum_names = (erratum.name for erratum in device.errata if erratum.edition == name)
-        return ", ".join(
-            link(code(erratum_name), f"{page_links.ERRATA}#erratum-{erratum_name}") for erratum_name in erratum_names
-        )
+    def links(edition_name: str) -> str:
+        erratum_names = (erratum.name for erratum in device.errata if erratum.edition == edition_name)
+        return ", ".join(link(code(name), f"{page_links.ERRATA}#erratum-{name}") for name in erratum_names)
 
     for edition in device.editions:
         revision_name = edition.revision

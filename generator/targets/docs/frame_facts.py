@@ -59,11 +59,7 @@ def frame_facts(family: Device, layout: Layout, variant: Variant) -> Iterator[tu
     yield "CRC", crc_line(family, checked) if checked is not None else "none"
     by_level: dict[str, list[tuple[str, str]]] = {}
     # The layout of a page has other notes, and the range of a position is known for that of the family.
-    layout = next(
-        family_layout
-        for family_layout in family.interface(variant.interface).layouts
-        if family_layout.name == layout.name
-    )
+    layout = next(frame for frame in family.interface(variant.interface).layouts if frame.name == layout.name)
     placed = layout.place(variant.parameters)
     for placed_field in placed.fields:
         of_byte = frame_bytes(layout, placed.bits, placed_field.high, placed_field.low) if layout.in_bytes else ""

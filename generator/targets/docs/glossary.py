@@ -34,37 +34,35 @@ def page_values(devices: Sequence[Device]) -> GlossaryPage:
     }
 
 
-def _link(term: Term, interface_device: Device, interface: Interface, places: Sequence[tuple[str, str]]) -> str:
+def _link(term: Term, device: Device, interface: Interface, places: Sequence[tuple[str, str]]) -> str:
     """Return a link to the section about the term on an interface page, or an empty string."""
     if term.over is not None:
-        section = (
-            term.section if isinstance(interface, term.over) and _has(interface_device, interface, term.section) else ""
-        )
+        section = term.section if isinstance(interface, term.over) and _has(device, interface, term.section) else ""
     else:
         exactly = (place for name, place in places if name in term.spelled)
         within = (place for name, place in places if any(f" {word} " in f" {name} " for word in term.spelled))
         section = next(chain(exactly, within), "")
-    title = f"{interface_device.name.upper()} {interface.short}"
-    return link(text(title), f"{interface_page(interface_device, interface)}#{section}") if section else ""
+    title = f"{device.name.upper()} {interface.short}"
+    return link(text(title), f"{interface_page(device, interface)}#{section}") if section else ""
 
 
-def _has(interface_device: Device, interface: Interface, section: str) -> bool:
+def _has(device: Device, interface: Interface, section: str) -> bool:
     """Return whether the interface page has the section. Every page has frames and times."""
     sections_present = {
         "control-data": bool(getattr(interface, "control_data", ())),
-        "procedures": bool(interface_device.procedures),
-        "wiring": bool(interface_device.connectors),
+        "procedures": bool(device.procedures),
+        "wiring": bool(device.connectors),
     }
     return sections_present.get(section, True)
 
 
-def _places(interface_device: Device, interface: Interface) -> Iterator[tuple[str, str]]:
+def _places(device: Device, interface: Interface) -> Iterator[tuple[str, str]]:
     """Yield the names on an interface page in lowercase with their anchors. Names with their own section are first."""
-    for register in interface_device.registers:
+    for register in device.registers:
         yield from _names(register, f"register-{register.name}")
-    for group in interface_device.field_groups:
+    for group in device.field_groups:
         yield from _names(group, f"group-{group.name}")
-    for crc in interface_device.crcs:
+    for crc in device.crcs:
         yield "crc", f"crc-{crc.name}"
     if isinstance(interface, Ssi) and interface.output_code is not None and interface.output_code.code != "binary":
         yield "gray", "frames"
@@ -74,7 +72,7 @@ def _places(interface_device: Device, interface: Interface) -> Iterator[tuple[st
         for field in layout.fields:
             yield from _names(field, f"group-{field.group}" if field.group else f"layout-{layout.name}")
         yield from ((join.name, f"layout-{layout.name}") for join in layout.joins)
-    for register in interface_device.registers:
+    for register in device.registers:
         for field in register.layout.fields:
             yield from _names(field, f"register-{register.name}")
 

@@ -43,16 +43,16 @@ class InterfacePage(Sections, OverValues):
 
 
 def over_values(
-    family: Device, interface_device: Device, variants: Sequence[Variant], has_masters: bool, pictures: Pictures
+    family: Device, device: Device, variants: Sequence[Variant], has_masters: bool, pictures: Pictures
 ) -> OverValues:
-    """Return the values. ``interface_device`` is the family, reduced to the interface."""
-    (interface,) = interface_device.interfaces
+    """Return the values. ``device`` is the family, reduced to the interface."""
+    (interface,) = device.interfaces
     return {
         "interface": interface,
         "has_masters": has_masters,
-        "short_rows": list(_short_rows(interface_device, interface, variants)),
+        "short_rows": list(_short_rows(device, interface, variants)),
         "pictures": pictures,
-        "timing": wave(interface_device, interface),
+        "timing": wave(device, interface),
         "delivered": [
             layout.name for layout in family.interface(interface.name).layouts if follows_registers(family, layout)
         ],
@@ -77,22 +77,18 @@ def page_values(
     }
 
 
-def _short_rows(interface_device: Device, interface: Interface, variants: Sequence[Variant]) -> Iterator[Row]:
+def _short_rows(device: Device, interface: Interface, variants: Sequence[Variant]) -> Iterator[Row]:
     """Yield the unit of the position, the supply, and the facts of the interface."""
-    position_measurement = interface_device.measurement_of(interface.name)
+    position_measurement = device.measurement_of(interface.name)
     if position_measurement is not None:
         yield "Position", STYLE.phrase(measurement(position_measurement)), cited(position_measurement.source)
-        for name, own_range in own_ranges(interface_device, interface.name):
+        for name, own_range in own_ranges(device, interface.name):
             yield f"Position in {code(name)}", STYLE.phrase(position_range(own_range)), cited(own_range.source)
-    codes_by_supply = _supplies(interface_device, variants)
+    codes_by_supply = _supplies(device, variants)
     for voltage, order_codes_of_supply in codes_by_supply.items():
-        whose = (
-            f" ({order_codes(interface_device, order_codes_of_supply)})"
-            if len(order_codes_of_supply) < len(variants)
-            else ""
-        )
+        whose = f" ({order_codes(device, order_codes_of_supply)})" if len(order_codes_of_supply) < len(variants) else ""
         yield f"Supply{whose}", f"{volts(voltage.min_mv)} to {volts(voltage.max_mv)}", cited(voltage.source)
-    yield from fact_tables.interface_rows(interface_device, interface)
+    yield from fact_tables.interface_rows(device, interface)
 
 
 def _supplies(device: Device, variants: Iterable[Variant]) -> dict[Supply, list[str]]:
@@ -118,9 +114,7 @@ def _named(device: Device) -> Iterator[Named]:
     fields = [field for layout in placed for field in layout.fields]
     named_fields = {field.name: field for field in fields if field.names}
     yield from named_fields.values()
-    yield from {
-        named_value.name: named_value for field in fields for named_value in field.values if named_value.names
-    }.values()
+    yield from {value.name: value for field in fields for value in field.values if value.names}.values()
     yield from device.registers
     yield from device.field_groups
     yield from device.alarms

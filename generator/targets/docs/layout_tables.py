@@ -106,10 +106,8 @@ def in_rows(device: Device, layout: Layout) -> Iterator[Field | FieldGroup]:
     """Yield the groups of fields, and the fields outside of groups. Padding is in the row of the padded field."""
     groups = {group.name: group for group in device.field_groups}
     field_names = {field.name for field in layout.fields}
-    unpadded_fields = (field for field in layout.fields if field.padding_of not in field_names)
-    rows = {
-        (field.group, "" if field.group else field.name): groups.get(field.group, field) for field in unpadded_fields
-    }
+    unpadded = (field for field in layout.fields if field.padding_of not in field_names)
+    rows = {(field.group, "" if field.group else field.name): groups.get(field.group, field) for field in unpadded}
     yield from rows.values()
 
 

@@ -40,14 +40,11 @@ class MastersPage(TypedDict):
 def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
     parts = [
         (
-            interface_sheets.interface,
-            interface_sheets.groups,
-            [
-                (master, list(zip(interface_sheets.groups, sheets, strict=True)))
-                for master, sheets in interface_sheets.sheets
-            ],
+            group_sheets.interface,
+            group_sheets.groups,
+            [(master, list(zip(group_sheets.groups, sheets, strict=True))) for master, sheets in group_sheets.sheets],
         )
-        for interface_sheets in sheets_of(device, masters)
+        for group_sheets in sheets_of(device, masters)
     ]
     sheets = [sheet for _, _, master_sheets in parts for _, rows in master_sheets for _, sheet in rows]
     return {

@@ -104,21 +104,16 @@ class Codes:
 
     @cached_property
     def alike(self) -> tuple[Alike, ...]:
-        variants_by_quantities: dict[tuple[str, tuple[tuple[str, int], ...]], list[Variant]] = {}
+        groups: dict[tuple[str, tuple[tuple[str, int], ...]], list[Variant]] = {}
         for variant in self.device.variants:
-            variants_by_quantities.setdefault(
-                (variant.interface, tuple(sorted(variant.parameters.items()))), []
-            ).append(variant)
-        names = names_of_codes((variants[0].code for variants in variants_by_quantities.values()), TAKEN)
-        return tuple(
-            self._alike(tuple(variants), name)
-            for variants, name in zip(variants_by_quantities.values(), names, strict=True)
-        )
+            groups.setdefault((variant.interface, tuple(sorted(variant.parameters.items()))), []).append(variant)
+        names = names_of_codes((variants[0].code for variants in groups.values()), TAKEN)
+        return tuple(self._alike(tuple(variants), name) for variants, name in zip(groups.values(), names, strict=True))
 
     def _alike(self, variants: tuple[Variant, ...], name: str) -> Alike:
         only = for_codes(self.device, [variant.code for variant in variants])
-        page_device = with_own_widths(self.device, with_quantities(only, variants[0]), variants[0])
-        return Alike(self.device, variants, only, page_device, name)
+        device = with_own_widths(self.device, with_quantities(only, variants[0]), variants[0])
+        return Alike(self.device, variants, only, device, name)
 
     @cached_property
     def pictures(self) -> Pictures:
@@ -154,66 +149,62 @@ class Codes:
         }
 
 
-def _position(page_device: Device, interface: str, measured: Measurement) -> str:
+def _position(device: Device, interface: str, measured: Measurement) -> str:
     """Return the unit and range of the position, and the ranges that single frames have."""
     frame_ranges = [
         f"in {code(name)} it {STYLE.phrase(position_range(frame_range))}"
         if not frame_range.wraps
         else f"in {code(name)}: {STYLE.phrase(position_range(frame_range))}"
-        for name, frame_range in own_ranges(page_device, interface)
+        for name, frame_range in own_ranges(device, interface)
     ]
     return ", ".join([STYLE.phrase(measurement(measured)), *frame_ranges])
 
 
 def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage:
     """Return the values of the page. ``pictures`` are those of the family, of which the page may replace some."""
-    page_device, interface, badges = alike.here, alike.interface, Badges(alike.here)
-    measured = page_device.measurement_of(interface.name)
-    page_sections = sections(page_device)
+    device, interface, badges = alike.here, alike.interface, Badges(alike.here)
+    measured = device.measurement_of(interface.name)
+    page_sections = sections(device)
     return {
         **page_sections,
-        **over_values(alike.family, page_device, alike.variants, has_masters, alike.pictures),
+        **over_values(alike.family, device, alike.variants, has_masters, alike.pictures),
         "errata_at": badges,
         "codes": alike.codes,
         # The notes on SSI and RS-485 begin with the line, those on BiSS with limits that users must keep.
         "lead": lead(interface.note) if isinstance(interface, Biss) else "",
-        "position": _position(page_device, interface.name, measured) if measured is not None else "",
-        "evidence": grade(page_device),
-        "wiring": pin_tables.wiring(page_device),
-        "supply": pin_tables.supply(page_device, alike.variants),
-        "speed": clock_and_cable.speed(alike.family, page_device, interface, alike.frame),
+        "position": _position(device, interface.name, measured) if measured is not None else "",
+        "evidence": grade(device),
+        "wiring": pin_tables.wiring(device),
+        "supply": pin_tables.supply(device, alike.variants),
+        "speed": clock_and_cable.speed(alike.family, device, interface, alike.frame),
         "frame": _frame(alike, alike.frame, {**pictures, **alike.pictures}) if alike.frame is not None else None,
-        "sending": bytes_to_send.sending(alike.family, page_device, interface, alike.variants[0], badges.of_bytes),
-        "led_rows": list(short_tables.led_rows(page_device)),
-        "no_leds": no_leds(alike.family, page_device, interface),
+        "sending": bytes_to_send.sending(alike.family, device, interface, alike.variants[0], badges.of_bytes),
+        "led_rows": list(short_tables.led_rows(device)),
+        "no_leds": no_leds(alike.family, device, interface),
         "no_supply": no_supply(alike.family, interface),
-        "interfaces": [
-            _with_short_rows(page_device, interface_section) for interface_section in page_sections["interfaces"]
-        ],
+        "interfaces": [_with_short_rows(device, section) for section in page_sections["interfaces"]],
         "registers": [
             {
-                **register_section,
-                "rows": list(short_tables.field_rows(page_device, register_section["register"].layout))
-                if register_section["rows"]
-                else [],
-                "value_tables": short_tables.value_tables(register_section["register"]),
+                **section,
+                "rows": list(short_tables.field_rows(device, section["register"].layout)) if section["rows"] else [],
+                "value_tables": short_tables.value_tables(section["register"]),
             }
-            for register_section in page_sections["registers"]
+            for section in page_sections["registers"]
         ],
-        "register_rows": list(short_tables.register_rows(page_device)),
+        "register_rows": list(short_tables.register_rows(device)),
         "procedures": [
-            {**procedure_section, "steps": list(short_tables.steps(page_device, procedure_section["procedure"]))}
-            for procedure_section in page_sections["procedures"]
+            {**section, "steps": list(short_tables.steps(device, section["procedure"]))}
+            for section in page_sections["procedures"]
         ],
-        "procedures_summary": f"{counted(len(page_device.procedures), 'procedure')}, step by step",
-        "setting_lines": list(short_tables.setting_lines(page_device, interface)),
-        "frames_summary": counted(len(interface.layouts), "frame") + (" with CRC" if page_device.crcs else ""),
-        "registers_summary": _summary(page_device),
-        "time_rows": list(short_tables.time_rows(interface.timings + page_device.timings)),
-        "by_hand": by_hand(page_device),
+        "procedures_summary": f"{counted(len(device.procedures), 'procedure')}, step by step",
+        "setting_lines": list(short_tables.setting_lines(device, interface)),
+        "frames_summary": counted(len(interface.layouts), "frame") + (" with CRC" if device.crcs else ""),
+        "registers_summary": _summary(device),
+        "time_rows": list(short_tables.time_rows(interface.timings + device.timings)),
+        "by_hand": by_hand(device),
         "example_rows": list(
             short_tables.example_rows(
-                page_device, (example for example in page_device.examples if getattr(example, "order_code", ""))
+                device, (example for example in device.examples if getattr(example, "order_code", ""))
             )
         ),
         "quantity_rows": list(_quantity_rows(alike)),
@@ -247,12 +238,12 @@ def _frame(alike: Alike, layout: Layout, pictures: Pictures) -> Section:
 def _with_short_rows(device: Device, interface_section: Section) -> Section:
     """Return the values of an interface with tables of two columns."""
     layouts = [
-        {**layout_section, "rows": list(short_tables.field_rows(device, layout_section["layout"]))}
-        for layout_section in interface_section["layouts"]
+        {**section, "rows": list(short_tables.field_rows(device, section["layout"]))}
+        for section in interface_section["layouts"]
     ]
     groups = [
-        {**group_section, "rows": list(short_tables.group_rows(device, group_section["group"].name))}
-        for group_section in interface_section["groups"]
+        {**section, "rows": list(short_tables.group_rows(device, section["group"].name))}
+        for section in interface_section["groups"]
     ]
     return {**interface_section, "layouts": layouts, "groups": groups}
 

@@ -40,9 +40,7 @@ def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """Yield rows of pattern on the label, where it is used, its texts for the listed values, source."""
     for spelling in device.order_code.also_written:
         values = "; ".join(
-            f"{code(spelled.text)} is {code(spelled.value)}"
-            for spelled in spelling.values
-            if spelled.text != spelled.value
+            f"{code(value.text)} is {code(value.value)}" for value in spelling.values if value.text != value.value
         )
         then = f"{code(spelling.then)} may follow and has no meaning here" if spelling.then else ""
         yield code(spelling.pattern), text(spelling.where), joined([values, then]), cited(spelling.source)

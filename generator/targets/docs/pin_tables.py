@@ -56,13 +56,9 @@ def _columns(connectors: Sequence[Connector]) -> list[list[Connector]]:
     columns: list[list[Connector]] = []
     for connector in connectors:
         for column in columns:
-            connector_contacts, column_contacts = _by_signal(connector), _by_signal(column[0])
-            equal_signals = sum(
-                connector_contacts.get(signal) == contacts for signal, contacts in column_contacts.items()
-            )
-            if connector.kind == column[0].kind and 2 * equal_signals > min(
-                len(connector_contacts), len(column_contacts)
-            ):
+            own_contacts, column_contacts = _by_signal(connector), _by_signal(column[0])
+            matches = sum(own_contacts.get(signal) == contacts for signal, contacts in column_contacts.items())
+            if connector.kind == column[0].kind and 2 * matches > min(len(own_contacts), len(column_contacts)):
                 column.append(connector)
                 break
         else:

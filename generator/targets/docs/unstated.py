@@ -25,9 +25,9 @@ def unstated(family: Device, interface: Interface, subjects: Mapping[str, Subjec
         yield f"{_capitalized(mentioned)}: see {' and '.join(places if family.characteristics else places[:1])}."
 
 
-def no_leds(family: Device, page_device: Device, interface: Interface) -> str:
+def no_leds(family: Device, device: Device, interface: Interface) -> str:
     """Return why a page shows no LEDs, or an empty string if the manual may have some in its texts."""
-    if page_device.leds or document(family) != "manual":
+    if device.leds or document(family) != "manual":
         return ""
     if family.leds:
         return "The manual describes no LEDs of this order code."

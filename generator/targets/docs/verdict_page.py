@@ -28,18 +28,12 @@ class UsablePage(TypedDict):
 
 
 def page_values(devices: Sequence[Device]) -> UsablePage:
-    family_reportings = [(device, list(reportings(device))) for device in devices]
+    families = [(device, list(reportings(device))) for device in devices]
     return {
         "decides_rows": [
-            row
-            for device, device_reportings in family_reportings
-            for row in _of_family(device, _decides(device, device_reportings), device.name)
+            row for device, frames in families for row in _of_family(device, _decides(device, frames), device.name)
         ],
-        "frame_rows": [
-            row
-            for device, device_reportings in family_reportings
-            for row in _of_family(device, _frames(device, device_reportings))
-        ],
+        "frame_rows": [row for device, frames in families for row in _of_family(device, _frames(device, frames))],
         "report_rows": [row for device in devices for row in _of_family(device, _reports(device))],
     }
 
@@ -84,9 +78,7 @@ def _decides(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[
 def _speaking(device: Device, interface: Interface, layout: Layout, judgement: Judgement) -> Iterator[Row]:
     """Yield the fields that decide the verdict on a frame, worst verdict first."""
     speaking: list[tuple[Verdict, Field, tuple[Only, ...]]] = [
-        (verdict, flag.by.field, flag.conditions)
-        for verdict, deciding_flags in judgement.worst_first
-        for flag in deciding_flags
+        (verdict, cause.by.field, cause.conditions) for verdict, causes in judgement.worst_first for cause in causes
     ]
     signs = {sign.flag.name: sign for sign in layout.signs}
     order = [*(field.name for field in layout.fields), *signs]
@@ -197,8 +189,6 @@ def _errata(device: Device, interface: Interface, layout: Layout, field: Field, 
         paths |= {f"{frame}.{field_of_sign.name}", f"field_groups.{field_of_sign.group}.{field_of_sign.name}"}
         if field_of_sign.group and isinstance(meaning_of(field_of_sign), Active):
             paths.add(f"field_groups.{field_of_sign.group}")
-    field_errata = (
-        erratum for erratum in device.errata if not erratum.edition and not paths.isdisjoint(erratum.affects)
-    )
-    erratum_names = (erratum.name for erratum in field_errata if erratum.severity != "wording")
+    errata = (erratum for erratum in device.errata if not erratum.edition and not paths.isdisjoint(erratum.affects))
+    erratum_names = (erratum.name for erratum in errata if erratum.severity != "wording")
     return ", ".join(to_erratum(device, name) for name in erratum_names)

@@ -72,53 +72,55 @@ class Context:
     def __init__(self, device: Device) -> None:
         self.device = device
         self.module = attribute(device.name, (*SHARED, *FOLDERS, BISS))
-        self.parameters = {item.name: attribute(item.name, VARIANT_NAMES) for item in device.parameters}
+        self.parameters = {parameter.name: attribute(parameter.name, VARIANT_NAMES) for parameter in device.parameters}
         names = Names([*MODULE_NAMES, *IMPORTED])
-        self.crcs = {item.name: names.take(f"crc_{item.name}", "_") for item in device.crcs}
+        self.crcs = {crc.name: names.take(f"crc_{crc.name}", "_") for crc in device.crcs}
         self.frames = {layout.name: names.take(camel(layout.name), "Frame") for _, layout in device.layouts()}
-        self.registers = {item.name: names.take(camel(item.name), "Register") for item in device.registers}
-        self.procedures = {item.name: names.take(attribute(item.name), "_steps") for item in device.procedures}
-        self.asked = {item.name: self._asked(item, names) for item in device.alternatives}
-        required = [item for item in self.asked.values() if not item.alternative.default]
-        answered = {name: f"{item.name}.{member}" for item in required for name, member in item.members}
+        self.registers = {register.name: names.take(camel(register.name), "Register") for register in device.registers}
+        self.procedures = {
+            procedure.name: names.take(attribute(procedure.name), "_steps") for procedure in device.procedures
+        }
+        self.asked = {alternative.name: self._asked(alternative, names) for alternative in device.alternatives}
+        required = [question for question in self.asked.values() if not question.alternative.default]
+        answered = {name: f"{question.name}.{member}" for question in required for name, member in question.members}
         self.scope = Scope({**self.scope_of("variant").names, **answered})
-        self._enums = {key: names.take(camel(item.name), "Value") for key, item in self.choices.items()}
+        self._enums = {key: names.take(camel(field.name), "Value") for key, field in self.choices.items()}
 
     def scope_of(self, owner: str) -> Scope:
         """Return the parameters as attributes of ``owner``."""
         return Scope({name: f"{owner}.{member}" for name, member in self.parameters.items()})
 
-    def _asked(self, item: Alternative, names: Names) -> Asked:
-        layouts = [layout for layout in self.coded_layouts() if item in self.device.alternatives_of(layout)]
-        taken = {name for layout in layouts for field in layout.fields for name in (field.name, *_runs(field))}
-        taken |= {join.name for layout in layouts for join in layout.joins}
-        members = [(name, attribute(name, ("name", "value"))) for name in item.answers[0].sets]
-        name = attribute(item.name, (*taken, *CLASS_NAMES, *LOCAL_NAMES, "frame"))
-        return Asked(item, names.take(camel(item.name), "Alternative"), name, tuple(members))
+    def _asked(self, alternative: Alternative, names: Names) -> Asked:
+        layouts = [layout for layout in self.coded_layouts() if alternative in self.device.alternatives_of(layout)]
+        frame_names = {name for layout in layouts for field in layout.fields for name in (field.name, *_runs(field))}
+        frame_names |= {join.name for layout in layouts for join in layout.joins}
+        members = [(name, attribute(name, ("name", "value"))) for name in alternative.answers[0].sets]
+        name = attribute(alternative.name, (*frame_names, *CLASS_NAMES, *LOCAL_NAMES, "frame"))
+        return Asked(alternative, names.take(camel(alternative.name), "Alternative"), name, tuple(members))
 
     def asked_of(self, layout: Layout) -> list[Asked]:
         """Return the questions that must be answered to decode or encode a frame of this layout."""
-        return [self.asked[item.name] for item in self.device.alternatives_of(layout)]
+        return [self.asked[alternative.name] for alternative in self.device.alternatives_of(layout)]
 
     @cached_property
     def choices(self) -> dict[_Values, Field]:
         """Fields with named values. Those with the same name and values share an IntEnum."""
-        found: dict[_Values, Field] = {}
+        fields_by_values: dict[_Values, Field] = {}
         for layout in self.coded_layouts():
-            for item in layout.fields:
-                if is_named(meaning_of(item)):
-                    found.setdefault(_values(item), item)
-        return found
+            for field in layout.fields:
+                if is_named(meaning_of(field)):
+                    fields_by_values.setdefault(_values(field), field)
+        return fields_by_values
 
     def coded_layouts(self) -> Iterator[Layout]:
         """Yield the layouts that have a class: all but those of registers that are an IntEnum."""
         yield from (layout for _, layout in self.device.layouts())
-        yield from (item.layout for item in self.device.registers if not is_one_choice(item))
+        yield from (register.layout for register in self.device.registers if not is_one_choice(register))
 
     @cached_property
     def reportings(self) -> dict[str, Reporting]:
         """Reports and verdicts of frames, by the name of the frame."""
-        return {item.codec.layout.name: item for item in reportings(self.device)}
+        return {reporting.codec.layout.name: reporting for reporting in reportings(self.device)}
 
     def enum(self, field: Field) -> str:
         return self._enums[_values(field)]
@@ -126,7 +128,7 @@ class Context:
     @cached_property
     def crc_functions(self) -> dict[str, CrcFunction]:
         """Functions that compute CRCs, by name."""
-        return {self.crc_name(item.crc, item.carrier): item for item in crc_functions(self.device)}
+        return {self.crc_name(function.crc, function.carrier): function for function in crc_functions(self.device)}
 
     def crc_name(self, crc: Crc, carrier: Carrier) -> str:
         return self.crcs[crc.name] + ("_of_bits" if carrier is Carrier.BITS and crc in self._crcs_of_both else "")
@@ -134,4 +136,4 @@ class Context:
     @cached_property
     def _crcs_of_both(self) -> list[Crc]:
         """CRCs over frames of bits and over frames of bytes."""
-        return [item for item in self.device.crcs if len(carriers(self.device, item)) > 1]
+        return [crc for crc in self.device.crcs if len(carriers(self.device, crc)) > 1]

@@ -107,9 +107,9 @@ PROCEDURE_NAMES = (*FUNCTIONS, "before", "content", "dict", "enumerate", "isinst
 _BUILT_IN = frozenset("bool bytes classmethod float int property staticmethod str super tuple".split())
 
 
-def attribute(name: str, taken: Iterable[str] = ()) -> str:
+def attribute(name: str, reserved: Iterable[str] = ()) -> str:
     """Return the name of an attribute or argument. It has a trailing underscore if it is reserved."""
-    return f"{name}_" if keyword.iskeyword(name) or name in _BUILT_IN or name in taken else name
+    return f"{name}_" if keyword.iskeyword(name) or name in _BUILT_IN or name in reserved else name
 
 
 def camel(name: str) -> str:
@@ -136,11 +136,11 @@ class ClassNames:
     """Names of attributes and local variables in the class of a layout, without collisions."""
 
     def __init__(self, layout: Layout, register: Register | None, crcs: Iterable[str]) -> None:
-        made = [f"from_{attribute(item.name, CLASS_NAMES)}" for item in layout.joins]
+        constructors = [f"from_{attribute(join.name, CLASS_NAMES)}" for join in layout.joins]
         limits = map(meaning_limits, register.meanings) if register is not None else ()
         self._own = {
             *CLASS_NAMES,
-            *made,
+            *constructors,
             *limits,
             *(["unused"] if layout.unused or layout.gaps == "unspecified" else []),
         }
@@ -151,7 +151,7 @@ class ClassNames:
 
     def listed(self, items: Iterable[Field | Digits], between: str = "") -> str:
         """Return a list of attributes in the form for docstrings."""
-        return between.join(f"``{self.attribute(item.name)}``" for item in items)
+        return between.join(f"``{self.attribute(member.name)}``" for member in items)
 
     def local(self, name: str) -> str:
         """Return the variable for the bits of a field."""
@@ -161,8 +161,8 @@ class ClassNames:
 class Names:
     """Names in a module. Each is assigned only once."""
 
-    def __init__(self, taken: Iterable[str]) -> None:
-        self._taken = set(taken)
+    def __init__(self, reserved: Iterable[str]) -> None:
+        self._taken = set(reserved)
 
     def take(self, wanted: str, suffix: str) -> str:
         """Return ``wanted`` if it is free. Otherwise, add ``suffix``, and a number if that is also taken."""

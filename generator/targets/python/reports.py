@@ -15,7 +15,7 @@ from .names import ClassNames
 class FrameReports:
     """Reports and verdict of a frame, for its template. ``reporting`` is None if the frame has no reports.
 
-    ``own`` returns the expression of an attribute of the frame.
+    ``attribute_of`` returns the expression of an attribute of the frame.
     """
 
     def __init__(
@@ -24,18 +24,18 @@ class FrameReports:
         codec: Codec,
         names: ClassNames,
         parameters: Mapping[str, str],
-        own: Callable[[str], str] = "self.{}".format,
+        attribute_of: Callable[[str], str] = "self.{}".format,
     ) -> None:
         self._told = reporting.told if reporting is not None else ()
         self._judgement = reporting.judgement if reporting is not None else None
-        self._reserved, self._names, self._parameters, self._own = codec.reserved, names, parameters, own
+        self._reserved, self._names, self._parameters, self._own = codec.reserved, names, parameters, attribute_of
 
     @property
     def depends(self) -> bool:
         """True if any condition depends on the order code."""
         judged = self._judgement.worst_first if self._judgement is not None else ()
-        causes: list[Told | Speaks] = [*self._told, *(item for _, items in judged for item in items)]
-        return any(item.conditions for item in causes)
+        causes: list[Told | Speaks] = [*self._told, *(cause for _, speakers in judged for cause in speakers)]
+        return any(cause.conditions for cause in causes)
 
     def _holds(self, only: Only) -> Expr:
         """Return the condition on a parameter of the encoder."""
@@ -61,24 +61,28 @@ class FrameReports:
 
     def name_of(self, field: Field) -> str:
         """Return the name of a field's report."""
-        return next(item.report.name for item in self._told if item.by.field.name == field.name)
+        return next(report.report.name for report in self._told if report.by.field.name == field.name)
 
     def _flag(self, part: Part) -> Expr:
         return Atom(self._own(self._names.attribute(part.field.name)))
 
     def _differ(self, reserved: Sequence[Reserved]) -> Expr:
         """Return the condition that any of these unused bits differs from the manual."""
-        unused, ones = Atom(self._own("unused")), sum(item.mask for item in reserved)
-        return unused if ones == sum(item.mask for item in self._reserved) else Operation(unused, "&", mask(ones))
+        unused, ones = Atom(self._own("unused")), sum(unused_bits.mask for unused_bits in reserved)
+        return (
+            unused
+            if ones == sum(unused_bits.mask for unused_bits in self._reserved)
+            else Operation(unused, "&", mask(ones))
+        )
 
-    def _conditions(self, items: Sequence[Speaks]) -> list[str]:
+    def _conditions(self, causes: Sequence[Speaks]) -> list[str]:
         """Return a condition for each flag and each match of values, and one for all unused bits."""
         flags = [
-            self._speaks(item.by, [*map(self._flag, item.unless)], item.conditions)
-            for item in items
-            if not isinstance(item.by, Reserved)
+            self._speaks(cause.by, [*map(self._flag, cause.unless)], cause.conditions)
+            for cause in causes
+            if not isinstance(cause.by, Reserved)
         ]
-        reserved = [item.by for item in items if isinstance(item.by, Reserved)]
+        reserved = [cause.by for cause in causes if isinstance(cause.by, Reserved)]
         return [*flags, *([str(self._differ(reserved))] if reserved else [])]
 
     def _match(self, match: Match) -> list[Expr]:
@@ -94,10 +98,10 @@ class FrameReports:
 
     def _speaks(self, by: Part | Match, unless: Sequence[Expr], only: Sequence[Only]) -> str:
         """Return the condition for a cause. It is ignored while certain flags are active, and for other order codes."""
-        others = [Not(joined("or", unless))] if unless else []
+        inactive = [Not(joined("or", unless))] if unless else []
         active = self._match(by) if isinstance(by, Match) else [self._flag(by)]
         # The flag comes first, because it is rarely active. The other conditions are then skipped.
-        conditions = [*active, *map(self._holds, only), *others]
+        conditions = [*active, *map(self._holds, only), *inactive]
         return str(conditions[0]) if len(conditions) == 1 else f"({joined('and', conditions)})"
 
 

@@ -45,24 +45,24 @@ class Shape:
         return [(name, value) for name, value in self._members() if value not in (None, 0, "", ())]
 
     def _members(self) -> Iterator[tuple[str, Literal]]:
-        of, coder, register = self._of, self.coder, self.coder.register
+        described, coder, register = self._of, self.coder, self.coder.register
         data = {part.field.name for part in self.plan.parts}
-        yield from (("bits", self._shown(of.bits)), ("length", of.length), ("order", of.order))
-        yield "columns", tuple(self._column(item) for item in of.columns if item.name in data)
+        yield from (("bits", self._shown(described.bits)), ("length", described.length), ("order", described.order))
+        yield "columns", tuple(self._column(column) for column in described.columns if column.name in data)
         for name in self.rows[1:]:
             # The class of a register checks its values.
-            yield name, self._shown(getattr(of, name)) if name != "checks" or register is None else ()
-        yield "crc", self._crc(of.crc) if of.crc is not None else None
-        if of.gray is not None:
-            bits = literal(self._shown((of.gray.low, of.gray.width)))
+            yield name, self._shown(getattr(described, name)) if name != "checks" or register is None else ()
+        yield "crc", self._crc(described.crc) if described.crc is not None else None
+        if described.gray is not None:
+            bits = literal(self._shown((described.gray.low, described.gray.width)))
             yield "gray", Code(f"{bits} if variant.{coder.gray_when} else None" if coder.gray_when else str(bits))
-        terms = [f"{value:#x} << {coder.number(place.low)}" for place, value in of.fixed]
-        yield "fixed", Code(" | ".join(f"({item})" if len(terms) > 1 else item for item in terms)) if terms else None
+        terms = [f"{value:#x} << {coder.number(place.low)}" for place, value in described.fixed]
+        yield "fixed", Code(" | ".join(f"({term})" if len(terms) > 1 else term for term in terms)) if terms else None
         yield "position", coder.measured
         if self.plan.keeps_others:
             yield "others", Code(str(others(coder.context.scope, self.plan)))
         yield "limited", (register.limits_of, coder.limited) if register is not None and coder.limited else ()
-        yield "otherwise", self._shown(of.otherwise)
+        yield "otherwise", self._shown(described.otherwise)
         yield "frame", self._frame
 
     @property
@@ -73,31 +73,38 @@ class Shape:
             return ""
         interface = coder.context.device.interface(coder.layout_interface)
         ranges = position_ranges(coder.context.device, interface)
-        return coder.layout.name if len(ranges) > 1 or any(item.never_wraps for item in ranges) else ""
+        return (
+            coder.layout.name if len(ranges) > 1 or any(position_range.never_wraps for position_range in ranges) else ""
+        )
 
-    def _column(self, item: Column) -> Call:
+    def _column(self, shape_column: Column) -> Call:
         """Return a column with its name in messages, if that differs, and the only values of its field."""
-        field, name = self.coder.layout.field(item.name), self.coder.names.attribute(item.name)
+        field, name = self.coder.layout.field(shape_column.name), self.coder.names.attribute(shape_column.name)
         values: Literal = Code(self.coder.enum(field)) if is_named(meaning_of(field)) else None
         if self.coder.selects(field):
             values = allowed_values(self.coder.layout, field)
-        column = self._record(item)
-        return record("Column", dict(column.arguments), field=item.name if item.name != name else "", values=values)
+        arguments = self._record(shape_column)
+        return record(
+            "Column",
+            dict(arguments.arguments),
+            field=shape_column.name if shape_column.name != name else "",
+            values=values,
+        )
 
-    def _crc(self, of: FrameCrc) -> Call:
+    def _crc(self, frame_crc: FrameCrc) -> Call:
         """Return the CRC with the function that compares it, and the means to compute it for many frames."""
-        crc, coder = of.crc, self.coder
-        made: dict[str, Literal] = {"low": self._shown(of.bits.low), "width": crc.width}
+        crc, coder = frame_crc.crc, self.coder
+        members: dict[str, Literal] = {"low": self._shown(frame_crc.bits.low), "width": crc.width}
         if coder.layout.crc_covers_bytes:
             place = f'{self.plan.length}, {crc.width // 8}, "{byte_order(coder.layout)}"'
-            made["differs"] = Code(f"of_bytes({coder.crc_name}, {place})")
-            made |= {"xorout": crc.xorout, "is_xor": True} if crc.is_xor else {}
+            members["differs"] = Code(f"of_bytes({coder.crc_name}, {place})")
+            members |= {"xorout": crc.xorout, "is_xor": True} if crc.is_xor else {}
         else:
-            gap = f", {of.gap}" if of.gap else ""
-            made["differs"] = Code(f"of_bits({coder.crc_name}, {coder.number(of.covered)}, {crc.width}{gap})")
-            folds = tuple(call("Fold", step.shift, Code(f"0x{step.mask:02X}"), step.back) for step in of.steps)
-            made |= {"xorout": crc.xorout, "steps": folds} if folds else {}
-        return Call("CrcOf", tuple(made.items()))
+            gap = f", {frame_crc.gap}" if frame_crc.gap else ""
+            members["differs"] = Code(f"of_bits({coder.crc_name}, {coder.number(frame_crc.covered)}, {crc.width}{gap})")
+            folds = tuple(call("Fold", step.shift, Code(f"0x{step.mask:02X}"), step.back) for step in frame_crc.steps)
+            members |= {"xorout": crc.xorout, "steps": folds} if folds else {}
+        return Call("CrcOf", tuple(members.items()))
 
     def _shown(self, value: Any) -> Literal:
         """Return any part of the description as a literal."""
@@ -124,12 +131,14 @@ class Shape:
     def _member(self, parameter: str) -> str:
         return f"variant.{self.coder.context.parameters[parameter]}"
 
-    def _record(self, item: Any) -> Call:
+    def _record(self, part: Any) -> Call:
         """Return the call of the class of the same name. A cause other than a flag has no name."""
-        kind = type(item).__name__
-        is_flag = not getattr(item, "mask", 0) and not getattr(item, "when", ())
+        kind = type(part).__name__
+        is_flag = not getattr(part, "mask", 0) and not getattr(part, "when", ())
         omitted = _CONDITIONS if is_flag else (*_CONDITIONS, "flag")
-        given = [(each, getattr(item, each.name)) for each in fields(item) if each.name not in omitted]
-        shown = [(each.name, self._shown(value)) for each, value in given if value != each.default]
+        members = [(member, getattr(part, member.name)) for member in fields(part) if member.name not in omitted]
+        arguments = [(member.name, self._shown(value)) for member, value in members if value != member.default]
         count = _POSITIONAL.get(kind, 0)
-        return Call(kind, tuple(("" if place < count else name, value) for place, (name, value) in enumerate(shown)))
+        return Call(
+            kind, tuple(("" if place < count else name, value) for place, (name, value) in enumerate(arguments))
+        )

@@ -48,7 +48,7 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
         sentence(f"{device.title}, by {device.manufacturer.title}"),
         "Start with lookup(), which accepts every order code. Names follow the manual. Names that are reserved in"
         " Python end in an underscore.",
-        ("Contents", [item for item in contents if item[1]]),
+        ("Contents", [group for group in contents if group[1]]),
         *example,
         f"Version {device.manufacturer.version}, generated from the manual “{plain(manual.title)}”, {plain(revision)}."
         " Sections and pages refer to this manual. A source that starts with a language code refers to the edition in"
@@ -67,32 +67,35 @@ def of_errata(device: Device, *paths: str) -> list[Block]:
 
 def paragraphs(statements: Iterable[Said]) -> list[Block]:
     """Return a paragraph for each statement, and one list of the errata among them."""
-    given = [*statements]
-    found = [_short(item) for item in given if item.below]
-    return [*(S.sentence(item) for item in given if not item.below), ("Errata (full text in ERRATA)", found)]
+    listed = [*statements]
+    errata_in_short = [_short(statement) for statement in listed if statement.below]
+    return [
+        *(S.sentence(statement) for statement in listed if not statement.below),
+        ("Errata (full text in ERRATA)", errata_in_short),
+    ]
 
 
 def _in_full(statements: Iterable[Said]) -> list[Block]:
     """Return a heading with labelled statements below it for each statement."""
     return [
-        (S.head(item), [(part.label, S.sentence(replace(part, label=""))) for part in item.below])
-        for item in statements
+        (S.head(statement), [(part.label, S.sentence(replace(part, label=""))) for part in statement.below])
+        for statement in statements
     ]
 
 
-def _short(item: Said) -> tuple[str, str]:
+def _short(statement: Said) -> tuple[str, str]:
     """Return the name of an erratum and the first sentence of its correction, or all of it if a user must choose."""
-    parts = {part.label: S.phrase(part) for part in item.below}
-    corrected = parts.get("Used") or f"{item.below[0].label}: {S.phrase(item.below[0])}"
-    text = corrected if item.brief and "Used" in parts else _FIRST.split(corrected)[0]
-    return item.label.removeprefix("Erratum "), sentence(text)
+    parts = {part.label: S.phrase(part) for part in statement.below}
+    corrected = parts.get("Used") or f"{statement.below[0].label}: {S.phrase(statement.below[0])}"
+    text = corrected if statement.brief and "Used" in parts else _FIRST.split(corrected)[0]
+    return statement.label.removeprefix("Erratum "), sentence(text)
 
 
 def notes(device: Device, interface: Interface) -> list[list[str]]:
     """Return the errata of an interface that do not belong to a single layout, each as lines."""
-    here = f"interfaces.{interface.name}"
-    found = errata(device, here, without=[f"{here}.{item.name}" for item in interface.layouts])
-    return [S.lines(erratum(item)) for item in found]
+    path = f"interfaces.{interface.name}"
+    interface_errata = errata(device, path, without=[f"{path}.{frame.name}" for frame in interface.layouts])
+    return [S.lines(erratum(listed_erratum)) for listed_erratum in interface_errata]
 
 
 # -- order codes
@@ -100,15 +103,15 @@ def notes(device: Device, interface: Interface) -> list[list[str]]:
 
 def of_variant(device: Device, names: dict[str, str]) -> str:
     set_here = []
-    for item in device.set_parameters:
-        text = of_parameter(device, item)
-        if item.interface and len(device.interfaces) > 1:
-            text += f" Applies only to {device.interface(item.interface).title}."
-        if item.read_from:
-            by_code = device.register(item.register).default is None
+    for quantity in device.set_parameters:
+        text = of_parameter(device, quantity)
+        if quantity.interface and len(device.interfaces) > 1:
+            text += f" Applies only to {device.interface(quantity.interface).title}."
+        if quantity.read_from:
+            by_code = device.register(quantity.register).default is None
             text += f" The value is {'that of the order code' if by_code else 'the factory default'} unless set by"
             text += " with_registers()."
-        set_here.append((names[item.name], text))
+        set_here.append((names[quantity.name], text))
     parts = ", ".join(part.name for part in device.order_code.parts)
     attributes = [
         ("family", "Family of the encoder."),
@@ -128,78 +131,92 @@ def of_variant(device: Device, names: dict[str, str]) -> str:
     )
 
 
-def of_alternative(device: Device, item: Alternative) -> str:
+def of_alternative(device: Device, alternative: Alternative) -> str:
     """Return the docstring of a question that the manual leaves open."""
-    head = S.sentence(said(item.meaning, source=item.source))
+    head = S.sentence(said(alternative.meaning, source=alternative.source))
     decide = "The manual leaves this open, or other evidence contradicts it."
-    if item.default:
-        decide += f" The default is {item.default.upper()}. Variant.with_answers() chooses another answer."
+    if alternative.default:
+        decide += f" The default is {alternative.default.upper()}. Variant.with_answers() chooses another answer."
     else:
         decide += " There is no default."
-    return docstring(head, decide, *of_errata(device, f"alternatives.{item.name}"), indent=4)
+    return docstring(head, decide, *of_errata(device, f"alternatives.{alternative.name}"), indent=4)
 
 
-def of_answer(item: Answer) -> str:
+def of_answer(answer: Answer) -> str:
     """Return the meaning of an answer to a question that the manual leaves open."""
-    return S.sentence(said(item.meaning, source=item.source))
+    return S.sentence(said(answer.meaning, source=answer.source))
 
 
-def of_parameter(device: Device, item: Parameter) -> str:
-    return S.paragraph(parameter(device, item))
+def of_parameter(device: Device, quantity: Parameter) -> str:
+    return S.paragraph(parameter(device, quantity))
 
 
 # -- frames, registers and procedures
 
 
-def of_layout(device: Device, interface: Interface, item: Layout) -> tuple[str, list[Block]]:
-    summary = S.sentence(layout.head(interface, item, heading(item.name), device.alternatives))
-    groups = [f"field_groups.{name}" for name in dict.fromkeys(item.group for item in item.fields if item.group)]
-    found = errata(device, f"interfaces.{interface.name}.{item.name}")
-    shared = ", ".join(other.name for other in errata(device, *groups) if other not in found)
+def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str, list[Block]]:
+    summary = S.sentence(layout.head(interface, frame, heading(frame.name), device.alternatives))
+    groups = [f"field_groups.{name}" for name in dict.fromkeys(member.group for member in frame.fields if member.group)]
+    frame_errata = errata(device, f"interfaces.{interface.name}.{frame.name}")
+    shared = ", ".join(
+        shared_erratum.name for shared_erratum in errata(device, *groups) if shared_erratum not in frame_errata
+    )
     more = f"See also in ERRATA: {shared}." if shared else ""
-    return summary, [*paragraphs(layout.layout(device, interface, item)), more]
+    return summary, [*paragraphs(layout.layout(device, interface, frame)), more]
 
 
-def of_register(device: Device, item: Register) -> tuple[str, list[Block]]:
+def of_register(device: Device, device_register: Register) -> tuple[str, list[Block]]:
     """Return the docstring of a register, with the rules for its use in one paragraph."""
-    facts = [*register.facts(device, item)]
-    if is_one_choice(item):
-        facts += field.rules(device, item.layout.fields[0])
-    found = of_errata(device, f"registers.{item.name}")
-    blocks: list[Block] = [sentence(item.meaning), S.paragraph(facts), sentence(item.note), *found]
-    return S.sentence(register.head(device, item, full_title(item))), blocks
+    facts = [*register.facts(device, device_register)]
+    if is_one_choice(device_register):
+        facts += field.rules(device, device_register.layout.fields[0])
+    register_errata = of_errata(device, f"registers.{device_register.name}")
+    blocks: list[Block] = [
+        sentence(device_register.meaning),
+        S.paragraph(facts),
+        sentence(device_register.note),
+        *register_errata,
+    ]
+    return S.sentence(register.head(device, device_register, full_title(device_register))), blocks
 
 
 def of_class(
-    about: tuple[str, list[Block]], of_variant: str, attributes: Iterable[tuple[str, str]], *others: Block
+    about: tuple[str, list[Block]], of_variant: str, attributes: Iterable[tuple[str, str]], *further_blocks: Block
 ) -> str:
     """Return the docstring of a class. ``of_variant`` is ``frame`` or ``register`` if it depends on the encoder."""
     variant = [("variant", f"Encoder to which the {of_variant} belongs.")] if of_variant else []
     summary, blocks = about
-    return docstring(summary, ("Attributes", [*variant, *attributes]), *blocks, *others, indent=4)
+    return docstring(summary, ("Attributes", [*variant, *attributes]), *blocks, *further_blocks, indent=4)
 
 
-def of_crc(device: Device, item: Crc) -> list[Block]:
+def of_crc(device: Device, device_crc: Crc) -> list[Block]:
     """Return the paragraphs of the function that computes a CRC."""
-    head, *more = paragraphs(crc.crc(device, item))
+    head, *more = paragraphs(crc.crc(device, device_crc))
     return [f"Compute the {head}", *more]
 
 
-def of_procedure(device: Device, item: Procedure) -> list[Block]:
-    return paragraphs([said(item.title, source=item.source), *procedure.procedure(device, item)])
+def of_procedure(device: Device, device_procedure: Procedure) -> list[Block]:
+    return paragraphs(
+        [said(device_procedure.title, source=device_procedure.source), *procedure.procedure(device, device_procedure)]
+    )
 
 
-def of_argument(device: Device, item: Argument) -> str:
-    return S.sentence(procedure.argument(device, item))
+def of_argument(device: Device, argument: Argument) -> str:
+    return S.sentence(procedure.argument(device, argument))
 
 
 # -- fields
 
 
-def of_field(device: Device, item: Field, may_be_missing: bool) -> str:
+def of_field(device: Device, data_field: Field, may_be_missing: bool) -> str:
     missing = [said("0 if the encoder does not have this field")] if may_be_missing else []
-    about = [*field.meaning(item, item.meaning), *missing, *field.rules(device, item), *told(item.note)]
-    return S.paragraph(about) or sentence(title(item))
+    about = [
+        *field.meaning(data_field, data_field.meaning),
+        *missing,
+        *field.rules(device, data_field),
+        *told(data_field.note),
+    ]
+    return S.paragraph(about) or sentence(title(data_field))
 
 
 #: Description of the member for unused bits.
@@ -208,14 +225,14 @@ OF_UNUSED = "Mask of the unused bits that differ from the manual. 0 if none diff
 OF_OTHERS = "Bits that the manual does not describe, at their positions in the number that the bytes form."
 
 
-def of_unused(item: Field, at: int) -> str:
+def of_unused(unused_field: Field, at: int) -> str:
     """Return the text for a field of unused bits, with its position in ``unused``."""
-    return f"{place.bits(at + item.widest - 1, at)}, {item.name}"
+    return f"{place.bits(at + unused_field.widest - 1, at)}, {unused_field.name}"
 
 
-def of_value(item: Field | Value) -> str:
+def of_value(named_value: Field | Value) -> str:
     """Return the meaning of a named value or a choice. Empty if the manual does not give one."""
-    return S.paragraph(field.meaning(item, item.meaning))
+    return S.paragraph(field.meaning(named_value, named_value.meaning))
 
 
 def of_run(run: Digits) -> str:

@@ -54,13 +54,13 @@ class FrameKind:
     @property
     def has_open_length(self) -> bool:
         """True if the length of the frame depends on a question that the manual leaves open."""
-        answered = {name for item in self.asked for name, _ in item.members}
+        answered = {name for question in self.asked for name, _ in question.members}
         return not answered.isdisjoint(self.coder.layout.bits.parameters)
 
     @property
     def listed(self) -> list[tuple[str, str]]:
         """Arguments for questions that the manual leaves open, with their descriptions."""
-        return [(item.name, item.about) for item in self.asked]
+        return [(question.name, question.about) for question in self.asked]
 
     @property
     def arguments(self) -> list[tuple[str, str]]:
@@ -97,40 +97,43 @@ class Variants:
     def __init__(self, context: Context, frame_kinds: tuple[FrameKind, ...], coders: tuple[Coder, ...]) -> None:
         self.context, self.device = context, context.device
         self.frame_kinds = frame_kinds
-        self.sent = [item for item in coders if item.layout.sender == "encoder"]
+        self.sent = [coder for coder in coders if coder.layout.sender == "encoder"]
         #: True if any frame has a verdict.
-        self.judged = any(item.reports is not None and item.reports.otherwise for item in coders)
+        self.judged = any(coder.reports is not None and coder.reports.otherwise for coder in coders)
         self._scope = context.scope_of("self")
-        self.rows = [self._row(item) for item in self.device.variants]
+        self.rows = [self._row(variant) for variant in self.device.variants]
 
     def _row(self, variant: Variant) -> Call:
         parts = tuple(variant.parts[part.name] for part in self.device.order_code.parts)
-        given: tuple[Literal, ...] = (variant.code, parts)
+        positional: tuple[Literal, ...] = (variant.code, parts)
         set_here = (
-            (self.context.parameters[item.name], variant.parameters[item.name]) for item in self.device.set_parameters
+            (self.context.parameters[parameter.name], variant.parameters[parameter.name])
+            for parameter in self.device.set_parameters
         )
-        return Call(encoder_name(variant.interface), (*(("", item) for item in given), *set_here))
+        return Call(encoder_name(variant.interface), (*(("", argument) for argument in positional), *set_here))
 
     # -- the class of the variants
 
     @property
     def names(self) -> list[str]:
         """Parameters whose values depend on the encoder."""
-        return [self.context.parameters[item.name] for item in self.device.set_parameters]
+        return [self.context.parameters[parameter.name] for parameter in self.device.set_parameters]
 
     @property
     def with_requests(self) -> list[str]:
         """Names of the interfaces over which requests and replies form a pipeline of words."""
-        return [item.name for item in self.device.interfaces if isinstance(item, Spi) and item.exchanges]
+        return [
+            interface.name for interface in self.device.interfaces if isinstance(interface, Spi) and interface.exchanges
+        ]
 
     def exchanged(self, interface: Interface) -> tuple[Exchanged, ...]:
         """Return the requests over an interface with their replies, unless they form a pipeline of words."""
         return () if interface.name in self.with_requests else exchanges(interface)
 
-    def defaults(self, of: Exchanged) -> list[tuple[str, int]]:
+    def defaults(self, exchange: Exchanged) -> list[tuple[str, int]]:
         """Return the factory defaults in a request, with the names of its attributes."""
-        names = ClassNames(of.request, None, ())
-        return [(names.attribute(name), value) for name, value in of.defaults.items()]
+        names = ClassNames(exchange.request, None, ())
+        return [(names.attribute(name), value) for name, value in exchange.defaults.items()]
 
     @property
     def beginnings(self) -> tuple[str, ...]:
@@ -139,13 +142,13 @@ class Variants:
     @cached_property
     def listed_by_interface(self) -> list[Listed]:
         """Listed order codes of each interface, for type checkers."""
-        found = []
+        listed_codes = []
         for interface in self.device.interfaces:
-            codes = tuple(item.code for item in self.device.variants_over(interface.name))
+            codes = tuple(variant.code for variant in self.device.variants_over(interface.name))
             literal = f"{camel(self.context.module)}{interface.name.capitalize()}"
             if codes:
-                found.append(Listed(literal, encoder_name(interface.name), codes))
-        return found
+                listed_codes.append(Listed(literal, encoder_name(interface.name), codes))
+        return listed_codes
 
     @property
     def doc(self) -> str:
@@ -155,9 +158,13 @@ class Variants:
     def derived(self) -> list[tuple[str, str, Expr]]:
         """Name, meaning and value of the parameters that are derived from others, except those for measurements."""
         return [
-            (self.context.parameters[item.name], text.of_parameter(self.device, item), self._scope.of(item.equals))
-            for item in self.device.parameters
-            if item.equals is not None and item.name not in also_measured(self.device)
+            (
+                self.context.parameters[parameter.name],
+                text.of_parameter(self.device, parameter),
+                self._scope.of(parameter.equals),
+            )
+            for parameter in self.device.parameters
+            if parameter.equals is not None and parameter.name not in also_measured(self.device)
         ]
 
     # -- units of positions
@@ -165,8 +172,15 @@ class Variants:
     @cached_property
     def measured(self) -> str:
         """Name of the position attribute that is converted to turns or lengths."""
-        found = next((item for item in map(self._measurement, self.device.interfaces) if item is not None), None)
-        return attribute(found.of, (*FUNCTIONS, "previous", "self", "unwrap")) if found is not None else ""
+        measurement_used = next(
+            (measurement for measurement in map(self._measurement, self.device.interfaces) if measurement is not None),
+            None,
+        )
+        return (
+            attribute(measurement_used.of, (*FUNCTIONS, "previous", "self", "unwrap"))
+            if measurement_used is not None
+            else ""
+        )
 
     def _measurement(self, interface: Interface) -> Measurement | None:
         return self.device.measurement_of(interface.name)
@@ -183,21 +197,27 @@ class Variants:
 
     @cached_property
     def counts_per_turn(self) -> Cases[Expr]:
-        return self._cases(lambda item: self._of(item.counts_per_turn))
+        return self._cases(lambda measurement: self._of(measurement.counts_per_turn))
 
     @cached_property
     def step_um(self) -> Cases[Expr]:
-        return self._cases(lambda item: self._of(item.step_um))
+        return self._cases(lambda measurement: self._of(measurement.step_um))
 
     @cached_property
     def step_nm(self) -> Cases[Expr]:
-        return self._cases(lambda item: self._of(item.step_nm))
+        return self._cases(lambda measurement: self._of(measurement.step_nm))
 
     @cached_property
     def per_counts(self) -> Cases[Expr]:
         """Number of counts to which ``step_nm`` applies, if it is not one everywhere."""
-        found = self._cases(lambda item: self._of(item.per_counts or Expression(1)) if item.step_nm else None)
-        return found if any(value != number(1) for value, _ in found.cases) else replace(found, cases=())
+        counts_by_interface = self._cases(
+            lambda measurement: self._of(measurement.per_counts or Expression(1)) if measurement.step_nm else None
+        )
+        return (
+            counts_by_interface
+            if any(value != number(1) for value, _ in counts_by_interface.cases)
+            else replace(counts_by_interface, cases=())
+        )
 
     @cached_property
     def modulus(self) -> Cases[Expr]:
@@ -209,28 +229,31 @@ class Variants:
 
         return by_interface(self.device, whole)
 
-    def _modulus(self, item: Measurement) -> Expr | None:
-        factors = [*map(self._scope.of, counts(item))]
+    def _modulus(self, measurement: Measurement) -> Expr | None:
+        factors = [*map(self._scope.of, counts(measurement))]
         return joined("*", factors) if factors else None
 
     def _only_range(self, interface: Interface) -> PositionRange | None:
         """Return the range of the position, unless it depends on the frame or there is no measurement."""
-        found = position_ranges(self.device, interface)
-        return found[0] if len(found) == 1 and not found[0].never_wraps else None
+        ranges = position_ranges(self.device, interface)
+        return ranges[0] if len(ranges) == 1 and not ranges[0].never_wraps else None
 
     @cached_property
     def by_frame(self) -> list[str]:
         """Names of the interfaces over which frames have different ranges, or positions that never wrap around."""
         return [
-            item.name
-            for item in self.device.interfaces
-            if self._only_range(item) is None and position_ranges(self.device, item)
+            interface.name
+            for interface in self.device.interfaces
+            if self._only_range(interface) is None and position_ranges(self.device, interface)
         ]
 
     @property
     def no_range(self) -> str:
         """Reason why an interface has no range that applies to all of its frames."""
-        unknown = any(not self.modulus_of(item) and item.name not in self.by_frame for item in self.device.interfaces)
+        unknown = any(
+            not self.modulus_of(interface) and interface.name not in self.by_frame
+            for interface in self.device.interfaces
+        )
         reasons = ["the manual does not give it"] if unknown else []
         reasons += ["it depends on the frame, see range_of()"] if self.by_frame else []
         return ", or ".join(reasons)
@@ -245,21 +268,21 @@ class Variants:
         if interface.name not in self.by_frame:
             return []
         return [
-            (layout.name, self._range_values(item, layout))
-            for item in position_ranges(self.device, interface)
-            for layout in item.layouts
-            if item.has_difference
+            (layout.name, self._range_values(position_range, layout))
+            for position_range in position_ranges(self.device, interface)
+            for layout in position_range.layouts
+            if position_range.has_difference
         ]
 
-    def _range_values(self, item: PositionRange, layout: Layout) -> tuple[Expr | None, ...]:
-        modulus, measurement = self._modulus(item.measurement), item.measurement
-        if item.signed_field is None:
+    def _range_values(self, position_range: PositionRange, layout: Layout) -> tuple[Expr | None, ...]:
+        modulus, measurement = self._modulus(position_range.measurement), position_range.measurement
+        if position_range.signed_field is None:
             width = sum((layout.field(name).width for name in layout.names_in(measurement.of)), Expression(0))
             whole = modulus if modulus is not None else self._power(width)
             return number(0), self._of(measurement.highest) or Operation(whole, "-", number(1)), modulus
-        highest = self._highest_signed(item)
+        highest = self._highest_signed(position_range)
         if measurement.highest is None or modulus is None:
-            width = item.signed_field.width
+            width = position_range.signed_field.width
             lowest = number(-1 << width.constant - 1) if width.is_constant else Operation(number(-1), "-", highest)
             return lowest, highest, modulus
         return Operation(Operation(highest, "-", modulus), "+", number(1)), highest, modulus
@@ -269,9 +292,9 @@ class Variants:
             return number(1 << exponent.constant)
         return Operation(number(1), "<<", self._scope.of(exponent))
 
-    def _highest_signed(self, item: PositionRange) -> Expr:
+    def _highest_signed(self, position_range: PositionRange) -> Expr:
         """Return the highest signed position. Without one in the spec, every number that fits in the field is valid."""
-        field, highest = item.signed_field, item.measurement.highest
+        field, highest = position_range.signed_field, position_range.measurement.highest
         assert field is not None
         if highest is not None:
             return self._scope.of(highest)
@@ -283,11 +306,11 @@ class Variants:
     def lowest(self) -> Cases[Expr] | None:
         """Lowest position, if positions are signed."""
 
-        def of(item: PositionRange) -> Expr | None:
-            if item.signed_field is None:
+        def of(position_range: PositionRange) -> Expr | None:
+            if position_range.signed_field is None:
                 return None
             # Without a highest position in the spec, every number that fits in the field is valid.
-            is_whole = item.measurement.highest is None
+            is_whole = position_range.measurement.highest is None
             return Atom("-self.highest - 1" if is_whole else "self.highest - self.modulus + 1")
 
         return self._ends(of, number(0))
@@ -296,16 +319,23 @@ class Variants:
     def highest(self) -> Cases[Expr] | None:
         """Highest position, if positions are signed or an offset can shift them above ``modulus``."""
 
-        def of(item: PositionRange) -> Expr | None:
-            return self._highest_signed(item) if item.signed_field is not None else self._of(item.measurement.highest)
+        def of(position_range: PositionRange) -> Expr | None:
+            return (
+                self._highest_signed(position_range)
+                if position_range.signed_field is not None
+                else self._of(position_range.measurement.highest)
+            )
 
         return self._ends(of, Operation(Atom("self.modulus"), "-", number(1)))
 
     @property
     def is_shifted(self) -> bool:
         """True if an offset can shift the positions of an interface above ``modulus``."""
-        found = filter(None, map(self._only_range, self.device.interfaces))
-        return any(item.measurement.highest is not None and item.signed_field is None for item in found)
+        ranges = filter(None, map(self._only_range, self.device.interfaces))
+        return any(
+            position_range.measurement.highest is not None and position_range.signed_field is None
+            for position_range in ranges
+        )
 
     def _ends(self, value: Callable[[PositionRange], Expr | None], usual: Expr) -> Cases[Expr] | None:
         """Return the ends of the range of positions on one side, or None if they are as usual."""
@@ -314,8 +344,8 @@ class Variants:
             only = self._only_range(interface)
             return (value(only) or usual) if only is not None else None
 
-        found = by_interface(self.device, of)
-        return found if self.by_frame or any(end != usual for end, _ in found.cases) else None
+        ends = by_interface(self.device, of)
+        return ends if self.by_frame or any(end != usual for end, _ in ends.cases) else None
 
     @property
     def bases(self) -> list[str]:
@@ -331,16 +361,16 @@ class Variants:
     @cached_property
     def frame_bits(self) -> Cases[Expr]:
         """Number of bits in the encoder's frame, if it is a string of bits."""
-        kinds = (item for item in self.frame_kinds if not item.in_bytes and not item.has_open_length)
-        first = {item.interface: item.coder.layout.bits for item in kinds}
-        return by_interface(self.device, lambda item: self._of(first.get(item.name)))
+        kinds = (kind for kind in self.frame_kinds if not kind.in_bytes and not kind.has_open_length)
+        first = {kind.interface: kind.coder.layout.bits for kind in kinds}
+        return by_interface(self.device, lambda interface: self._of(first.get(interface.name)))
 
     @property
     def no_frame_bits(self) -> str:
         """Reason why ``frame_bits`` is missing, for each interface without it."""
-        of_bytes = ["frames are made of bytes"] if any(item.in_bytes for item in self.frame_kinds) else []
+        of_bytes = ["frames are made of bytes"] if any(kind.in_bytes for kind in self.frame_kinds) else []
         is_open = (
-            ["the length depends on your choice"] if any(item.has_open_length for item in self.frame_kinds) else []
+            ["the length depends on your choice"] if any(kind.has_open_length for kind in self.frame_kinds) else []
         )
         return ", or ".join([*of_bytes, *is_open])
 
@@ -350,17 +380,19 @@ class Variants:
     def answers(self) -> list[Asked]:
         """Questions whose default applies unless the user chooses another answer."""
         optional = self.device.optional_alternatives
-        return [self.context.asked[item.name] for item in optional]
+        return [self.context.asked[alternative.name] for alternative in optional]
 
     @property
     def some_code(self) -> str:
         """Last order code with a frame whose verdict such an answer decides."""
-        interfaces = {item.name for item, layout in self.device.layouts() if self.device.verdict_alternatives(layout)}
-        return next(item.code for item in reversed(self.device.variants) if item.interface in interfaces)
+        interfaces = {
+            interface.name for interface, layout in self.device.layouts() if self.device.verdict_alternatives(layout)
+        }
+        return next(variant.code for variant in reversed(self.device.variants) if variant.interface in interfaces)
 
-    def answered(self, asked: Asked) -> list[tuple[str, str]]:
+    def answered(self, question: Asked) -> list[tuple[str, str]]:
         """Return the parameters that an answer sets, with the names of their values in its Enum."""
-        return [(self.context.parameters[name], member) for name, member in asked.members]
+        return [(self.context.parameters[name], member) for name, member in question.members]
 
     # -- parameters in registers
 
@@ -368,9 +400,9 @@ class Variants:
     def held(self) -> list[tuple[str, Call]]:
         """Parameters that registers hold at run time: name and record."""
         return [
-            (self.context.parameters[item.parameter.name], self._held(by.register, item))
-            for by in held_parameters(self.device)
-            for item in by.parameters
+            (self.context.parameters[held_parameter.parameter.name], self._held(group.register, held_parameter))
+            for group in held_parameters(self.device)
+            for held_parameter in group.parameters
         ]
 
     @property
@@ -381,24 +413,24 @@ class Variants:
     @property
     def holding(self) -> str:
         """Registers that hold them."""
-        registers = (item.register for item in held_parameters(self.device))
-        return ", ".join(f"{item.name} at {item.address:02X}h" for item in registers)
+        registers = (group.register for group in held_parameters(self.device))
+        return ", ".join(f"{register.name} at {register.address:02X}h" for register in registers)
 
-    def _held(self, register: Register, held: Held) -> Call:
-        parameter, width = held.parameter, held.field.widest
+    def _held(self, register: Register, held_parameter: Held) -> Call:
+        parameter, width = held_parameter.parameter, held_parameter.field.widest
         needed: dict[str, Literal] = {
             "parameter": self.context.parameters[parameter.name],
             "interface": Code(f"Interface.{register.interface.upper()}"),
             "address": Code(f"Address.{register.name.upper()}"),
             "default": register.default_bytes() or bytes(register.length),
             "order": byte_order(register),
-            "low": held.field.low.constant,
+            "low": held_parameter.field.low.constant,
             "width": width,
             "min": parameter.min or 0,
-            "max": parameter.max if parameter.max is not None else held.most,
+            "max": parameter.max if parameter.max is not None else held_parameter.most,
         }
         if parameter.by_code:
-            needed["codes"] = tuple((item.code, item.value) for item in parameter.by_code)
+            needed["codes"] = tuple((by_code.code, by_code.value) for by_code in parameter.by_code)
         if register.default is None:
             needed["by_order_code"] = True
-        return record("Held", needed, **({} if parameter.by_code else of_number(meaning_of(held.field))))
+        return record("Held", needed, **({} if parameter.by_code else of_number(meaning_of(held_parameter.field))))
