@@ -414,10 +414,8 @@ def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
         return ["  profile ID, registers 42h and 43h: 0000h, which means no profile"]
     line = f"  profile ID, registers 42h and 43h: {number:04X}h"
     if len({length.data_bits for length in lengths}) > 1:
-        fitting = [
-            f"{', '.join(length.codes)}{_with(length)}" for length in lengths if length.data_bits == number & 0xFF
-        ]
-        only = f". Its low byte, {number & 0xFF}, is the data length of {', '.join(fitting)} only" if fitting else ""
+        codes = [f"{', '.join(length.codes)}{_with(length)}" for length in lengths if length.data_bits == number & 0xFF]
+        only = f". Its low byte, {number & 0xFF}, is the data length of {', '.join(codes)} only" if codes else ""
         line += f", for all lengths{only}"
     return [line]
 

@@ -158,8 +158,10 @@ def _sent(value: object) -> Data:
     match value:
         case Fixed(fixed):
             return {"fixed": number(fixed)}
-        case ParityOf(of, odd, mask):
-            return {"parity": [field.name for field in of], "odd": int(odd)} | without_empty(mask=number(mask))
+        case ParityOf(covered_fields, odd, mask):
+            return {"parity": [field.name for field in covered_fields], "odd": int(odd)} | without_empty(
+                mask=number(mask)
+            )
         case Turned(documented, place):
             return {"unused": number(documented), "place": place}
         case None:

@@ -64,8 +64,8 @@ class AlternativeCode:
         """Return the parameter as a function of the answer. The last answer is the default branch."""
         *other_values, last_value = (Number(answer.sets[parameter]) for answer in self.item.answers)
         expression: Expr = last_value
-        for entry, value in reversed(list(zip(self.enumeration.entries, other_values, strict=False))):
-            expression = Either(Operation("==", (Name(self.argument), Name(entry.name))), value, expression)
+        for constant, value in reversed(list(zip(self.enumeration.entries, other_values, strict=False))):
+            expression = Either(Operation("==", (Name(self.argument), Name(constant.name))), value, expression)
         return expression
 
 

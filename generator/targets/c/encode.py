@@ -73,8 +73,8 @@ class Encoder:
         match op.value:
             case Fixed(number):
                 return Number(number, hexadecimal=op.field.name not in self._parities)
-            case ParityOf(of, odd, mask):
-                parts = [(self._bits_of_member(field), field.widest) for field in of]
+            case ParityOf(covered_fields, odd, mask):
+                parts = [(self._bits_of_member(field), field.widest) for field in covered_fields]
                 if len(parts) == 1 and parts[0][1] <= 32:
                     parts = [(Cast("uint32_t", parts[0][0]), parts[0][1])]
                 ones = self.reader.parity(parts, mask)

@@ -40,15 +40,15 @@ class Enumeration:
 
     @property
     def is_enum(self) -> bool:
-        return max((entry.value for entry in self.entries), default=0) <= 0x7FFF
+        return max((constant.value for constant in self.entries), default=0) <= 0x7FFF
 
     @property
     def names(self) -> Mapping[int, str]:
-        return {entry.value: entry.name for entry in self.entries}
+        return {constant.value: constant.name for constant in self.entries}
 
     def declared(self) -> Iterator[Declared]:
         yield self.type, self.path
-        yield from ((entry.name, self.path) for entry in self.entries)
+        yield from ((constant.name, self.path) for constant in self.entries)
 
 
 class Enumerations:

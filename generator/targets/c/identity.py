@@ -34,5 +34,5 @@ class IdentityCode:
 
 def identity_codes(context: Context, codes: Mapping[str, RegisterCode]) -> Iterator[IdentityCode]:
     for identity in identities(context.device):
-        compared = tuple(codes[entry.register.name] for entry in identity.compared)
+        compared = tuple(codes[comparison.register.name] for comparison in identity.compared)
         yield IdentityCode(context.prefix, context.device.interface(identity.interface), compared)

@@ -51,9 +51,9 @@ class FrameReports:
     @property
     def told(self) -> Iterator[Expr]:
         """The terms of the mask of its reports."""
-        for reported in self.reporting.told:
-            says = joined("&&", (*map(_holds, reported.conditions), self._says(reported.by)))
-            yield Either(says, self.family.constant(reported.report), Number(0))
+        for report_cause in self.reporting.told:
+            says = joined("&&", (*map(_holds, report_cause.conditions), self._says(report_cause.by)))
+            yield Either(says, self.family.constant(report_cause.report), Number(0))
 
     @property
     def verdict_depends(self) -> bool:
@@ -63,7 +63,7 @@ class FrameReports:
     @property
     def reports_depend(self) -> bool:
         """True if the reports depend on the order code."""
-        return any(reported.only for reported in self.reporting.told)
+        return any(report_cause.only for report_cause in self.reporting.told)
 
     @property
     def _levels(self) -> tuple[tuple[Verdict, tuple[Speaks, ...]], ...]:
@@ -133,8 +133,8 @@ class Reports:
             yield self.enumeration.type, ()
         if self.all:
             yield self.text, ()
-        for report, entry in zip(self.all, self.enumeration.entries, strict=True):
-            yield entry.name, self._path(report)
+        for report, constant in zip(self.all, self.enumeration.entries, strict=True):
+            yield constant.name, self._path(report)
 
     def of(self, layout: Layout, name: str, type_: str) -> FrameReports | None:
         """Return the functions of a frame, if it has any."""
@@ -151,7 +151,7 @@ class Reports:
         first = next(
             reporting
             for reporting in self._by_frame.values()
-            if any(reported.report.number == report.number for reported in reporting.told)
+            if any(report_cause.report.number == report.number for report_cause in reporting.told)
         )
         return ("interfaces", first.interface.name, "layouts", first.codec.layout.name)
 

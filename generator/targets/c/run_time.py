@@ -62,8 +62,8 @@ class HeldValue:
                 yield type_, self.local, Cast(type_, chosen)
             case Raw():
                 yield type_, f"{self.local}_code" if self.is_coded else self.local, bits
-            case other:
-                assert_never(other)
+            case meaning:
+                assert_never(meaning)
 
     @property
     def is_outside(self) -> Expr | None:

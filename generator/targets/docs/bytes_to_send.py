@@ -62,7 +62,7 @@ def sending(
     )
     possible = commands_over(device, interface)
     facts = list(_facts(device, interface, possible, bool(commands), preset is not None))
-    inputs = [link(text(title(checked_input)), f"#input-{checked_input.name}") for checked_input in device.inputs]
+    inputs = [link(text(title(hardware_input)), f"#input-{hardware_input.name}") for hardware_input in device.inputs]
     if inputs:
         facts.append(f"Inputs: {', '.join(inputs)}.")
     other_value = _other_value(family.register(preset.name), variant) if preset is not None else ""

@@ -86,19 +86,21 @@ def value_rows(field: Field) -> Iterator[tuple[str, ...]]:
 
 def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
     """Yield rows of field, place, width, meaning, source. A group of fields is one row with a link to its table."""
-    for row_part in in_rows(device, layout):
-        if isinstance(row_part, FieldGroup):
-            name = joined([link(code(row_part.name), f"#group-{row_part.name}"), text(row_part.printed_name)])
-            parts = [Code(field.name) for field in layout.fields if field.group == row_part.name]
+    for field_or_group in in_rows(device, layout):
+        if isinstance(field_or_group, FieldGroup):
+            name = joined(
+                [link(code(field_or_group.name), f"#group-{field_or_group.name}"), text(field_or_group.printed_name)]
+            )
+            parts = [Code(field.name) for field in layout.fields if field.group == field_or_group.name]
             made_of = STYLE.sentence(said(*listed(parts), label="Fields"))
-            yield name, group_place(device, layout, row_part), f"{row_part.bits}", made_of, ""
+            yield name, group_place(device, layout, field_or_group), f"{field_or_group.bits}", made_of, ""
         else:
             yield (
-                named(row_part),
-                field_place_cell(layout, row_part, device.alternatives_of(layout)),
-                STYLE.number(row_part.width),
-                field_cell(device, row_part, in_register=not layout.sender),
-                cited(row_part.source) if row_part.source != layout.source else "",
+                named(field_or_group),
+                field_place_cell(layout, field_or_group, device.alternatives_of(layout)),
+                STYLE.number(field_or_group.width),
+                field_cell(device, field_or_group, in_register=not layout.sender),
+                cited(field_or_group.source) if field_or_group.source != layout.source else "",
             )
 
 

@@ -42,6 +42,6 @@ def _interface(interface: Interface, widths: dict[str, str]) -> Interface:
 
 def _layout(layout: Layout, widths: dict[str, str]) -> Layout:
     note = layout.note
-    for written, own_width in widths.items():
-        note = note.replace(f" {written} bits", f" {own_width} bits").replace(f", {written},", f", {own_width},")
+    for written, code_width in widths.items():
+        note = note.replace(f" {written} bits", f" {code_width} bits").replace(f", {written},", f", {code_width},")
     return replace(layout, note=note)

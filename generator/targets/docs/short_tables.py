@@ -35,15 +35,21 @@ def titled(titled_part: Titled) -> str:
 
 def field_rows(device: Device, layout: Layout) -> Iterator[Row]:
     """Yield rows of place, field. A group of fields is one row with a link to its table."""
-    for row_part in in_rows(device, layout):
-        if isinstance(row_part, FieldGroup):
-            names = ", ".join(code(field.name) for field in layout.fields if field.group == row_part.name)
-            to = link(text(heading(row_part.name)), f"#group-{row_part.name}")
-            yield group_place(device, layout, row_part), f"{to} <small>{code(row_part.name)}</small>: {names}"
+    for field_or_group in in_rows(device, layout):
+        if isinstance(field_or_group, FieldGroup):
+            names = ", ".join(code(field.name) for field in layout.fields if field.group == field_or_group.name)
+            to = link(text(heading(field_or_group.name)), f"#group-{field_or_group.name}")
+            yield (
+                group_place(device, layout, field_or_group),
+                f"{to} <small>{code(field_or_group.name)}</small>: {names}",
+            )
         else:
-            place = field_place_cell(layout, row_part, device.alternatives_of(layout))
-            size = counted(STYLE.number(row_part.width), "bit") if row_part.container else ""
-            yield joined([place, size]), _described(device, row_part, layout.source, in_register=not layout.sender)
+            place = field_place_cell(layout, field_or_group, device.alternatives_of(layout))
+            size = counted(STYLE.number(field_or_group.width), "bit") if field_or_group.container else ""
+            yield (
+                joined([place, size]),
+                _described(device, field_or_group, layout.source, in_register=not layout.sender),
+            )
 
 
 def group_rows(device: Device, name: str) -> Iterator[Row]:

@@ -61,7 +61,7 @@ class FrameReports:
 
     def name_of(self, field: Field) -> str:
         """Return the name of a field's report."""
-        return next(report.report.name for report in self._told if report.by.field.name == field.name)
+        return next(report_cause.report.name for report_cause in self._told if report_cause.by.field.name == field.name)
 
     def _flag(self, part: Part) -> Expr:
         return Atom(self._own(self._names.attribute(part.field.name)))

@@ -83,10 +83,10 @@ class Shape:
         values: Literal = Code(self.coder.enum(field)) if is_named(meaning_of(field)) else None
         if self.coder.selects(field):
             values = allowed_values(self.coder.layout, field)
-        arguments = self._record(shape_column)
+        column_call = self._record(shape_column)
         return record(
             "Column",
-            dict(arguments.arguments),
+            dict(column_call.arguments),
             field=shape_column.name if shape_column.name != name else "",
             values=values,
         )

@@ -158,9 +158,7 @@ def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str,
     summary = S.sentence(layout.head(interface, frame, heading(frame.name), device.alternatives))
     groups = [f"field_groups.{name}" for name in dict.fromkeys(member.group for member in frame.fields if member.group)]
     frame_errata = errata(device, f"interfaces.{interface.name}.{frame.name}")
-    shared = ", ".join(
-        shared_erratum.name for shared_erratum in errata(device, *groups) if shared_erratum not in frame_errata
-    )
+    shared = ", ".join(erratum.name for erratum in errata(device, *groups) if erratum not in frame_errata)
     more = f"See also in ERRATA: {shared}." if shared else ""
     return summary, [*paragraphs(layout.layout(device, interface, frame)), more]
 

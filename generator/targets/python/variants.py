@@ -210,14 +210,10 @@ class Variants:
     @cached_property
     def per_counts(self) -> Cases[Expr]:
         """Number of counts to which ``step_nm`` applies, if it is not one everywhere."""
-        counts_by_interface = self._cases(
+        cases = self._cases(
             lambda measurement: self._of(measurement.per_counts or Expression(1)) if measurement.step_nm else None
         )
-        return (
-            counts_by_interface
-            if any(value != number(1) for value, _ in counts_by_interface.cases)
-            else replace(counts_by_interface, cases=())
-        )
+        return cases if any(value != number(1) for value, _ in cases.cases) else replace(cases, cases=())
 
     @cached_property
     def modulus(self) -> Cases[Expr]:
