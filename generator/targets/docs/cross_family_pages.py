@@ -129,9 +129,9 @@ def _frames(device: Device) -> Iterator[Row]:
 
 def _resolutions(device: Device) -> Iterator[Row]:
     """Yield the resolution and range of the position by order code."""
-    register_names = run_time_names(device)
+    run_time_parameters = run_time_names(device)
     for parameter in device.set_parameters:
-        if not parameter.unit or parameter.name in register_names:
+        if not parameter.unit or parameter.name in run_time_parameters:
             continue
         counts = sorted(
             {variant.parameters[parameter.name] for variant in device.variants if parameter.name in variant.parameters}

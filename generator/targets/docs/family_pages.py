@@ -130,16 +130,14 @@ _PARTS = {
 def _to_part(device: Device, part: str) -> Iterator[str]:
     """Yield a link to the section of each interface that has it."""
     for interface in device.interfaces:
-        interface_device = for_interface(device, interface.name)
-        if {"wiring": interface_device.connectors, "leds": interface_device.leds, "alarms": interface_device.alarms}[
-            part
-        ]:
+        page_device = for_interface(device, interface.name)
+        if {"wiring": page_device.connectors, "leds": page_device.leds, "alarms": page_device.alarms}[part]:
             yield link(interface.title, f"{page_links.interface_page(device, interface)}#{part}")
 
 
 def hardware_values(device: Device) -> HardwarePage:
     errata_at, hand = inline_errata.OnPage(device), by_hand(device)
-    names_by_hand = {procedure.characteristic.name: procedure for procedure in hand}
+    hands_by_name = {procedure.characteristic.name: procedure for procedure in hand}
     return {
         "device": device,
         "errata_at": errata_at,
@@ -150,7 +148,7 @@ def hardware_values(device: Device) -> HardwarePage:
                 joined(
                     [
                         link("step by step", f"#by-hand-{characteristic.name}")
-                        if characteristic.name in names_by_hand
+                        if characteristic.name in hands_by_name
                         else text(characteristic.value),
                         errata_at.named(f"characteristics.{characteristic.name}"),
                     ]

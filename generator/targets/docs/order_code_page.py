@@ -260,10 +260,10 @@ def _summary(device: Device) -> str:
 
 def _quantity_rows(alike: Alike) -> Iterator[Row]:
     """Yield the quantities set by the order code, and the factory defaults of those that registers hold."""
-    names_at_run_time = run_time_names(alike.family)
+    run_time_parameters = run_time_names(alike.family)
     for parameter in parameters_of(alike.family, alike.interface.name):
         if not parameter.alternative and alike.variants[0].parameters[parameter.name] != 0:
-            yield _quantity(alike, parameter, parameter.name in names_at_run_time)
+            yield _quantity(alike, parameter, parameter.name in run_time_parameters)
 
 
 def _quantity(alike: Alike, parameter: Parameter, is_held: bool) -> Row:

@@ -68,12 +68,8 @@ class FrameReports:
 
     def _differ(self, reserved: Sequence[Reserved]) -> Expr:
         """Return the condition that any of these unused bits differs from the manual."""
-        unused, ones = Atom(self._own("unused")), sum(unused_bits.mask for unused_bits in reserved)
-        return (
-            unused
-            if ones == sum(unused_bits.mask for unused_bits in self._reserved)
-            else Operation(unused, "&", mask(ones))
-        )
+        unused, ones = Atom(self._own("unused")), sum(bits.mask for bits in reserved)
+        return unused if ones == sum(bits.mask for bits in self._reserved) else Operation(unused, "&", mask(ones))
 
     def _conditions(self, causes: Sequence[Speaks]) -> list[str]:
         """Return a condition for each flag and each match of values, and one for all unused bits."""

@@ -73,9 +73,7 @@ class Shape:
             return ""
         interface = coder.context.device.interface(coder.layout_interface)
         ranges = position_ranges(coder.context.device, interface)
-        return (
-            coder.layout.name if len(ranges) > 1 or any(position_range.never_wraps for position_range in ranges) else ""
-        )
+        return coder.layout.name if len(ranges) > 1 or any(range_.never_wraps for range_ in ranges) else ""
 
     def _column(self, shape_column: Column) -> Call:
         """Return a column with its name in messages, if that differs, and the only values of its field."""

@@ -315,11 +315,11 @@ class Variants:
     def highest(self) -> Cases[Expr] | None:
         """Highest position, if positions are signed or an offset can shift them above ``modulus``."""
 
-        def of(position_range: PositionRange) -> Expr | None:
+        def of(range_: PositionRange) -> Expr | None:
             return (
-                self._highest_signed(position_range)
-                if position_range.signed_field is not None
-                else self._of(position_range.measurement.highest)
+                self._highest_signed(range_)
+                if range_.signed_field is not None
+                else self._of(range_.measurement.highest)
             )
 
         return self._ends(of, Operation(Atom("self.modulus"), "-", number(1)))
@@ -328,10 +328,7 @@ class Variants:
     def is_shifted(self) -> bool:
         """True if an offset can shift the positions of an interface above ``modulus``."""
         ranges = filter(None, map(self._only_range, self.device.interfaces))
-        return any(
-            position_range.measurement.highest is not None and position_range.signed_field is None
-            for position_range in ranges
-        )
+        return any(range_.measurement.highest is not None and range_.signed_field is None for range_ in ranges)
 
     def _ends(self, value: Callable[[PositionRange], Expr | None], usual: Expr) -> Cases[Expr] | None:
         """Return the ends of the range of positions on one side, or None if they are as usual."""
