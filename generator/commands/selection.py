@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,7 +15,7 @@ from ..loading.shipped import packaged_families
 from . import look_up
 from .generate import command_again
 from .terminal import problems, refuse_missing
-from .which_specs import Specs, find_settings, specs_to_judge
+from .which_specs import Specs, find_settings, find_specs, specs_to_judge
 
 if TYPE_CHECKING:
     from ..model import Device
@@ -28,19 +28,18 @@ OUTPUT = Path("generated")
 class Selection:
     """Specs to read, and the options of targets that follow from the arguments.
 
-    ``has_all`` is True if these are all specs of the user, and ``everything`` the command that reads all of them.
+    ``command_with`` returns the command that also reads the families with these names, such as ``lika/amm5``.
     """
 
     paths: tuple[Path, ...]
     options: tuple[str, ...]
-    has_all: bool
-    everything: str
+    command_with: Callable[[Sequence[str]], str]
 
     def guard(self, output: Path, devices: Sequence[Device], files: Sequence[str]) -> Guard:
         """Return the check that the run touches no output of other specs."""
         from ..owners import Guard
 
-        return Guard(output, devices, files, self.has_all, self.everything)
+        return Guard(output, devices, files, self.command_with)
 
 
 def selected(chosen: argparse.Namespace, cache: Cache) -> Selection:
@@ -50,19 +49,60 @@ def selected(chosen: argparse.Namespace, cache: Cache) -> Selection:
         Stop: There are no specs, a name is unknown (exit code 2), or there are errors in the settings (exit code 1).
     """
     named = [*chosen.specs, *chosen.more_specs]
-    chosen.again = command_again(chosen)
+    # A copy, because the output folder and the targets are filled in later.
+    given = argparse.Namespace(**vars(chosen))
+    chosen.again = command_again(given)
     if chosen.packaged:
         refuse_missing(named)
         paths, implied = _packaged(chosen, cache)
-        settings, everything = find_settings(cache), command_again(chosen, "--packaged", "NAME")
+        settings = find_settings(cache)
         paths = (*named, *paths)
     else:
         specs = specs_to_judge(named, "generate", cache)
         paths, implied, settings = specs.paths, (), specs.settings
-        is_listed = settings is not None and settings.specs and named
-        everything = "codewheel generate" if is_listed else command_again(chosen, "FOLDER")
     _fill_in(chosen, settings)
-    return Selection(paths, (*chosen.option, *implied), not named and not chosen.packaged, everything)
+
+    def command_with(families: Sequence[str]) -> str:
+        return _command_with(families, given, settings, cache)
+
+    return Selection(paths, (*chosen.option, *implied), command_with)
+
+
+def _command_with(
+    families: Sequence[str], given: argparse.Namespace, settings: Configuration | None, cache: Cache
+) -> str:
+    """Return the command of the user that also reads these families.
+
+    A packaged family is named with ``--packaged``. For others, ``FOLDER`` is a place that the user fills in.
+    """
+    packaged = [name for name in families if _is_packaged(name)]
+    needs_folder = not packaged or len(packaged) < len(families)
+    more = ["FOLDER"] if needs_folder else []
+    if given.specs or given.more_specs:
+        has_listed = settings is not None and bool(settings.specs)
+        if has_listed and not packaged:
+            return "codewheel generate"
+    elif not given.packaged:
+        more = [*_own_specs(settings, cache), *more]
+    elif needs_folder:
+        more = _own_specs(settings, cache) or more
+    every = argparse.Namespace(**vars(given))
+    every.packaged = [*given.packaged, *(name.partition("/")[2] for name in packaged)]
+    return command_again(every, *more)
+
+
+def _is_packaged(family: str) -> bool:
+    """Return True if a family, such as ``lika/amm5``, is among the packaged specs."""
+    manufacturer, _, name = family.partition("/")
+    return any(folder.name == manufacturer and (folder / f"{name}.yaml").is_file() for folder in packaged_families())
+
+
+def _own_specs(settings: Configuration | None, cache: Cache) -> list[str]:
+    """Return the arguments that name the specs that are read if the user names none."""
+    if settings is not None and settings.specs:
+        return [path.as_posix() for path in settings.specs]
+    folder = settings.folder if settings is not None else Path()
+    return [folder.as_posix()] if find_specs((), cache).paths else []
 
 
 def _fill_in(chosen: argparse.Namespace, settings: Configuration | None) -> None:

@@ -311,6 +311,7 @@ def test_a_packaged_encoder_is_generated_by_its_name(capsys: pytest.CaptureFixtu
 
 # ------------------------------------------------------------------------------------------------------ files of others
 
+C = ("--target", "c")
 #: Targets with and without a file for each family.
 TARGETS = [word for name in ("c", "python", "biss", "docs", "masters", "browser") for word in ("--target", name)]
 
@@ -370,7 +371,7 @@ def test_an_output_of_an_earlier_version_is_safe_too(
 def test_an_earlier_version_of_ones_own_output_is_updated(capsys: pytest.CaptureFixture[str], here: Path) -> None:
     add("enc_a", here / "specs/aa")
     assert run(capsys, "generate", *TARGETS)[0] == 0
-    old = ["c/include/aa/old.h", "docs/enc_a-old.md", "python/runtime/old.py"]
+    old = ["c/include/aa/enc_a_old.h", "docs/enc_a-old.md", "python/runtime/old.py"]
     for name in old:
         target, _, path = name.partition("/")
         (here / "generated" / name).write_text("old")
@@ -386,24 +387,120 @@ def test_an_earlier_version_of_ones_own_output_is_updated(capsys: pytest.Capture
 
 
 @pytest.mark.slow
+def test_files_of_an_earlier_version_may_belong_to_anyone(capsys: pytest.CaptureFixture[str], here: Path) -> None:
+    """Earlier versions recorded no families, and the name of a manufacturer does not tell which family it was."""
+    add("enc_a", here / "specs/aa")
+    assert run(capsys, "generate", *TARGETS)[0] == 0
+    listing = here / "generated/biss" / LIST
+    lines = listing.read_text(encoding="utf-8").splitlines(keepends=True)
+    kept = "".join(line for line in lines if not line.startswith("# Families: "))
+    listing.write_text(f"{kept}aa-enc_b.xml\nidbiss6943.xml\n", encoding="utf-8")
+    for name in ("aa-enc_b.xml", "idbiss6943.xml"):
+        (here / "generated/biss" / name).write_text("old")
+    before = tree(here / "generated")
+    code, _, err = run(capsys, "generate", *TARGETS)
+    assert (code, tree(here / "generated")) == (1, before)
+    assert err.startswith(
+        "codewheel: generated has files of an earlier version whose family is not known "
+        "(2 files: generated/biss/aa-enc_b.xml, generated/biss/idbiss6943.xml). Nothing has changed. Remove them with "
+        "--prune. If they are outputs of other specs, read these too (codewheel generate . FOLDER --target c "
+    )
+    assert run(capsys, "generate", *TARGETS, "--prune")[0] == 0
+    assert run(capsys, "generate", *TARGETS)[0] == 0
+
+
+@pytest.mark.slow
 def test_a_spec_that_was_deleted(capsys: pytest.CaptureFixture[str], two: Path, generated: Path) -> None:
     add("enc_c", two / "specs/aa")
     assert run(capsys, "generate", *TARGETS)[0] == 0
     (two / "specs/aa/enc_c.yaml").unlink()
-    # Of named specs it is unknown if they are all. Without names, all are read.
-    code, _, err = run(capsys, "generate", "specs", *TARGETS)
-    assert code == 1
-    assert err.startswith("codewheel: generated has outputs of aa/enc_c, which were not read (")
-    code, out, _ = run(capsys, "generate", *TARGETS)
+    before = tree(generated)
+    # A missing spec can also be elsewhere, so its outputs are never removed without --prune.
+    for names in (["specs"], []):
+        code, _, err = run(capsys, "generate", *names, *TARGETS)
+        assert (code, tree(generated)) == (1, before)
+        assert err.startswith("codewheel: generated has outputs of aa/enc_c, which were not read (")
+    code, out, _ = run(capsys, "generate", *TARGETS, "--prune")
     assert code == 0
     assert "removed    generated/docs/enc_c.md\n" in out
     assert not any("enc_c" in path for path in tree(generated))
-    # The last spec of a manufacturer is never dropped without a word.
-    (two / "specs/bb/enc_b.yaml").unlink()
-    before = tree(generated)
-    code, _, err = run(capsys, "generate", *TARGETS)
-    assert (code, tree(generated)) == (1, before)
-    assert "outputs of bb/enc_b, which were not read" in err
+    assert run(capsys, "generate", *TARGETS)[0] == 0, "--prune is needed once"
+
+
+def generate_two_places(capsys: pytest.CaptureFixture[str], here: Path, other: str, *specs: str) -> dict[str, str]:
+    """Write the outputs of ``proj/mine.yaml`` and of a family of the same manufacturer in another folder."""
+    for name, folder in (("mine", here / "proj"), ("yours", here / other)):
+        folder.mkdir(exist_ok=True)
+        assert main(["new", name, "-o", str(folder / f"{name}.yaml")]) == 0
+    assert run(capsys, "generate", "proj", other, *specs, *C)[0] == 0
+    return tree(here / "generated")
+
+
+def refuses_yours(capsys: pytest.CaptureFixture[str], again: str, *more: str) -> None:
+    """Check that ``generate`` refuses to remove the family of the other folder and names the command to include it."""
+    code, _, err = run(capsys, "generate", *C, *more)
+    assert code == 1
+    assert "has outputs of example/yours, which were not read (" in err
+    assert f"Nothing has changed. Read these specs too (codewheel generate {again})" in err
+
+
+def test_specs_beside_the_current_folder_keep_their_outputs(
+    capsys: pytest.CaptureFixture[str], here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = generate_two_places(capsys, here, "other")
+    monkeypatch.chdir(here / "proj")
+    refuses_yours(capsys, ". FOLDER -o ../generated --target c", "-o", "../generated")
+    assert run(capsys, "generate", ".", "../other", "-o", "../generated", *C)[0] == 0
+    assert tree(here / "generated") == before
+
+
+@pytest.mark.parametrize("other", ["repository", "build"])
+def test_specs_that_are_not_searched_keep_their_outputs(
+    capsys: pytest.CaptureFixture[str], here: Path, other: str
+) -> None:
+    if other == "repository":
+        (here / "repository/.git").mkdir(parents=True)
+    before = generate_two_places(capsys, here, other)
+    refuses_yours(capsys, ". FOLDER --target c")
+    assert tree(here / "generated") == before
+
+
+def test_specs_that_the_settings_omit_keep_their_outputs(capsys: pytest.CaptureFixture[str], here: Path) -> None:
+    before = generate_two_places(capsys, here, "other")
+    (here / "codewheel.yaml").write_text("specs: [proj]\n")
+    refuses_yours(capsys, "proj FOLDER --target c")
+    assert tree(here / "generated") == before
+
+
+@pytest.mark.slow
+def test_a_special_model_keeps_its_outputs(capsys: pytest.CaptureFixture[str], here: Path) -> None:
+    shutil.copytree(ROOT / "docs/example/tolvarn", here / "tolvarn")
+    shutil.copytree(ROOT / "docs/example-overlay", here / "customer")
+    assert run(capsys, "generate", "tolvarn", "customer", *C, "--unchecked")[0] == 0
+    before = tree(here / "generated")
+    code, _, err = run(capsys, "generate", "tolvarn", *C, "--unchecked")
+    assert (code, tree(here / "generated")) == (1, before)
+    assert err.startswith("codewheel: generated has outputs of tolvarn/tv62_s042, which were not read (")
+
+
+@pytest.mark.slow
+def test_packaged_outputs_of_the_same_manufacturer_are_kept(capsys: pytest.CaptureFixture[str], here: Path) -> None:
+    assert run(capsys, "generate", "--packaged", "icmu", *C)[0] == 0
+    before = tree(here / "generated")
+    assert main(["new", "mine", "-o", str(here / "mine.yaml")]) == 0
+    for path in here.glob("*.yaml"):
+        text = path.read_text(encoding="utf-8")
+        path.write_text(text.replace("manufacturer: example", "manufacturer: ichaus"), encoding="utf-8")
+    # A packaged encoder has no folder that the user could name.
+    code, _, err = run(capsys, "generate", *C)
+    assert (code, tree(here / "generated")) == (1, before)
+    assert "has outputs of ichaus/icmu, which were not read (" in err
+    assert "Read these specs too (codewheel generate . --packaged icmu --target c), write elsewhere" in err
+    # The other way round, the user's specs are the ones that are missing.
+    assert run(capsys, "generate", *C, "-o", "out")[0] == 0
+    code, _, err = run(capsys, "generate", "--packaged", "icmu", *C, "-o", "out")
+    assert code == 1
+    assert "Read these specs too (codewheel generate . --packaged icmu -o out --target c), write elsewhere" in err
 
 
 @pytest.mark.slow
@@ -432,7 +529,7 @@ def test_leftovers_of_a_killed_run_are_named(capsys: pytest.CaptureFixture[str],
     (generated / ".codewheel-mine-abcd1234/notes.txt").write_text("mine")
     code, out, err = run(capsys, "generate", "--check", *TARGETS)
     assert code == 1
-    assert out.splitlines()[1:] == ["left over  generated/.codewheel-biss-abcd1234"]
+    assert out.splitlines()[2:] == ["left over  generated/.codewheel-biss-abcd1234"]
     assert err.startswith("codewheel: 1 file out of date; run: codewheel generate --target c")
     assert run(capsys, "generate", *TARGETS)[0] == 0
     assert not stage.exists()
