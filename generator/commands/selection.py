@@ -28,12 +28,27 @@ OUTPUT = Path("generated")
 class Selection:
     """Specs to read, and the options of targets that follow from the arguments.
 
-    ``command_with`` returns the command that also reads the families with these names, such as ``lika/amm5``.
+    Attributes:
+        paths: The specs, with the packaged ones last.
+        options: Options of targets. With ``--packaged``, one of them can limit C to order codes.
+        packaged: The packaged specs among ``paths``.
+        is_narrowed: True if that option follows from ``--packaged``.
+        command_with: Returns the command that also reads the families with these names, such as ``lika/amm5``.
     """
 
     paths: tuple[Path, ...]
     options: tuple[str, ...]
+    packaged: tuple[Path, ...]
+    is_narrowed: bool
     command_with: Callable[[Sequence[str]], str]
+
+    def options_for(self, families: Sequence[str]) -> tuple[str, ...]:
+        """Return the options for the families that were read. The limit of ``--packaged`` keeps those of the user."""
+        if not self.is_narrowed:
+            return self.options
+        packaged_names = {path.stem for path in self.packaged}
+        own_names = [name for name in families if name not in packaged_names]
+        return (*self.options[:-1], ",".join([self.options[-1], *own_names]))
 
     def guard(self, output: Path, devices: Sequence[Device], files: Sequence[str]) -> Guard:
         """Return the check that the run touches no output of other specs."""
@@ -54,18 +69,18 @@ def selected(chosen: argparse.Namespace, cache: Cache) -> Selection:
     chosen.again = command_again(given)
     if chosen.packaged:
         refuse_missing(named)
-        paths, implied = _packaged(chosen, cache)
+        packaged, implied = _packaged(chosen, cache)
         settings = find_settings(cache)
-        paths = (*named, *paths)
+        paths = (*named, *packaged)
     else:
         specs = specs_to_judge(named, "generate", cache)
-        paths, implied, settings = specs.paths, (), specs.settings
+        paths, packaged, implied, settings = specs.paths, (), (), specs.settings
     _fill_in(chosen, settings)
 
     def command_with(families: Sequence[str]) -> str:
         return _command_with(families, given, settings, cache)
 
-    return Selection(paths, (*chosen.option, *implied), command_with)
+    return Selection(paths, (*chosen.option, *implied), packaged, bool(implied), command_with)
 
 
 def _command_with(
@@ -149,10 +164,10 @@ def _packaged(chosen: argparse.Namespace, cache: Cache) -> tuple[tuple[Path, ...
 
 
 def _narrowed(chosen: argparse.Namespace, parts: Sequence[str]) -> tuple[str, ...]:
-    """Return the option that limits the C headers to order codes, unless the user gave it or specs of their own."""
+    """Return the option that limits the C headers to order codes, unless the user gave it."""
     is_given = any(setting.startswith("c.only=") for setting in chosen.option)
     has_target = not chosen.target or "c" in chosen.target
     has_codes = any(part.upper() == part for part in parts)
-    if is_given or not has_target or not has_codes or chosen.specs or chosen.more_specs:
+    if is_given or not has_target or not has_codes:
         return ()
     return (f"c.only={','.join(dict.fromkeys(parts))}",)

@@ -309,6 +309,17 @@ def test_a_packaged_encoder_is_generated_by_its_name(capsys: pytest.CaptureFixtu
     assert "AMM5A21/65KSX1" in err
 
 
+@pytest.mark.slow
+def test_an_order_code_narrows_its_family_alone(capsys: pytest.CaptureFixture[str], two: Path) -> None:
+    for _ in range(2):  # The second run uses the cache.
+        code, out, err = run(capsys, "generate", "specs", "--packaged", "AMM5A21/65KSC1", "--target", "c", "-o", "out")
+        assert (code, err) == (0, "")
+        assert out.startswith("read the packaged specs of AMM5A21/65KSC1: amm5, and 4 specs of yours: specs/aa/enc_a.")
+    names = {path.name for path in (two / "out/c/include").glob("*/*.h")}
+    assert {"amm5_biss.h", "enc_a_biss.h", "enc_b_biss.h"} <= names
+    assert not any("ssi" in name or "rs485" in name for name in names), "only the order code's interface"
+
+
 # ------------------------------------------------------------------------------------------------------ files of others
 
 C = ("--target", "c")
