@@ -144,6 +144,25 @@ def test_in_this_repository_the_edited_files_are_read(
     assert run(capsys, "list")[2] == "", "the packaged specs are the same files"
 
 
+def test_an_overlay_alone_reads_only_the_family_that_it_changes(capsys: pytest.CaptureFixture[str], here: Path) -> None:
+    change = "set: alarms.low_amplitude_error.meaning, to: Mine, why: A test, source: 6.4 p.33, severity: wording"
+    overlay = "codewheel: 1\noverlay: mine\ntitle: Mine\nof: {}\nchanges:\n  - {{" + change + "}}\n"
+    (here / "mine.yaml").write_text(overlay.format("sma21"), encoding="utf-8")
+    code, _, err = run(capsys, "list")
+    assert (code, err) == (0, "codewheel: in your specs and in the packaged ones: sma21; yours are used\n")
+    code, out, _ = run(capsys, "generate", "--target", "c", "--unchecked")
+    assert code == 0
+    assert out.startswith("read 3 specs: mine.yaml, "), "with its manufacturer"
+    stems = {path.name.partition("_")[0] for path in (here / "generated/c/include/lika").glob("*.h")}
+    assert "sma21" in stems
+    assert "amm5" not in stems
+    # An unknown name is compared with all packaged families.
+    (here / "mine.yaml").write_text(overlay.format("sma22"), encoding="utf-8")
+    code, out, _ = run(capsys, "check")
+    assert code == 1
+    assert "there is no family 'sma22' among the specs that were read; did you mean 'sma21'?" in out
+
+
 # ------------------------------------------------------------------------------------------------------ settings
 
 
