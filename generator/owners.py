@@ -50,12 +50,14 @@ class Guard:
         devices: The families that were read.
         files: The specs that were read.
         command_with: Returns the command that also reads the families with these names, for messages.
+        is_comparison: True if the run writes nothing anyway.
     """
 
     folder: Path
     devices: Sequence[Device]
     files: Sequence[str]
     command_with: Callable[[Sequence[str]], str]
+    is_comparison: bool = False
 
     def check(self, changes: Mapping[str, Sequence[Change]]) -> None:
         """Check the changes of each target.
@@ -104,17 +106,20 @@ class Guard:
     def _message(self, families: Sequence[str], files: Sequence[str]) -> str:
         examples = f" ({self._examples(files)})" if files else ""
         return (
-            f"{self.folder.as_posix()} has outputs of {', '.join(families)}, which were not read{examples}. Nothing "
-            f"has changed. Read these specs too ({self.command_with(families)}), write elsewhere with -o, or drop "
-            "these outputs with --prune"
+            f"{self.folder.as_posix()} has outputs of {', '.join(families)}, which were not "
+            f"read{examples}.{self._state()} Read these specs too ({self.command_with(families)}), write elsewhere "
+            "with -o, or drop these outputs with --prune"
         )
 
     def _message_without_record(self, files: Sequence[str]) -> str:
         return (
             f"{self.folder.as_posix()} has files of an earlier version whose family is not known "
-            f"({self._examples(files)}). Nothing has changed. Remove them with --prune. If they are outputs of other "
+            f"({self._examples(files)}).{self._state()} Remove them with --prune. If they are outputs of other "
             f"specs, read these too ({self.command_with(())}) or write elsewhere with -o"
         )
+
+    def _state(self) -> str:
+        return "" if self.is_comparison else " Nothing has changed."
 
     def _examples(self, files: Sequence[str]) -> str:
         shown = first_of([(self.folder / path).as_posix() for path in files], _MOST_SHOWN)
@@ -131,7 +136,8 @@ class Guard:
             for file in self.files:
                 if os.path.realpath(file).startswith(place):
                     wrong = f"the spec {file} is in {(self.folder / target).as_posix()}, which generate writes"
-                    raise WriteError(f"{wrong}; nothing has changed; choose another output folder with -o")
+                    state = "" if self.is_comparison else "; nothing has changed"
+                    raise WriteError(f"{wrong}{state}; choose another output folder with -o")
 
 
 def _has_name(path: str, names: Collection[str]) -> bool:

@@ -155,7 +155,7 @@ def _generate(chosen: argparse.Namespace) -> int:
     def gate() -> None:
         import_module(f"{__package__}.coverage").refuse_unproved(families, "written", _cache(chosen))
 
-    return run(chosen, files, gate, asked.guard(chosen.output, devices, report.files))
+    return run(chosen, files, gate, asked.guard(chosen, devices, report.files))
 
 
 def _read_line(families: Sequence[str], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]) -> str:

@@ -50,11 +50,11 @@ class Selection:
         own_names = [name for name in families if name not in packaged_names]
         return (*self.options[:-1], ",".join([self.options[-1], *own_names]))
 
-    def guard(self, output: Path, devices: Sequence[Device], files: Sequence[str]) -> Guard:
+    def guard(self, chosen: argparse.Namespace, devices: Sequence[Device], files: Sequence[str]) -> Guard:
         """Return the check that the run touches no output of other specs."""
         from ..owners import Guard
 
-        return Guard(output, devices, files, self.command_with)
+        return Guard(chosen.output, devices, files, self.command_with, is_comparison=chosen.check)
 
 
 def selected(chosen: argparse.Namespace, cache: Cache) -> Selection:
@@ -66,7 +66,7 @@ def selected(chosen: argparse.Namespace, cache: Cache) -> Selection:
     named = [*chosen.specs, *chosen.more_specs]
     # A copy, because the output folder and the targets are filled in later.
     given = argparse.Namespace(**vars(chosen))
-    chosen.again = command_again(given)
+    chosen.again = f"{command_again(given)}{' --prune' if given.prune else ''}"
     if chosen.packaged:
         refuse_missing(named)
         packaged, implied = _packaged(chosen, cache)
