@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+import shlex
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,10 +12,11 @@ from typing import TYPE_CHECKING
 from ..cache import Cache
 from ..language.files import below
 from ..loading.configuration import Configuration
+from ..loading.family_files import MANUFACTURER
 from ..loading.shipped import packaged_families
 from . import look_up
 from .generate import command_again
-from .terminal import problems, refuse_missing
+from .terminal import Stop, problems, refuse_missing
 from .which_specs import Specs, find_settings, find_specs, specs_to_judge
 
 if TYPE_CHECKING:
@@ -67,8 +69,8 @@ def selected(chosen: argparse.Namespace, cache: Cache) -> Selection:
     # A copy, because the output folder and the targets are filled in later.
     given = argparse.Namespace(**vars(chosen))
     chosen.again = f"{command_again(given)}{' --prune' if given.prune else ''}"
+    _refuse_missing(named, cache)
     if chosen.packaged:
-        refuse_missing(named)
         packaged, implied = _packaged(chosen, cache)
         settings = find_settings(cache)
         paths = (*named, *packaged)
@@ -120,6 +122,32 @@ def _own_specs(settings: Configuration | None, cache: Cache) -> list[str]:
     return [folder.as_posix()] if find_specs((), cache).paths else []
 
 
+def _refuse_missing(named: Sequence[Path], cache: Cache) -> None:
+    """Check that all paths exist, and explain ``--packaged`` if one of them is the name of a packaged encoder.
+
+    Raises:
+        Stop: A path does not exist. The exit code is 2.
+    """
+    try:
+        refuse_missing(named)
+    except Stop as stop:
+        missing = [path.as_posix() for path in named if not path.exists()]
+        names = [word for name in missing if _names_packaged(name, cache) for word in ("--packaged", name)]
+        if not names:
+            raise
+        command = shlex.join(["codewheel", "generate", *names])
+        raise Stop(f"{stop}; to generate a packaged encoder: {command}", stop.code) from None
+
+
+def _names_packaged(name: str, cache: Cache) -> bool:
+    """Return True if this is the order code, family or manufacturer of packaged specs."""
+    try:
+        _packaged_specs(name, cache)
+    except Stop:
+        return False
+    return True
+
+
 def _fill_in(chosen: argparse.Namespace, settings: Configuration | None) -> None:
     """Set the output folder and the targets that the user did not name.
 
@@ -147,20 +175,52 @@ def _refuse_unknown_targets(settings: Configuration) -> None:
 
 def _packaged(chosen: argparse.Namespace, cache: Cache) -> tuple[tuple[Path, ...], tuple[str, ...]]:
     """Return the packaged specs with the names of ``--packaged``, and the option that limits the C headers to them."""
-    folders = {folder.name: folder for folder in packaged_families()}
-    packaged = Specs(tuple(folders.values()))
     paths: list[Path] = []
     parts: list[str] = []
     for name in chosen.packaged:
-        if name.lower() in folders:
-            specs = below(folders[name.lower()]).specs
-            paths += specs
-            parts += [path.stem for path in specs if path.name != "manufacturer.yaml"]
-            continue
-        device, match, _ = look_up.family_or_code(packaged, name, cache)
-        paths.append(folders[device.manufacturer.name] / f"{device.name}.yaml")
-        parts.append(match.variant.code if match is not None and not match.unlisted else device.name)
+        specs, names = _packaged_specs(name, cache)
+        paths += specs
+        parts += names
     return tuple(dict.fromkeys(paths)), _narrowed(chosen, parts)
+
+
+def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[str]]:
+    """Return the packaged specs of a manufacturer, a family or an order code, and their families or the order code.
+
+    Raises:
+        Stop: There is none of this name. The exit code is 2.
+    """
+    folders = {folder.name: folder for folder in packaged_families()}
+    if name.lower() in folders:
+        specs = below(folders[name.lower()]).specs
+        return specs, [path.stem for path in specs if path.name != MANUFACTURER]
+    try:
+        device, match, _ = look_up.family_or_code(Specs(tuple(folders.values())), name, cache)
+    except Stop as stop:
+        raise _no_packaged(name, stop, folders) from None
+    part = match.variant.code if match is not None and not match.unlisted else device.name
+    return [folders[device.manufacturer.name] / f"{device.name}.yaml"], [part]
+
+
+def _no_packaged(name: str, stop: Stop, folders: Mapping[str, Path]) -> Stop:
+    """Return the error for an unknown name, with the nearest family or manufacturer if there is one."""
+    from difflib import get_close_matches
+
+    from ..language.problems import nearest_choice
+    from ..order_codes import messages
+
+    unknown = messages.unknown(name)
+    if not str(stop).startswith(unknown):  # The name is close to an order code, and the message says how.
+        return stop
+    families = [path.stem for folder in folders.values() for path in below(folder).specs if path.name != MANUFACTURER]
+    nearest = nearest_choice(name.lower(), [*folders, *families])
+    similar = get_close_matches(name.lower(), [*folders, *families])
+    remedy = str(stop).removeprefix(unknown)
+    if nearest:
+        remedy = f"; did you mean '{nearest}'?"
+    elif similar:
+        remedy = messages.nearest(", ".join(similar))
+    return Stop(f"'{name}' is not a packaged order code, family or manufacturer{remedy}", stop.code)
 
 
 def _narrowed(chosen: argparse.Namespace, parts: Sequence[str]) -> tuple[str, ...]:

@@ -328,6 +328,31 @@ def test_a_packaged_encoder_is_generated_by_its_name(capsys: pytest.CaptureFixtu
     assert "AMM5A21/65KSX1" in err
 
 
+@pytest.mark.parametrize("name", ["AMM5A21/65KSC1", "amm5", "lika"])
+def test_a_packaged_encoder_in_place_of_a_path(capsys: pytest.CaptureFixture[str], here: Path, name: str) -> None:
+    code, _, err = run(capsys, "generate", name)
+    remedy = f"to generate a packaged encoder: codewheel generate --packaged {name}"
+    assert (code, err) == (2, f"codewheel: no such file or folder: {name}; {remedy}\n")
+    code, _, err = run(capsys, "generate", "nowhere", "--packaged", "icmu")
+    assert (code, err) == (2, "codewheel: no such file or folder: nowhere\n")
+
+
+@pytest.mark.parametrize(
+    ("name", "nearest"),
+    [
+        ("likka", "; did you mean 'lika'?\n"),
+        ("LIKKA", "; did you mean 'lika'?\n"),
+        ("amm6", "; the nearest are amm5"),  # Another digit is another family and not a typing error.
+    ],
+)
+def test_the_nearest_packaged_name_is_suggested(
+    capsys: pytest.CaptureFixture[str], here: Path, name: str, nearest: str
+) -> None:
+    code, _, err = run(capsys, "generate", "--packaged", name)
+    assert code == 2
+    assert err.startswith(f"codewheel: '{name}' is not a packaged order code, family or manufacturer{nearest}")
+
+
 @pytest.mark.slow
 def test_an_order_code_narrows_its_family_alone(capsys: pytest.CaptureFixture[str], two: Path) -> None:
     for _ in range(2):  # The second run uses the cache.
