@@ -16,7 +16,7 @@ from ..loading.family_files import MANUFACTURER
 from ..loading.shipped import packaged_families
 from . import look_up
 from .generate import command_again
-from .terminal import Stop, problems, refuse_missing
+from .terminal import Stop, refuse_missing
 from .which_specs import Specs, find_settings, find_specs, specs_to_judge
 
 if TYPE_CHECKING:
@@ -149,28 +149,11 @@ def _names_packaged(name: str, cache: Cache) -> bool:
 
 
 def _fill_in(chosen: argparse.Namespace, settings: Configuration | None) -> None:
-    """Set the output folder and the targets that the user did not name.
-
-    Raises:
-        Stop: The settings name an unknown target. The exit code is 1.
-    """
+    """Set the output folder and the targets that the user did not name."""
     if chosen.output is None:
         chosen.output = (settings.output if settings is not None else None) or OUTPUT
     if not chosen.target and settings is not None and settings.targets:
-        _refuse_unknown_targets(settings)
         chosen.target = list(settings.targets)
-
-
-def _refuse_unknown_targets(settings: Configuration) -> None:
-    from ..language.problems import suggestion
-    from ..loading.configuration_file import error_at
-    from ..targets.registry import target_names
-
-    known = target_names()
-    for index, name in enumerate(settings.targets):
-        if name not in known:
-            message = f"there is no target '{name}'{suggestion(name, known, 'there are')}"
-            raise problems(error_at(settings.file, ("targets", index), "undefined-reference", message))
 
 
 def _packaged(chosen: argparse.Namespace, cache: Cache) -> tuple[tuple[Path, ...], tuple[str, ...]]:

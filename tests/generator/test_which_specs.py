@@ -217,6 +217,16 @@ def test_the_nearest_settings_hold(
                 "codewheel.yaml:2:1: unknown-key: unknown key 'outptu'; did you mean 'output'?",
             ],
         ),
+        (
+            "codewheel.yaml",
+            "# nothing\n",
+            ["codewheel.yaml:1:1: empty: the file is empty; write a setting, such as specs: [specs], or remove it"],
+        ),
+        (
+            "codewheel.yaml",
+            "- specs\n",
+            ["codewheel.yaml:1:1: not-a-map: settings are a map of keys, such as specs: [specs]"],
+        ),
         ("codewheel.yaml", "specs: [\n", ["codewheel.yaml:2:1: yaml-syntax: "]),
         ("pyproject.toml", '[tool.codewheel]\nspecs = "x\n', ["pyproject.toml:2:11: toml-syntax: not valid TOML: "]),
         ("pyproject.toml", "[tool.codewheel]\nspecs = [", ["pyproject.toml:2:9: toml-syntax: not valid TOML: "]),
@@ -235,6 +245,24 @@ def test_errors_in_settings_have_a_place(
     for line, problem in zip(found, problems, strict=True):
         assert line.startswith(problem)
     assert not (here / "generated").exists()
+
+
+@pytest.mark.parametrize("command", ["check", "list", "migrate", "generate --target c"])
+def test_every_command_reports_an_unknown_target(capsys: pytest.CaptureFixture[str], here: Path, command: str) -> None:
+    add("enc_a", here / "specs/aa")
+    (here / "codewheel.yaml").write_text("targets: [c, dosc]\n")
+    code, out, err = run(capsys, *command.split())
+    assert (code, out) == (1, "")
+    assert err.startswith("codewheel.yaml:1:14: undefined-reference: there is no target 'dosc'; did you mean 'docs'?")
+
+
+def test_specs_in_the_output_folder_are_mentioned(capsys: pytest.CaptureFixture[str], here: Path) -> None:
+    add("enc_a", here / "specs/aa")
+    (here / "codewheel.yaml").write_text("output: specs\n")
+    code, _, err = run(capsys, "check")
+    assert code == 2
+    reason = ", apart from those in specs, which is the output folder and is not searched; name them: "
+    assert err.startswith(f"codewheel: there are no specs in this folder or below it{reason}")
 
 
 def test_two_files_with_settings_are_an_error(capsys: pytest.CaptureFixture[str], two: Path) -> None:
