@@ -1,15 +1,15 @@
 """Owners of an output: the families that it was written from, so that nothing is removed by accident.
 
 The list of each target's folder records them. An output contains pages and tables of all families, so it is written
-from all of its families or not at all. The lists of earlier versions have no record. Then the owner of a file follows
-from its name, which contains the name of a family, a manufacturer or a Python package.
+from all of its families or not at all. The lists of earlier versions have no record. Then a file belongs to a family
+only if its name contains the name of the family.
 """
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -31,8 +31,14 @@ _PAGE = "decode.js"
 
 
 def owners(devices: Iterable[Device]) -> list[str]:
-    """Return the families as ``manufacturer/family``. Special models and other editions belong to their family."""
-    return sorted(f"{device.manufacturer.name}/{device.name}" for device in devices if not device.base)
+    """Return the families as ``manufacturer/family``. Other editions belong to their family."""
+    families = (device for device in devices if not device.base or _is_special(device))
+    return sorted(f"{device.manufacturer.name}/{device.name}" for device in families)
+
+
+def _is_special(device: Device) -> bool:
+    """Return True for a special model, which has a spec of its own: an overlay."""
+    return any(overlay.special for overlay in device.overlays)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,15 +49,15 @@ class Guard:
         folder: The output folder.
         devices: The families that were read.
         files: The specs that were read.
-        has_all: True if all of the user's specs were read, so that a missing family no longer has a spec.
-        everything: The command that reads all of the user's specs, for messages.
+        command_with: Returns the command that also reads the families with these names, for messages.
+        is_comparison: True if the run writes nothing anyway.
     """
 
     folder: Path
     devices: Sequence[Device]
     files: Sequence[str]
-    has_all: bool
-    everything: str
+    command_with: Callable[[Sequence[str]], str]
+    is_comparison: bool = False
 
     def check(self, changes: Mapping[str, Sequence[Change]]) -> None:
         """Check the changes of each target.
@@ -60,40 +66,36 @@ class Guard:
             WriteError: Files of others would be removed or replaced, or a spec is in a folder that is written.
         """
         self._refuse_specs_inside(changes)
-        foreign: set[str] = set()
+        families_read = set(owners(self.devices))
+        unread: set[str] = set()
         files: list[str] = []
+        unknown_files: list[str] = []
         for target, found in changes.items():
             recorded = families_in(self.folder / target)
             if recorded:
-                missing = self._missing(recorded)
-                foreign |= missing
+                missing = set(recorded) - families_read
                 names = {word for name in missing for word in name.split("/")} - self._names()
-                files += [item.path for item in found if item.what == "removed" and _has_name(item.path, names)]
+                files += [change.path for change in found if change.what == "removed" and _has_name(change.path, names)]
             else:
-                unread, others = self._without_record(found)
-                foreign |= unread
-                files += others
-        if foreign or files:
-            raise WriteError(self._message(sorted(foreign), sorted(files)))
+                missing = self._families_in_the_page(found)
+                unknown_files += self._files_without_record(found)
+            unread |= missing
+        if unread:
+            raise WriteError(self._message(sorted(unread), sorted([*files, *unknown_files])))
+        if unknown_files:
+            raise WriteError(self._message_without_record(sorted(unknown_files)))
 
-    def _missing(self, recorded: Collection[str]) -> set[str]:
-        """Return the recorded families that were not read, except those whose spec is gone."""
-        read = owners(self.devices)
-        makers = {name.partition("/")[0] for name in read}
-        missing = set(recorded) - set(read)
-        return {name for name in missing if not self.has_all or name.partition("/")[0] not in makers}
+    def _families_in_the_page(self, changes: Iterable[Change]) -> set[str]:
+        """Return the families in the decode page of an earlier version that were not read."""
+        pages = [change.path for change in changes if change.what == "written" and change.path.endswith(f"/{_PAGE}")]
+        families = {name for page in pages for name in _IN_THE_PAGE.findall(_text(self.folder / page))}
+        return families - self._names()
 
-    def _without_record(self, changes: Iterable[Change]) -> tuple[set[str], list[str]]:
-        """Return the families and the files that an earlier version wrote and that cannot belong to those read."""
-        ours = self._names() | _SHARED
-        foreign: set[str] = set()
-        files: list[str] = []
-        for change in changes:
-            if change.what == "removed" and not _has_name(change.path, ours):
-                files.append(change.path)
-            elif change.what == "written" and change.path.endswith(f"/{_PAGE}"):
-                foreign |= set(_IN_THE_PAGE.findall(_text(self.folder / change.path))) - ours
-        return foreign, files
+    def _files_without_record(self, changes: Iterable[Change]) -> list[str]:
+        """Return the files to remove whose names contain no family that was read. An earlier version wrote them."""
+        known_names = {device.name for device in self.devices} | _SHARED
+        removed = [change.path for change in changes if change.what == "removed"]
+        return [path for path in removed if not _has_name(path, known_names)]
 
     def _names(self) -> set[str]:
         """Return the names of the families read, of their manufacturers, and of their packages."""
@@ -101,14 +103,27 @@ class Guard:
         names = {device.name for device in self.devices}
         return names | {maker.name for maker in makers} | {maker.python_package for maker in makers}
 
-    def _message(self, foreign: Sequence[str], files: Sequence[str]) -> str:
-        shown = first_of([(self.folder / path).as_posix() for path in files], _MOST_SHOWN)
-        whose = f"outputs of {', '.join(foreign)}" if foreign else "outputs of other specs"
-        example = f" ({counted(len(files), 'file')}: {shown})" if files else ""
+    def _message(self, families: Sequence[str], files: Sequence[str]) -> str:
+        examples = f" ({self._examples(files)})" if files else ""
         return (
-            f"{self.folder.as_posix()} has {whose}, which were not read{example}. Nothing has changed. Read these "
-            f"specs too ({self.everything}), write elsewhere with -o, or drop these outputs with --prune"
+            f"{self.folder.as_posix()} has outputs of {', '.join(families)}, which were not "
+            f"read{examples}.{self._state()} Read these specs too ({self.command_with(families)}), write elsewhere "
+            "with -o, or drop these outputs with --prune"
         )
+
+    def _message_without_record(self, files: Sequence[str]) -> str:
+        return (
+            f"{self.folder.as_posix()} has files of an earlier version whose family is not known "
+            f"({self._examples(files)}).{self._state()} Remove them with --prune. If they are outputs of other "
+            f"specs, read these too ({self.command_with(())}) or write elsewhere with -o"
+        )
+
+    def _state(self) -> str:
+        return "" if self.is_comparison else " Nothing has changed."
+
+    def _examples(self, files: Sequence[str]) -> str:
+        shown = first_of([(self.folder / path).as_posix() for path in files], _MOST_SHOWN)
+        return f"{counted(len(files), 'file')}: {shown}"
 
     def _refuse_specs_inside(self, targets: Iterable[str]) -> None:
         """Refuse to write a folder that contains a spec, because no later run would search it for specs.
@@ -121,7 +136,8 @@ class Guard:
             for file in self.files:
                 if os.path.realpath(file).startswith(place):
                     wrong = f"the spec {file} is in {(self.folder / target).as_posix()}, which generate writes"
-                    raise WriteError(f"{wrong}; nothing has changed; choose another output folder with -o")
+                    state = "" if self.is_comparison else "; nothing has changed"
+                    raise WriteError(f"{wrong}{state}; choose another output folder with -o")
 
 
 def _has_name(path: str, names: Collection[str]) -> bool:

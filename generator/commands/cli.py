@@ -98,7 +98,7 @@ def _generate(chosen: argparse.Namespace) -> int:
     known = None if chosen.templates is not None or chosen.biss_dtd is not None else before.get(Generated)
     if known is not None:
         with _OTHER_FORM:
-            read = _read_line(known["families"], before.report(known["files"]), chosen.packaged)
+            read = _read_line(known["families"], before.report(known["files"]), chosen.packaged, asked.packaged)
             if is_unchanged(chosen, known["hashes"], known["owners"], read, before.cache):
                 return 0
     from ..loading.library import load_families
@@ -110,7 +110,7 @@ def _generate(chosen: argparse.Namespace) -> int:
     known = None if report or chosen.edition or chosen.templates or chosen.biss_dtd else alike.get(Hashes)
     if known is not None:
         with _OTHER_FORM:
-            read = _read_line(names, report, chosen.packaged)
+            read = _read_line(names, report, chosen.packaged, asked.packaged)
             if is_unchanged(chosen, known["hashes"], known["owners"], read, before.cache):
                 before.put({"families": names, "files": report.files} | known)
                 return 0
@@ -134,7 +134,7 @@ def _generate(chosen: argparse.Namespace) -> int:
     loaded = [item.device for item in families]
     with Rendering(loaded, [] if report or chosen.templates else plain, kept) as begun:
         targets = targets_named(chosen.target)
-        settings = options_named(settings_given, targets)
+        settings = options_named(asked.options_for([family.device.name for family in families]), targets)
         if chosen.templates is not None and not chosen.templates.is_dir():
             raise Stop(f"there is no folder {chosen.templates}", 2)
         if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
@@ -144,7 +144,7 @@ def _generate(chosen: argparse.Namespace) -> int:
         if report:
             raise problems(report)
         names = [device.name for device in devices]
-        print(_read_line(names, report, chosen.packaged))
+        print(_read_line(names, report, chosen.packaged, asked.packaged))
         with progress:
             files = rendered(Library(devices, chosen.templates), targets, settings, begun)
     if chosen.templates is None and are_built_in(targets, chosen.target):
@@ -155,14 +155,15 @@ def _generate(chosen: argparse.Namespace) -> int:
     def gate() -> None:
         import_module(f"{__package__}.coverage").refuse_unproved(families, "written", _cache(chosen))
 
-    return run(chosen, files, gate, asked.guard(chosen.output, devices, report.files))
+    return run(chosen, files, gate, asked.guard(chosen, devices, report.files))
 
 
-def _read_line(families: Sequence[str], report: Report, packaged: Sequence[str]) -> str:
+def _read_line(families: Sequence[str], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]) -> str:
     """Return the line about the specs that were read, and one about values that are still the template's."""
     from .placeholders import short_notice
 
-    return "\n".join(filter(None, (look_up.read_line(families, report, packaged), short_notice(report.files))))
+    read = look_up.read_line(families, report, packaged, packaged_files)
+    return "\n".join(filter(None, (read, short_notice(report.files))))
 
 
 def _check(chosen: argparse.Namespace) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
@@ -35,16 +36,23 @@ def load(paths: Sequence[Path]) -> tuple[Device, ...]:
     return devices
 
 
-def read_line(families: Iterable[str], report: Report, packaged: Sequence[str] = ()) -> str:
+def read_line(
+    families: Iterable[str], report: Report, packaged: Sequence[str] = (), packaged_files: Sequence[Path] = ()
+) -> str:
     """Return one line that names the specs that were read, so that users notice a forgotten path.
 
-    ``packaged`` are the names given with ``--packaged``.
+    ``packaged`` are the names given with ``--packaged``, and ``packaged_files`` the specs of these names.
     """
-    if packaged:
-        return f"read the packaged specs of {', '.join(packaged)}: {', '.join(families)}"
     passed_over = [file for file in report.passed_over if file not in report.files]
     others = f"; skipped: {first_of(passed_over, _MOST_FILES)}" if passed_over else ""
-    return f"read {counted(len(report.files), 'spec')}: {first_of(report.files, _MOST_FILES)}{others}"
+    if not packaged:
+        return f"read {counted(len(report.files), 'spec')}: {first_of(report.files, _MOST_FILES)}{others}"
+    packaged_names = {path.stem for path in packaged_files}
+    packaged_folders = {os.path.realpath(path.parent) for path in packaged_files}
+    own_files = [file for file in report.files if os.path.dirname(os.path.realpath(file)) not in packaged_folders]
+    own = f", and {counted(len(own_files), 'spec')} of yours: {first_of(own_files, _MOST_FILES)}" if own_files else ""
+    read_names = ", ".join(name for name in families if name in packaged_names)
+    return f"read the packaged specs of {', '.join(packaged)}: {read_names}{own}{others}"
 
 
 #: A family, the order code in it (None if the family was named), and the specs in which it was found.

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import shlex
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,11 +12,12 @@ from typing import TYPE_CHECKING
 from ..cache import Cache
 from ..language.files import below
 from ..loading.configuration import Configuration
+from ..loading.family_files import MANUFACTURER
 from ..loading.shipped import packaged_families
 from . import look_up
 from .generate import command_again
-from .terminal import problems, refuse_missing
-from .which_specs import Specs, find_settings, specs_to_judge
+from .terminal import Stop, refuse_missing
+from .which_specs import Specs, find_settings, find_specs, specs_to_judge
 
 if TYPE_CHECKING:
     from ..model import Device
@@ -28,19 +30,33 @@ OUTPUT = Path("generated")
 class Selection:
     """Specs to read, and the options of targets that follow from the arguments.
 
-    ``has_all`` is True if these are all specs of the user, and ``everything`` the command that reads all of them.
+    Attributes:
+        paths: The specs, with the packaged ones last.
+        options: Options of targets. With ``--packaged``, one of them can limit C to order codes.
+        packaged: The packaged specs among ``paths``.
+        is_narrowed: True if that option follows from ``--packaged``.
+        command_with: Returns the command that also reads the families with these names, such as ``lika/amm5``.
     """
 
     paths: tuple[Path, ...]
     options: tuple[str, ...]
-    has_all: bool
-    everything: str
+    packaged: tuple[Path, ...]
+    is_narrowed: bool
+    command_with: Callable[[Sequence[str]], str]
 
-    def guard(self, output: Path, devices: Sequence[Device], files: Sequence[str]) -> Guard:
+    def options_for(self, families: Sequence[str]) -> tuple[str, ...]:
+        """Return the options for the families that were read. The limit of ``--packaged`` keeps those of the user."""
+        if not self.is_narrowed:
+            return self.options
+        packaged_names = {path.stem for path in self.packaged}
+        own_names = [name for name in families if name not in packaged_names]
+        return (*self.options[:-1], ",".join([self.options[-1], *own_names]))
+
+    def guard(self, chosen: argparse.Namespace, devices: Sequence[Device], files: Sequence[str]) -> Guard:
         """Return the check that the run touches no output of other specs."""
         from ..owners import Guard
 
-        return Guard(output, devices, files, self.has_all, self.everything)
+        return Guard(chosen.output, devices, files, self.command_with, is_comparison=chosen.check)
 
 
 def selected(chosen: argparse.Namespace, cache: Cache) -> Selection:
@@ -50,69 +66,151 @@ def selected(chosen: argparse.Namespace, cache: Cache) -> Selection:
         Stop: There are no specs, a name is unknown (exit code 2), or there are errors in the settings (exit code 1).
     """
     named = [*chosen.specs, *chosen.more_specs]
-    chosen.again = command_again(chosen)
+    # A copy, because the output folder and the targets are filled in later.
+    given = argparse.Namespace(**vars(chosen))
+    chosen.again = f"{command_again(given)}{' --prune' if given.prune else ''}"
+    _refuse_missing(named, cache)
     if chosen.packaged:
-        refuse_missing(named)
-        paths, implied = _packaged(chosen, cache)
-        settings, everything = find_settings(cache), command_again(chosen, "--packaged", "NAME")
-        paths = (*named, *paths)
+        packaged, implied = _packaged(chosen, cache)
+        settings = find_settings(cache)
+        paths = (*named, *packaged)
     else:
         specs = specs_to_judge(named, "generate", cache)
-        paths, implied, settings = specs.paths, (), specs.settings
-        is_listed = settings is not None and settings.specs and named
-        everything = "codewheel generate" if is_listed else command_again(chosen, "FOLDER")
+        paths, packaged, implied, settings = specs.paths, (), (), specs.settings
     _fill_in(chosen, settings)
-    return Selection(paths, (*chosen.option, *implied), not named and not chosen.packaged, everything)
+
+    def command_with(families: Sequence[str]) -> str:
+        return _command_with(families, given, settings, cache)
+
+    return Selection(paths, (*chosen.option, *implied), packaged, bool(implied), command_with)
+
+
+def _command_with(
+    families: Sequence[str], given: argparse.Namespace, settings: Configuration | None, cache: Cache
+) -> str:
+    """Return the command of the user that also reads these families.
+
+    A packaged family is named with ``--packaged``. For others, ``FOLDER`` is a place that the user fills in.
+    """
+    packaged = [name for name in families if _is_packaged(name)]
+    needs_folder = not packaged or len(packaged) < len(families)
+    more = ["FOLDER"] if needs_folder else []
+    if given.specs or given.more_specs:
+        has_listed = settings is not None and bool(settings.specs)
+        if has_listed and not packaged:
+            return "codewheel generate"
+    elif not given.packaged:
+        more = [*_own_specs(settings, cache), *more]
+    elif needs_folder:
+        more = _own_specs(settings, cache) or more
+    every = argparse.Namespace(**vars(given))
+    every.packaged = [*given.packaged, *(name.partition("/")[2] for name in packaged)]
+    return command_again(every, *more)
+
+
+def _is_packaged(family: str) -> bool:
+    """Return True if a family, such as ``lika/amm5``, is among the packaged specs."""
+    manufacturer, _, name = family.partition("/")
+    return any(folder.name == manufacturer and (folder / f"{name}.yaml").is_file() for folder in packaged_families())
+
+
+def _own_specs(settings: Configuration | None, cache: Cache) -> list[str]:
+    """Return the arguments that name the specs that are read if the user names none."""
+    if settings is not None and settings.specs:
+        return [path.as_posix() for path in settings.specs]
+    folder = settings.folder if settings is not None else Path()
+    return [folder.as_posix()] if find_specs((), cache).paths else []
+
+
+def _refuse_missing(named: Sequence[Path], cache: Cache) -> None:
+    """Check that all paths exist, and explain ``--packaged`` if one of them is the name of a packaged encoder.
+
+    Raises:
+        Stop: A path does not exist. The exit code is 2.
+    """
+    try:
+        refuse_missing(named)
+    except Stop as stop:
+        missing = [path.as_posix() for path in named if not path.exists()]
+        names = [word for name in missing if _names_packaged(name, cache) for word in ("--packaged", name)]
+        if not names:
+            raise
+        command = shlex.join(["codewheel", "generate", *names])
+        raise Stop(f"{stop}; to generate a packaged encoder: {command}", stop.code) from None
+
+
+def _names_packaged(name: str, cache: Cache) -> bool:
+    """Return True if this is the order code, family or manufacturer of packaged specs."""
+    try:
+        _packaged_specs(name, cache)
+    except Stop:
+        return False
+    return True
 
 
 def _fill_in(chosen: argparse.Namespace, settings: Configuration | None) -> None:
-    """Set the output folder and the targets that the user did not name.
-
-    Raises:
-        Stop: The settings name an unknown target. The exit code is 1.
-    """
+    """Set the output folder and the targets that the user did not name."""
     if chosen.output is None:
         chosen.output = (settings.output if settings is not None else None) or OUTPUT
     if not chosen.target and settings is not None and settings.targets:
-        _refuse_unknown_targets(settings)
         chosen.target = list(settings.targets)
-
-
-def _refuse_unknown_targets(settings: Configuration) -> None:
-    from ..language.problems import suggestion
-    from ..loading.configuration_file import error_at
-    from ..targets.registry import target_names
-
-    known = target_names()
-    for index, name in enumerate(settings.targets):
-        if name not in known:
-            message = f"there is no target '{name}'{suggestion(name, known, 'there are')}"
-            raise problems(error_at(settings.file, ("targets", index), "undefined-reference", message))
 
 
 def _packaged(chosen: argparse.Namespace, cache: Cache) -> tuple[tuple[Path, ...], tuple[str, ...]]:
     """Return the packaged specs with the names of ``--packaged``, and the option that limits the C headers to them."""
-    folders = {folder.name: folder for folder in packaged_families()}
-    packaged = Specs(tuple(folders.values()))
     paths: list[Path] = []
     parts: list[str] = []
     for name in chosen.packaged:
-        if name.lower() in folders:
-            specs = below(folders[name.lower()]).specs
-            paths += specs
-            parts += [path.stem for path in specs if path.name != "manufacturer.yaml"]
-            continue
-        device, match, _ = look_up.family_or_code(packaged, name, cache)
-        paths.append(folders[device.manufacturer.name] / f"{device.name}.yaml")
-        parts.append(match.variant.code if match is not None and not match.unlisted else device.name)
+        specs, names = _packaged_specs(name, cache)
+        paths += specs
+        parts += names
     return tuple(dict.fromkeys(paths)), _narrowed(chosen, parts)
 
 
+def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[str]]:
+    """Return the packaged specs of a manufacturer, a family or an order code, and their families or the order code.
+
+    Raises:
+        Stop: There is none of this name. The exit code is 2.
+    """
+    folders = {folder.name: folder for folder in packaged_families()}
+    if name.lower() in folders:
+        specs = below(folders[name.lower()]).specs
+        return specs, [path.stem for path in specs if path.name != MANUFACTURER]
+    try:
+        device, match, _ = look_up.family_or_code(Specs(tuple(folders.values())), name, cache)
+    except Stop as stop:
+        raise _no_packaged(name, stop, folders) from None
+    part = match.variant.code if match is not None and not match.unlisted else device.name
+    return [folders[device.manufacturer.name] / f"{device.name}.yaml"], [part]
+
+
+def _no_packaged(name: str, stop: Stop, folders: Mapping[str, Path]) -> Stop:
+    """Return the error for an unknown name, with the nearest family or manufacturer if there is one."""
+    from difflib import get_close_matches
+
+    from ..language.problems import nearest_choice
+    from ..order_codes import messages
+
+    unknown = messages.unknown(name)
+    if not str(stop).startswith(unknown):  # The name is close to an order code, and the message says how.
+        return stop
+    families = [path.stem for folder in folders.values() for path in below(folder).specs if path.name != MANUFACTURER]
+    nearest = nearest_choice(name.lower(), [*folders, *families])
+    similar = get_close_matches(name.lower(), [*folders, *families])
+    remedy = str(stop).removeprefix(unknown)
+    if nearest:
+        remedy = f"; did you mean '{nearest}'?"
+    elif similar:
+        remedy = messages.nearest(", ".join(similar))
+    return Stop(f"'{name}' is not a packaged order code, family or manufacturer{remedy}", stop.code)
+
+
 def _narrowed(chosen: argparse.Namespace, parts: Sequence[str]) -> tuple[str, ...]:
-    """Return the option that limits the C headers to order codes, unless the user gave it or specs of their own."""
+    """Return the option that limits the C headers to order codes, unless the user gave it."""
     is_given = any(setting.startswith("c.only=") for setting in chosen.option)
     has_target = not chosen.target or "c" in chosen.target
     has_codes = any(part.upper() == part for part in parts)
-    if is_given or not has_target or not has_codes or chosen.specs or chosen.more_specs:
+    if is_given or not has_target or not has_codes:
         return ()
     return (f"c.only={','.join(dict.fromkeys(parts))}",)

@@ -80,11 +80,32 @@ def find_settings(cache: Cache) -> Configuration | None:
         Stop: There are errors in them. The exit code is 1.
     """
     try:
-        return configuration_above(cache)
+        settings = configuration_above(cache)
     except Faulty as error:
         from ..loading.configuration_file import errors_in
 
         raise problems(errors_in(error.files)) from None
+    if settings is not None and settings.targets:
+        _refuse_unknown_targets(settings)
+    return settings
+
+
+def _refuse_unknown_targets(settings: Configuration) -> None:
+    """Check the names of targets, which only the registry of targets knows.
+
+    Raises:
+        Stop: There is no such target. The exit code is 1.
+    """
+    from ..targets.registry import target_names
+
+    known_names = target_names()
+    for index, name in enumerate(settings.targets):
+        if name not in known_names:
+            from ..language.problems import suggestion
+            from ..loading.configuration_file import error_at
+
+            message = f"there is no target '{name}'{suggestion(name, known_names, 'there are')}"
+            raise problems(error_at(settings.file, ("targets", index), "undefined-reference", message))
 
 
 def specs_to_judge(named: Sequence[Path], command: str, cache: Cache) -> Specs:
@@ -106,12 +127,20 @@ def specs_to_judge(named: Sequence[Path], command: str, cache: Cache) -> Specs:
         packaged = f"; outputs for a packaged encoder: codewheel generate --packaged {_packaged_family()} -o out"
         others = packaged if command == "generate" else ""
         raise Stop(
-            f"there are no specs in {_place(folder)} or below it; name them: codewheel {command}{option} FOLDER, "
-            f"or list them under [tool.codewheel] in pyproject.toml{others}",
+            f"there are no specs in {_place(folder)} or below it{_output_with_specs(specs)}; name them: "
+            f"codewheel {command}{option} FOLDER, or list them under [tool.codewheel] in pyproject.toml{others}",
             2,
         )
     _report_not_entered(specs, folder)
     return replace(specs, packaged=())
+
+
+def _output_with_specs(specs: Specs) -> str:
+    """Return the part of a message that says that the output folder has specs, or an empty string."""
+    output = specs.settings.output if specs.settings is not None else None
+    if output is None or not is_folder(output) or not below(output).specs:
+        return ""
+    return f", apart from those in {output.as_posix()}, which is the output folder and is not searched"
 
 
 def _packaged_family() -> str:

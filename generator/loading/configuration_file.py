@@ -25,6 +25,12 @@ _LIST, _TEXT = "a list of texts", "a text"
 _KEYS = {"specs": _LIST, "output": _TEXT, "targets": _LIST}
 _EXAMPLES = {"specs": '["specs"]', "output": '"generated"', "targets": '["c", "docs"]'}
 
+#: Messages of rules whose own messages are about specs.
+_MESSAGES = {
+    "empty": "the file is empty; write a setting, such as specs: [specs], or remove it",
+    "not-a-map": "settings are a map of keys, such as specs: [specs]",
+}
+
 
 def read_configuration(file: Path) -> dict[str, list[str]] | None:
     """Return the settings in a file as lists of texts by their keys, or None if it has none.
@@ -64,7 +70,18 @@ def error_at(file: Path, place: Place, rule: str, message: str) -> Report:
 
 def _read(file: Path, report: Report) -> Document | None:
     """Return the settings in a file as a document, or None if there are none or they cannot be read."""
-    return read_document(file, report) if file.name == CONFIGURATION else _section(file, report)
+    return _yaml_document(file, report) if file.name == CONFIGURATION else _section(file, report)
+
+
+def _yaml_document(file: Path, report: Report) -> Document | None:
+    """Return a codewheel.yaml as a document. Its messages are about settings, unlike those for a spec."""
+    reading = Report()
+    document = read_document(file, reading)
+    report.files += reading.files
+    for problem in reading.problems:
+        message = _MESSAGES.get(problem.rule, problem.message)
+        report.add_at(problem.file, problem.line, problem.column, problem.rule, message, text=problem.text)
+    return document
 
 
 def _section(file: Path, report: Report) -> Document | None:

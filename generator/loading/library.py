@@ -90,7 +90,7 @@ def load_families(
     read = partial(read_specs, report=report, cache=cache or Cache(None))
     documents = read(paths)
     if documents and all(map(is_overlay, documents)):  # They apply to the specs that ship with the tool.
-        documents += read(packaged_families())
+        documents += read(_packaged_specs_for(documents))
     documents += _missing_manufacturers(documents, report)
     given_paths = {Path(document.file).resolve() for document in documents}
     documents += read(path for path in overlays_beside(documents) if path.resolve() not in given_paths)
@@ -112,6 +112,13 @@ def load_families(
             if file in unchanged and _is_storable(family) and is_clean(family, report):
                 families[index] = _with_digest(family, contents_before[file], stored, cache)
     return families, report
+
+
+def _packaged_specs_for(overlays: Sequence[Document]) -> list[Path]:
+    """Return the packaged specs that overlays change, or all of them if an overlay names no packaged family."""
+    specs = {spec.stem: spec for folder in packaged_families() for spec in spec_files([folder])}
+    names = {str(overlay.data.get("of")) for overlay in overlays}
+    return [specs[name] for name in sorted(names)] if names <= specs.keys() else packaged_families()
 
 
 def _text_of_masters(documents: Sequence[Document]) -> dict[str, list[bytes | str]]:

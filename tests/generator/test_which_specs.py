@@ -144,6 +144,25 @@ def test_in_this_repository_the_edited_files_are_read(
     assert run(capsys, "list")[2] == "", "the packaged specs are the same files"
 
 
+def test_an_overlay_alone_reads_only_the_family_that_it_changes(capsys: pytest.CaptureFixture[str], here: Path) -> None:
+    change = "set: alarms.low_amplitude_error.meaning, to: Mine, why: A test, source: 6.4 p.33, severity: wording"
+    overlay = "codewheel: 1\noverlay: mine\ntitle: Mine\nof: {}\nchanges:\n  - {{" + change + "}}\n"
+    (here / "mine.yaml").write_text(overlay.format("sma21"), encoding="utf-8")
+    code, _, err = run(capsys, "list")
+    assert (code, err) == (0, "codewheel: in your specs and in the packaged ones: sma21; yours are used\n")
+    code, out, _ = run(capsys, "generate", "--target", "c", "--unchecked")
+    assert code == 0
+    assert out.startswith("read 3 specs: mine.yaml, "), "with its manufacturer"
+    stems = {path.name.partition("_")[0] for path in (here / "generated/c/include/lika").glob("*.h")}
+    assert "sma21" in stems
+    assert "amm5" not in stems
+    # An unknown name is compared with all packaged families.
+    (here / "mine.yaml").write_text(overlay.format("sma22"), encoding="utf-8")
+    code, out, _ = run(capsys, "check")
+    assert code == 1
+    assert "there is no family 'sma22' among the specs that were read; known: am36, amm5, asc" in out
+
+
 # ------------------------------------------------------------------------------------------------------ settings
 
 
@@ -198,6 +217,16 @@ def test_the_nearest_settings_hold(
                 "codewheel.yaml:2:1: unknown-key: unknown key 'outptu'; did you mean 'output'?",
             ],
         ),
+        (
+            "codewheel.yaml",
+            "# nothing\n",
+            ["codewheel.yaml:1:1: empty: the file is empty; write a setting, such as specs: [specs], or remove it"],
+        ),
+        (
+            "codewheel.yaml",
+            "- specs\n",
+            ["codewheel.yaml:1:1: not-a-map: settings are a map of keys, such as specs: [specs]"],
+        ),
         ("codewheel.yaml", "specs: [\n", ["codewheel.yaml:2:1: yaml-syntax: "]),
         ("pyproject.toml", '[tool.codewheel]\nspecs = "x\n', ["pyproject.toml:2:11: toml-syntax: not valid TOML: "]),
         ("pyproject.toml", "[tool.codewheel]\nspecs = [", ["pyproject.toml:2:9: toml-syntax: not valid TOML: "]),
@@ -216,6 +245,24 @@ def test_errors_in_settings_have_a_place(
     for line, problem in zip(found, problems, strict=True):
         assert line.startswith(problem)
     assert not (here / "generated").exists()
+
+
+@pytest.mark.parametrize("command", ["check", "list", "migrate", "generate --target c"])
+def test_every_command_reports_an_unknown_target(capsys: pytest.CaptureFixture[str], here: Path, command: str) -> None:
+    add("enc_a", here / "specs/aa")
+    (here / "codewheel.yaml").write_text("targets: [c, dosc]\n")
+    code, out, err = run(capsys, *command.split())
+    assert (code, out) == (1, "")
+    assert err.startswith("codewheel.yaml:1:14: undefined-reference: there is no target 'dosc'; did you mean 'docs'?")
+
+
+def test_specs_in_the_output_folder_are_mentioned(capsys: pytest.CaptureFixture[str], here: Path) -> None:
+    add("enc_a", here / "specs/aa")
+    (here / "codewheel.yaml").write_text("output: specs\n")
+    code, _, err = run(capsys, "check")
+    assert code == 2
+    reason = ", apart from those in specs, which is the output folder and is not searched; name them: "
+    assert err.startswith(f"codewheel: there are no specs in this folder or below it{reason}")
 
 
 def test_two_files_with_settings_are_an_error(capsys: pytest.CaptureFixture[str], two: Path) -> None:
@@ -309,8 +356,45 @@ def test_a_packaged_encoder_is_generated_by_its_name(capsys: pytest.CaptureFixtu
     assert "AMM5A21/65KSX1" in err
 
 
+@pytest.mark.parametrize("name", ["AMM5A21/65KSC1", "amm5", "lika"])
+def test_a_packaged_encoder_in_place_of_a_path(capsys: pytest.CaptureFixture[str], here: Path, name: str) -> None:
+    code, _, err = run(capsys, "generate", name)
+    remedy = f"to generate a packaged encoder: codewheel generate --packaged {name}"
+    assert (code, err) == (2, f"codewheel: no such file or folder: {name}; {remedy}\n")
+    code, _, err = run(capsys, "generate", "nowhere", "--packaged", "icmu")
+    assert (code, err) == (2, "codewheel: no such file or folder: nowhere\n")
+
+
+@pytest.mark.parametrize(
+    ("name", "nearest"),
+    [
+        ("likka", "; did you mean 'lika'?\n"),
+        ("LIKKA", "; did you mean 'lika'?\n"),
+        ("amm6", "; the nearest are amm5"),  # Another digit is another family and not a typing error.
+    ],
+)
+def test_the_nearest_packaged_name_is_suggested(
+    capsys: pytest.CaptureFixture[str], here: Path, name: str, nearest: str
+) -> None:
+    code, _, err = run(capsys, "generate", "--packaged", name)
+    assert code == 2
+    assert err.startswith(f"codewheel: '{name}' is not a packaged order code, family or manufacturer{nearest}")
+
+
+@pytest.mark.slow
+def test_an_order_code_narrows_its_family_alone(capsys: pytest.CaptureFixture[str], two: Path) -> None:
+    for _ in range(2):  # The second run uses the cache.
+        code, out, err = run(capsys, "generate", "specs", "--packaged", "AMM5A21/65KSC1", "--target", "c", "-o", "out")
+        assert (code, err) == (0, "")
+        assert out.startswith("read the packaged specs of AMM5A21/65KSC1: amm5, and 4 specs of yours: specs/aa/enc_a.")
+    names = {path.name for path in (two / "out/c/include").glob("*/*.h")}
+    assert {"amm5_biss.h", "enc_a_biss.h", "enc_b_biss.h"} <= names
+    assert not any("ssi" in name or "rs485" in name for name in names), "only the order code's interface"
+
+
 # ------------------------------------------------------------------------------------------------------ files of others
 
+C = ("--target", "c")
 #: Targets with and without a file for each family.
 TARGETS = [word for name in ("c", "python", "biss", "docs", "masters", "browser") for word in ("--target", name)]
 
@@ -340,8 +424,12 @@ def test_outputs_of_others_are_neither_removed_nor_replaced(
         assert (code, tree(generated)) == (1, before)
         assert err.startswith("codewheel: generated has outputs of bb/enc_b, which were not read (")
         assert " files: generated/biss/bb-enc_b.xml, generated/c/" in err
+        assert ("Nothing has changed." in err) == (more != ["--check"]), "a comparison changes nothing anyway"
         assert "(codewheel generate specs/aa FOLDER --target c" in err
         assert err.endswith(" browser), write elsewhere with -o, or drop these outputs with --prune\n")
+    code, _, err = run(capsys, "generate", "specs/aa", "--target", "c", "--prune", "--check")
+    assert (code, tree(generated)) == (1, before)
+    assert err.endswith(" out of date; run: codewheel generate specs/aa --target c --prune\n")
     code, out, _ = run(capsys, "generate", "specs/aa", *TARGETS, "--prune")
     assert code == 0
     assert "removed    generated/c/include/bb/enc_b_biss.h\n" in out
@@ -370,7 +458,7 @@ def test_an_output_of_an_earlier_version_is_safe_too(
 def test_an_earlier_version_of_ones_own_output_is_updated(capsys: pytest.CaptureFixture[str], here: Path) -> None:
     add("enc_a", here / "specs/aa")
     assert run(capsys, "generate", *TARGETS)[0] == 0
-    old = ["c/include/aa/old.h", "docs/enc_a-old.md", "python/runtime/old.py"]
+    old = ["c/include/aa/enc_a_old.h", "docs/enc_a-old.md", "python/runtime/old.py"]
     for name in old:
         target, _, path = name.partition("/")
         (here / "generated" / name).write_text("old")
@@ -386,24 +474,120 @@ def test_an_earlier_version_of_ones_own_output_is_updated(capsys: pytest.Capture
 
 
 @pytest.mark.slow
+def test_files_of_an_earlier_version_may_belong_to_anyone(capsys: pytest.CaptureFixture[str], here: Path) -> None:
+    """Earlier versions recorded no families, and the name of a manufacturer does not tell which family it was."""
+    add("enc_a", here / "specs/aa")
+    assert run(capsys, "generate", *TARGETS)[0] == 0
+    listing = here / "generated/biss" / LIST
+    lines = listing.read_text(encoding="utf-8").splitlines(keepends=True)
+    kept = "".join(line for line in lines if not line.startswith("# Families: "))
+    listing.write_text(f"{kept}aa-enc_b.xml\nidbiss6943.xml\n", encoding="utf-8")
+    for name in ("aa-enc_b.xml", "idbiss6943.xml"):
+        (here / "generated/biss" / name).write_text("old")
+    before = tree(here / "generated")
+    code, _, err = run(capsys, "generate", *TARGETS)
+    assert (code, tree(here / "generated")) == (1, before)
+    assert err.startswith(
+        "codewheel: generated has files of an earlier version whose family is not known "
+        "(2 files: generated/biss/aa-enc_b.xml, generated/biss/idbiss6943.xml). Nothing has changed. Remove them with "
+        "--prune. If they are outputs of other specs, read these too (codewheel generate . FOLDER --target c "
+    )
+    assert run(capsys, "generate", *TARGETS, "--prune")[0] == 0
+    assert run(capsys, "generate", *TARGETS)[0] == 0
+
+
+@pytest.mark.slow
 def test_a_spec_that_was_deleted(capsys: pytest.CaptureFixture[str], two: Path, generated: Path) -> None:
     add("enc_c", two / "specs/aa")
     assert run(capsys, "generate", *TARGETS)[0] == 0
     (two / "specs/aa/enc_c.yaml").unlink()
-    # Of named specs it is unknown if they are all. Without names, all are read.
-    code, _, err = run(capsys, "generate", "specs", *TARGETS)
-    assert code == 1
-    assert err.startswith("codewheel: generated has outputs of aa/enc_c, which were not read (")
-    code, out, _ = run(capsys, "generate", *TARGETS)
+    before = tree(generated)
+    # A missing spec can also be elsewhere, so its outputs are never removed without --prune.
+    for names in (["specs"], []):
+        code, _, err = run(capsys, "generate", *names, *TARGETS)
+        assert (code, tree(generated)) == (1, before)
+        assert err.startswith("codewheel: generated has outputs of aa/enc_c, which were not read (")
+    code, out, _ = run(capsys, "generate", *TARGETS, "--prune")
     assert code == 0
     assert "removed    generated/docs/enc_c.md\n" in out
     assert not any("enc_c" in path for path in tree(generated))
-    # The last spec of a manufacturer is never dropped without a word.
-    (two / "specs/bb/enc_b.yaml").unlink()
-    before = tree(generated)
-    code, _, err = run(capsys, "generate", *TARGETS)
-    assert (code, tree(generated)) == (1, before)
-    assert "outputs of bb/enc_b, which were not read" in err
+    assert run(capsys, "generate", *TARGETS)[0] == 0, "--prune is needed once"
+
+
+def generate_two_places(capsys: pytest.CaptureFixture[str], here: Path, other: str, *specs: str) -> dict[str, str]:
+    """Write the outputs of ``proj/mine.yaml`` and of a family of the same manufacturer in another folder."""
+    for name, folder in (("mine", here / "proj"), ("yours", here / other)):
+        folder.mkdir(exist_ok=True)
+        assert main(["new", name, "-o", str(folder / f"{name}.yaml")]) == 0
+    assert run(capsys, "generate", "proj", other, *specs, *C)[0] == 0
+    return tree(here / "generated")
+
+
+def refuses_yours(capsys: pytest.CaptureFixture[str], again: str, *more: str) -> None:
+    """Check that ``generate`` refuses to remove the family of the other folder and names the command to include it."""
+    code, _, err = run(capsys, "generate", *C, *more)
+    assert code == 1
+    assert "has outputs of example/yours, which were not read (" in err
+    assert f"Nothing has changed. Read these specs too (codewheel generate {again})" in err
+
+
+def test_specs_beside_the_current_folder_keep_their_outputs(
+    capsys: pytest.CaptureFixture[str], here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = generate_two_places(capsys, here, "other")
+    monkeypatch.chdir(here / "proj")
+    refuses_yours(capsys, ". FOLDER -o ../generated --target c", "-o", "../generated")
+    assert run(capsys, "generate", ".", "../other", "-o", "../generated", *C)[0] == 0
+    assert tree(here / "generated") == before
+
+
+@pytest.mark.parametrize("other", ["repository", "build"])
+def test_specs_that_are_not_searched_keep_their_outputs(
+    capsys: pytest.CaptureFixture[str], here: Path, other: str
+) -> None:
+    if other == "repository":
+        (here / "repository/.git").mkdir(parents=True)
+    before = generate_two_places(capsys, here, other)
+    refuses_yours(capsys, ". FOLDER --target c")
+    assert tree(here / "generated") == before
+
+
+def test_specs_that_the_settings_omit_keep_their_outputs(capsys: pytest.CaptureFixture[str], here: Path) -> None:
+    before = generate_two_places(capsys, here, "other")
+    (here / "codewheel.yaml").write_text("specs: [proj]\n")
+    refuses_yours(capsys, "proj FOLDER --target c")
+    assert tree(here / "generated") == before
+
+
+@pytest.mark.slow
+def test_a_special_model_keeps_its_outputs(capsys: pytest.CaptureFixture[str], here: Path) -> None:
+    shutil.copytree(ROOT / "docs/example/tolvarn", here / "tolvarn")
+    shutil.copytree(ROOT / "docs/example-overlay", here / "customer")
+    assert run(capsys, "generate", "tolvarn", "customer", *C, "--unchecked")[0] == 0
+    before = tree(here / "generated")
+    code, _, err = run(capsys, "generate", "tolvarn", *C, "--unchecked")
+    assert (code, tree(here / "generated")) == (1, before)
+    assert err.startswith("codewheel: generated has outputs of tolvarn/tv62_s042, which were not read (")
+
+
+@pytest.mark.slow
+def test_packaged_outputs_of_the_same_manufacturer_are_kept(capsys: pytest.CaptureFixture[str], here: Path) -> None:
+    assert run(capsys, "generate", "--packaged", "icmu", *C)[0] == 0
+    before = tree(here / "generated")
+    assert main(["new", "mine", "-o", str(here / "mine.yaml")]) == 0
+    for path in here.glob("*.yaml"):
+        text = path.read_text(encoding="utf-8")
+        path.write_text(text.replace("manufacturer: example", "manufacturer: ichaus"), encoding="utf-8")
+    # A packaged encoder has no folder that the user could name.
+    code, _, err = run(capsys, "generate", *C)
+    assert (code, tree(here / "generated")) == (1, before)
+    assert "has outputs of ichaus/icmu, which were not read (" in err
+    assert "Read these specs too (codewheel generate . --packaged icmu --target c), write elsewhere" in err
+    # The other way round, the user's specs are the ones that are missing.
+    assert run(capsys, "generate", *C, "-o", "out")[0] == 0
+    code, _, err = run(capsys, "generate", "--packaged", "icmu", *C, "-o", "out")
+    assert code == 1
+    assert "Read these specs too (codewheel generate . --packaged icmu -o out --target c), write elsewhere" in err
 
 
 @pytest.mark.slow
