@@ -141,7 +141,7 @@ class Rendering:
 
 
 def _defaults(target: Target) -> Options:
-    return {item.name: item.default for item in target.options}
+    return {option.name: option.default for option in target.options}
 
 
 class _Pool:

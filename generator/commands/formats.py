@@ -47,23 +47,23 @@ def _escaped(text: str, more: str = "") -> str:
 
 
 def _sarif(findings: Sequence[Finding]) -> dict[str, object]:
-    rules = [{"id": rule} for rule in sorted({item.rule for item in findings})]
+    rules = [{"id": rule} for rule in sorted({finding.rule for finding in findings})]
     driver = {"name": "codewheel", "version": __version__, "rules": rules}
     results = [
         {
-            "ruleId": item.rule,
-            "level": _LEVELS[item.level],
-            "message": {"text": item.message},
+            "ruleId": finding.rule,
+            "level": _LEVELS[finding.level],
+            "message": {"text": finding.message},
             "locations": [
                 {
                     "physicalLocation": {
-                        "artifactLocation": {"uri": _uri(item.file)},
-                        "region": {"startLine": item.line, "startColumn": item.column},
+                        "artifactLocation": {"uri": _uri(finding.file)},
+                        "region": {"startLine": finding.line, "startColumn": finding.column},
                     }
                 }
             ],
         }
-        for item in findings
+        for finding in findings
     ]
     run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
     return {"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}

@@ -181,12 +181,15 @@ def build_combinations(raw: Raw) -> tuple[Combination, ...]:
 def _reserved(values: Sequence[Value], width: int) -> tuple[Value, ...]:
     """Name the values of a field that the spec does not list."""
     meaning = "Reserved: the manual does not say what it means"
-    others = sorted(set(range(1 << width)) - {item.value for item in values})
+    others = sorted(set(range(1 << width)) - {value.value for value in values})
     return tuple(Value(f"{RESERVED}_{value}", value, "", {}, meaning, ()) for value in others)
 
 
 def _data_ids(data_ids: Sequence[DataId]) -> tuple[Value, ...]:
-    return tuple(Value(item.name, item.id, f"Data ID {item.id:X}", {}, item.meaning, item.source) for item in data_ids)
+    return tuple(
+        Value(data_id.name, data_id.id, f"Data ID {data_id.id:X}", {}, data_id.meaning, data_id.source)
+        for data_id in data_ids
+    )
 
 
 def _runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:

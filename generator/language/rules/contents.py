@@ -64,9 +64,9 @@ def _spans(contents: Mapping[str, Any]) -> dict[str, dict[str, tuple[int, int]]]
     rows = [(name, item) for name, item in contents.items() if isinstance(item, dict)]
     found: dict[str, dict[str, tuple[int, int]]] = {}
     for at, (name, item) in enumerate(rows):
-        later = [other for other in rows[at + 1 :] if not other[0].startswith(f"{name}.")]
+        later = [row for row in rows[at + 1 :] if not row[0].startswith(f"{name}.")]
         end = _page(later[0][1], _END) if later else _END
-        inside = [other for other in rows[at + 1 :] if other[0].startswith(f"{name}.")]
+        inside = [row for row in rows[at + 1 :] if row[0].startswith(f"{name}.")]
         start = _page(item, _FIRST)
         found[name] = {"": (start, end)}
         entries = [(title, page) for title, page in mapping(item, "entries").items() if isinstance(page, int)]

@@ -23,7 +23,11 @@ def requests_that_write(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     groups, layouts = by_name(raw, "field_groups"), by_name(spec, *_HERE, "layouts")
     exchanges = [exchange for _, exchange in items(spec, *_HERE, "exchanges")]
     bits = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
-    writes = [item["request"] for item in exchanges if item["purpose"] == "write" and item["request"] in layouts]
+    writes = [
+        exchange["request"]
+        for exchange in exchanges
+        if exchange["purpose"] == "write" and exchange["request"] in layouts
+    ]
     addressed = [name for name in writes if "address" in _free_names(layouts[name], groups)]
     for exchange in exchanges:
         name = exchange["request"]
