@@ -51,7 +51,7 @@ def _test_of(kind: Any) -> _Test:
         return lambda value: (
             type(value) is tuple
             and len(value) == len(tests)
-            and all(test(item) for test, item in zip(tests, value, strict=True))
+            and all(test(member) for test, member in zip(tests, value, strict=True))
         )
     if origin in (tuple, list):
         test = _test_of(inner[0])

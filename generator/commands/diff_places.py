@@ -24,7 +24,7 @@ def findings(changes: Sequence[Change], families: Sequence[Family], names: Mappi
     ``names`` has the original names of files from a git revision.
     """
     documents = {family.device.name: family.document for family in families}
-    found = []
+    placed_findings = []
     for change in changes:
         document = documents.get(change.family) or next(iter(documents.values()), None)
         if document is not None:
@@ -33,8 +33,8 @@ def findings(changes: Sequence[Change], families: Sequence[Family], names: Mappi
             message = f"{change.text} ({change.impact.word}: {about(change)})"
             level = _LEVELS.get(change.impact, "notice")
             file = document.file_of(path) or document.file
-            found.append(Finding(names.get(file, file), line, column, change.rule.name, message, level))
-    return found
+            placed_findings.append(Finding(names.get(file, file), line, column, change.rule.name, message, level))
+    return placed_findings
 
 
 def _path(document: Document, text: str) -> Path:
@@ -54,12 +54,12 @@ def _ways(node: Any, step: str) -> Iterator[Path]:
         if step in node:
             yield (step,)
         for key, inner in node.items():
-            yield from ((key, *way) for way in _direct(inner, step))
+            yield from ((key, *inner_path) for inner_path in _direct(inner, step))
     yield from _direct(node, step) if isinstance(node, list) else ()
 
 
 def _direct(node: Any, step: str) -> Iterator[Path]:
     if isinstance(node, list):
-        yield from ((index,) for index, item in enumerate(node) if label_of(item) == step)
+        yield from ((index,) for index, child in enumerate(node) if label_of(child) == step)
     elif isinstance(node, dict) and step in node:
         yield (step,)

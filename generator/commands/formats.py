@@ -34,10 +34,10 @@ def as_review(findings: Sequence[Finding], form: str) -> str:
     return json.dumps(_sarif(findings), indent=2, ensure_ascii=False)
 
 
-def _command(item: Finding) -> str:
+def _command(issue: Finding) -> str:
     """Return a workflow command, in which line ends and percent signs are escaped."""
-    place = f"file={_escaped(item.file, ',:')},line={item.line},col={item.column},title={_escaped(item.rule, ',:')}"
-    return f"::{item.level} {place}::{_escaped(item.message)}"
+    place = f"file={_escaped(issue.file, ',:')},line={issue.line},col={issue.column},title={_escaped(issue.rule, ',:')}"
+    return f"::{issue.level} {place}::{_escaped(issue.message)}"
 
 
 def _escaped(text: str, more: str = "") -> str:

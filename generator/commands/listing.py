@@ -52,24 +52,24 @@ def rows(devices: Sequence[Device]) -> list[Row]:
     ]
 
 
-def without_repeated(own: Sequence[Row] = (), packaged: Sequence[Row] = ()) -> list[Row]:
+def without_repeated(own_rows: Sequence[Row] = (), packaged: Sequence[Row] = ()) -> list[Row]:
     """Return the user's families and then the packaged ones, without those that the user's have too.
 
     Report these on standard error.
     """
-    names = {row["family"] for row in own}
-    codes = {code for row in own for code in row["order_codes"]}
+    names = {row["family"] for row in own_rows}
+    codes = {code for row in own_rows for code in row["order_codes"]}
     repeated = [row for row in packaged if row["family"] in names or not codes.isdisjoint(row["order_codes"])]
     if repeated:
-        shown = ", ".join(row["family"] for row in repeated)
-        print(f"codewheel: in your specs and in the packaged ones: {shown}; yours are used", file=sys.stderr)
-    return [*own, *(row for row in packaged if row not in repeated)]
+        repeated_names = ", ".join(row["family"] for row in repeated)
+        print(f"codewheel: in your specs and in the packaged ones: {repeated_names}; yours are used", file=sys.stderr)
+    return [*own_rows, *(row for row in packaged if row not in repeated)]
 
 
 def as_data(families: Sequence[Row]) -> dict[str, Any]:
     """Return the families in the form that ``--json`` prints."""
-    shown = [{**family, "interfaces": [name for name, _ in family["interfaces"]]} for family in families]
-    return {"version": 1, "families": shown}
+    rows = [{**family, "interfaces": [name for name, _ in family["interfaces"]]} for family in families]
+    return {"version": 1, "families": rows}
 
 
 def as_text(families: Sequence[Row]) -> str:

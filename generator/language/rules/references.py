@@ -180,10 +180,10 @@ def _meaning(path: Path, meaning: Spec, resolver: _Names) -> None:
 def device_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of parameters, hardware inputs, the measurement and BiSS as a whole."""
     resolver = _Names(raw, report)
-    for name, parameter in mapping(spec, "parameters").items():
+    for parameter_name, parameter in mapping(spec, "parameters").items():
         if "read_from" in parameter:
-            resolver.refer_to_bit(("parameters", name, "read_from"), parameter["read_from"])
-        resolver.refer_by("interface", ("parameters", name), parameter, "interface")
+            resolver.refer_to_bit(("parameters", parameter_name, "read_from"), parameter["read_from"])
+        resolver.refer_by("interface", ("parameters", parameter_name), parameter, "interface")
     for path, hardware_input in items(spec, "inputs"):
         for key in ("inverts", "needs"):
             if key in hardware_input:
@@ -191,14 +191,14 @@ def device_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, measurement in measurements(spec):
         names = [name for fields in layouts(raw) for name in readable_names(fields, resolver.groups)]
         resolver.refer_by("of", path, measurement, "field or joined number", dict.fromkeys(names))
-        field = measurement.get("of", "")
+        name = measurement.get("of", "")
         replies = (fields for fields in layouts(raw) if fields.owner.get("from") == "encoder")
         measured = (fields for fields in replies if path[0] == "measurement" or fields.interface in path)
-        fields = (field_names(layout_fields, resolver.groups).get(field) for layout_fields in measured)
+        fields = (field_names(layout_fields, resolver.groups).get(name) for layout_fields in measured)
         kinds = [next((key for key in KINDS if key in field), "digits") for field in fields if field is not None]
         if kinds and "digits" not in kinds:
             problem = (
-                f"{quoted(field)} has {quoted(kinds[0])}, so it is not a number; name the field that holds the position"
+                f"{quoted(name)} has {quoted(kinds[0])}, so it is not a number; name the field that holds the position"
             )
             report.add("measurement-shape", (*path, "of"), problem)
     biss_path = ("interfaces", Biss.name)

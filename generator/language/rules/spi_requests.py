@@ -36,16 +36,16 @@ def requests_that_write(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         with_constants = (write for write in addressed if set(bits[write]) > {"?"})
         equal = next((write for write in with_constants if _may_be_equal(bits[name], bits[write])), None)
         if equal is not None:
-            wrong = f"{quoted(name)} can be the same word as {quoted(equal)}, so it would write a register"
+            problem = f"{quoted(name)} can be the same word as {quoted(equal)}, so it would write a register"
             remedy = "correct a 'constant' in one of them, or explain it in a 'note' of this layout"
-            report.add("spi-exchange", (*_HERE, "layouts", name), f"{wrong}; {remedy}")
+            report.add("spi-exchange", (*_HERE, "layouts", name), f"{problem}; {remedy}")
 
 
 def _may_be_equal(request: str, write: str) -> bool:
     """Return True if two words have the same length and no constant bit differs."""
     if len(request) != len(write):
         return False
-    return all(bit == other or "?" in (bit, other) for bit, other in zip(request, write, strict=True))
+    return all(bit == write_bit or "?" in (bit, write_bit) for bit, write_bit in zip(request, write, strict=True))
 
 
 def _constant_bits(layout: Spec, groups: dict[str, Spec]) -> str:

@@ -255,8 +255,8 @@ def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         low, high = clock.get("min_hz", 0), clock["max_hz"]
         if not low <= printed["clock_hz"] <= high and not explained(report.document, *map(str, path)):
             problem = f"the clock is {low} to {high} Hz, so there is no time-out at {printed['clock_hz']} Hz"
-            right = f"if the manual gives both, add an erratum that affects {'.'.join(map(str, path))}"
-            report.add("timeout-mismatch", (*path, *below, "clock_hz"), f"{problem}; {right}")
+            remedy = f"if the manual gives both, add an erratum that affects {'.'.join(map(str, path))}"
+            report.add("timeout-mismatch", (*path, *below, "clock_hz"), f"{problem}; {remedy}")
     if timeout["rule"] == "fixed" or halves is None:
         return
     for below, printed in items(timeout, "printed"):
@@ -270,21 +270,23 @@ def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def bad_source(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that sources are well-formed, and that cited editions and documents are listed."""
     editions = [
-        item["language"] for _, item in items(raw, "manual", "editions") if isinstance(item.get("language"), str)
+        edition["language"]
+        for _, edition in items(raw, "manual", "editions")
+        if isinstance(edition.get("language"), str)
     ]
     documents = mapping(raw, "documents")
-    own = mapping(raw, "manual").get("language")
+    own_language = mapping(raw, "manual").get("language")
     for path, value in sources(leaves_of(spec, report)):
         for piece in value.split(";"):
-            _check_piece(piece.strip(), path, editions, list(documents), own, report)
+            _check_piece(piece.strip(), path, editions, list(documents), own_language, report)
 
 
 def _check_piece(
-    piece: str, path: Path, editions: list[str], documents: list[str], own: object, report: DocumentReport
+    piece: str, path: Path, editions: list[str], documents: list[str], own_language: object, report: DocumentReport
 ) -> None:
     match = _PIECE.fullmatch(piece.replace("\n", " ").removeprefix("TODO "))
     key, place = (match["key"], match["place"].strip()) if match is not None else (None, piece)
-    if key is not None and key == own:
+    if key is not None and key == own_language:
         report.add("bad-source", path, f"{quoted(key)} is the language of the manual itself; leave '{key}:' out")
     elif key is not None and key not in editions and key not in documents:
         hint = suggestion(key, [*editions, *documents])
