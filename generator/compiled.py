@@ -59,5 +59,5 @@ def _head(bucket: Bucket) -> bytes:
         environment.lstrip_blocks,
         environment.keep_trailing_newline,
     )
-    about = f"{jinja2.__version__} {sys.version} {options} {bucket.checksum}"
-    return MAGIC_NUMBER + hashlib.sha256(about.encode()).digest()
+    fingerprint = f"{jinja2.__version__} {sys.version} {options} {bucket.checksum}"
+    return MAGIC_NUMBER + hashlib.sha256(fingerprint.encode()).digest()

@@ -71,8 +71,8 @@ class Rendering:
         self._found: dict[str, dict[str, Any]] = {name: {} for name in targets}
         self._missing: list[_Task] = []
         for together, device in ((together, device) for together in _TOGETHER for device in devices):
-            missing = tuple(name for name in together if name in targets and not self._finds(name, device))
-            self._missing += [(missing, device)] if missing else []
+            missing_targets = tuple(name for name in together if name in targets and not self._finds(name, device))
+            self._missing += [(missing_targets, device)] if missing_targets else []
         if self._missing:
             with suppress(ValueError):  # The target reports it.
                 shipped_masters(kept_parts.cache)
@@ -114,8 +114,10 @@ class Rendering:
                 ours = pool.worked(tell)
                 self._take(batch, ours)
                 if start + _MOST >= len(self._missing):
-                    late = {name for number, (names, _) in enumerate(batch) if number not in ours for name in names}
-                    meanwhile({name: parts for name, parts in self._found.items() if name not in late})
+                    unfinished = {
+                        name for number, (names, _) in enumerate(batch) if number not in ours for name in names
+                    }
+                    meanwhile({name: parts for name, parts in self._found.items() if name not in unfinished})
                 self._take(batch, pool.waited_for())
         return self._found
 
@@ -223,22 +225,22 @@ def _child(work: Callable[[], Iterator[tuple[int, Any]]], other_streams: Sequenc
     It closes the streams of all children, including its own. Otherwise it would wait for ever to be read from if this
     process is killed.
     """
-    out, into = os.pipe()
+    read_end, write_end = os.pipe()
     number = os.fork()
     if number == 0:
-        os.close(out)
+        os.close(read_end)
         for stream in other_streams:
             stream.close()
-        _run(work, into)
-    os.close(into)
-    return number, open(out, "rb")
+        _run(work, write_end)
+    os.close(write_end)
+    return number, open(read_end, "rb")
 
 
-def _run(work: Callable[[], Iterator[tuple[int, Any]]], into: int) -> NoReturn:
+def _run(work: Callable[[], Iterator[tuple[int, Any]]], write_end: int) -> NoReturn:
     code = 1
     try:
         text = json.dumps(dict(work()))
-        with open(into, "wb") as stream:
+        with open(write_end, "wb") as stream:
             stream.write(text.encode())
         code = 0
     finally:
@@ -247,5 +249,5 @@ def _run(work: Callable[[], Iterator[tuple[int, Any]]], into: int) -> NoReturn:
 
 def _died(status: int) -> str:
     code = os.waitstatus_to_exitcode(status)
-    how = f"was ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
-    return f"a process that renders files {how}; nothing has changed; run the command again"
+    ending = f"was ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
+    return f"a process that renders files {ending}; nothing has changed; run the command again"

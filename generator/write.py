@@ -214,9 +214,9 @@ def _shown(error: OSError, stages: Iterable[_Stage], folder: Path) -> str:
     """Return the path of an error in the user's folder, also for an error in a stage."""
     path = str(error.filename or folder)
     for stage in stages:
-        for inside in (stage.new, stage.folder):
-            if Path(path).is_relative_to(inside):
-                return (stage.place / Path(path).relative_to(inside)).as_posix()
+        for stage_folder in (stage.new, stage.folder):
+            if Path(path).is_relative_to(stage_folder):
+                return (stage.place / Path(path).relative_to(stage_folder)).as_posix()
     return path
 
 
@@ -260,11 +260,11 @@ def _stages_in(folder: Path) -> list[tuple[Path, str]]:
     except OSError:
         return []
     for folder_entry in entries:
-        named = _STAGE.fullmatch(folder_entry.name)
-        if named and folder_entry.is_dir(follow_symlinks=False):
+        stage_name = _STAGE.fullmatch(folder_entry.name)
+        if stage_name and folder_entry.is_dir(follow_symlinks=False):
             with suppress(OSError, WriteError):
                 if _is_a_stage(Path(folder_entry.path)):
-                    target_stages.append((Path(folder_entry.path), named[1]))
+                    target_stages.append((Path(folder_entry.path), stage_name[1]))
     return target_stages
 
 
@@ -333,9 +333,9 @@ def _save_late_files(saved_folder: Path, place: Path) -> None:
         return
     ours = {*listed_in(saved_folder), *listed_in(place), LIST}
     for path in _files_in(saved_folder):
-        if path not in ours and _is_later(late := saved_folder / path, target_file := place / path):
+        if path not in ours and _is_later(saved_file := saved_folder / path, target_file := place / path):
             target_file.parent.mkdir(parents=True, exist_ok=True)
-            os.replace(late, target_file)
+            os.replace(saved_file, target_file)
 
 
 def _files_in(folder: Path) -> Iterator[str]:
@@ -345,11 +345,11 @@ def _files_in(folder: Path) -> Iterator[str]:
         yield from names if relative_folder == Path() else (f"{relative_folder.as_posix()}/{name}" for name in names)
 
 
-def _is_later(late: Path, target_file: Path) -> bool:
+def _is_later(saved_file: Path, target_file: Path) -> bool:
     """Return whether a file is missing in the target's folder, or older there."""
     if not os.path.lexists(target_file):
         return True
-    new, old = os.lstat(late), os.lstat(target_file)
+    new, old = os.lstat(saved_file), os.lstat(target_file)
     are_files = stat.S_ISREG(new.st_mode) and stat.S_ISREG(old.st_mode)
     return are_files and new.st_ino != old.st_ino and new.st_mtime_ns > old.st_mtime_ns
 
@@ -476,16 +476,16 @@ class _Stage:
         """Fill the stage with the whole content of the target's folder. Unchanged files become hard links."""
         (self.folder / _MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
         self._make(Path())
-        inside = {name.partition("/")[2]: name for name in files}
+        names_inside = {name.partition("/")[2]: name for name in files}
         # The list comes first: without it, a later run would take the files of a killed run for the user's.
-        listed = "".join(f"{path}\n" for path in sorted(inside))
+        list_text = "".join(f"{path}\n" for path in sorted(names_inside))
         head = _LIST_HEAD + (f"{_FAMILIES}{' '.join(families)}\n" if families else "")
-        (self.new / LIST).write_text(head + listed, encoding="utf-8", newline="\n")
-        for parent in {os.path.dirname(path) for path in inside}:
+        (self.new / LIST).write_text(head + list_text, encoding="utf-8", newline="\n")
+        for parent in {os.path.dirname(path) for path in names_inside}:
             self._make(Path(parent))
-        into, place = os.path.join(self.new, ""), os.path.join(self.place, "")
-        for path, name in inside.items():
-            new = into + path
+        target_prefix, place = os.path.join(self.new, ""), os.path.join(self.place, "")
+        for path, name in names_inside.items():
+            new = target_prefix + path
             if name in unchanged:
                 _same(place + path, new)
             else:
@@ -519,11 +519,11 @@ class _Stage:
         new_folder.mkdir()
         self._modes[new_folder] = 0o700
         if old.is_dir() and not old.is_symlink():
-            was = old.stat()
+            old_status = old.stat()
             with suppress(OSError, AttributeError):  # only the owner can do this, and not on every system
-                os.chown(new_folder, was.st_uid, was.st_gid)
+                os.chown(new_folder, old_status.st_uid, old_status.st_gid)
             shutil.copystat(old, new_folder)
-            self._modes[new_folder] = stat.S_IMODE(was.st_mode)
+            self._modes[new_folder] = stat.S_IMODE(old_status.st_mode)
             new_folder.chmod(self._modes[new_folder] | 0o700)
 
 

@@ -71,8 +71,8 @@ class Parser(argparse.ArgumentParser):
 
             kind = "command" if isinstance(action, argparse._SubParsersAction) else "choice"
             choices = list(map(str, action.choices))
-            near = suggestion(str(value), choices) or f"; known: {', '.join(choices)}"
-            raise argparse.ArgumentError(None, f"there is no {kind} '{value}'{near}")
+            hint = suggestion(str(value), choices) or f"; known: {', '.join(choices)}"
+            raise argparse.ArgumentError(None, f"there is no {kind} '{value}'{hint}")
 
 
 class ShowVersion(argparse.Action):

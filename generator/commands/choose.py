@@ -57,10 +57,12 @@ def undecided(device: Device, layout: Layout, answers: Container[str], predicate
 
     ``predicate`` is the predicate of the message about the action that needs the answers.
     """
-    missing = [alternative for alternative in device.alternatives_of(layout) if alternative.name not in answers]
-    if missing:
+    open_alternatives = [
+        alternative for alternative in device.alternatives_of(layout) if alternative.name not in answers
+    ]
+    if open_alternatives:
         questions = " ".join(
-            f"{alternative.meaning}: add {' or '.join(_explained(alternative))}." for alternative in missing
+            f"{alternative.meaning}: add {' or '.join(_explained(alternative))}." for alternative in open_alternatives
         )
         return f"{quoted(layout.name)} {predicate} until you decide. {questions}".removesuffix(".")
     return ""

@@ -55,12 +55,12 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache | 
     for family in families:
         if family.content and cache.get(_PROVED, family.content) is True:
             continue
-        before = len(report)
+        problems_before = len(report)
         check_all([family], report)
         cover(look_at([family], (), report), write=False)
         # A second reading may have changed since the content was read.
         is_same = family.content and content_of(family_files(Path(family.document.file))) == family.content
-        if is_same and len(report) == before:
+        if is_same and len(report) == problems_before:
             cache.put(_PROVED, family.content, True)
     if report:
         for problem in report.shown:
@@ -104,8 +104,8 @@ def _family_data(family_coverage: Coverage) -> dict[str, Any]:
 
 def as_text(covered: Sequence[Coverage], checked: Checked) -> str:
     """Return the coverage as text: by class, by family, and the facts that need a second reading."""
-    missing = [family.device.name for family in checked.families if family.device.name not in _names(covered)]
-    without = [f"not read twice: {', '.join(missing)}"] if missing else []
+    unread_families = [family.device.name for family in checked.families if family.device.name not in _names(covered)]
+    without = [f"not read twice: {', '.join(unread_families)}"] if unread_families else []
     if not covered:
         return "\n".join(without)
     rows = [(f"{sort.value}{' *' if sort.is_needed else ''}", count) for sort, count in _by_class(covered).items()]

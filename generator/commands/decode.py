@@ -60,8 +60,8 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
         for interface_layout in device.interface(variant.interface).layouts
         if interface_layout.sender == sender
     ]
-    wanted = (sender_layout for sender_layout in layouts if sender_layout.name == layout or layout is None)
-    placed = next((sender_layout.place(variant.parameters) for sender_layout in wanted), None)
+    wanted_layouts = (sender_layout for sender_layout in layouts if sender_layout.name == layout or layout is None)
+    placed = next((sender_layout.place(variant.parameters) for sender_layout in wanted_layouts), None)
     exact = have_lengths(layouts, sender)
 
     def decoded(text: str) -> codec.Decoded:
@@ -86,8 +86,8 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
             )
         if placed.layout.in_bytes and layout is None:
             return codec.decode_bytes(device, variant, sender, placed_bytes(placed, variant, text))
-        at = _of_length(text, placed, layouts, variant) if exact and layout is None else placed
-        return decoded_as(device, variant, at, text, exact=exact)
+        fitting_layout = _of_length(text, placed, layouts, variant) if exact and layout is None else placed
+        return decoded_as(device, variant, fitting_layout, text, exact=exact)
 
     return decoded
 
@@ -106,7 +106,11 @@ def _of_length(text: str, first: PlacedLayout, layouts: Sequence[Layout], varian
     """Return the only layout that has the length of the text, or ``first`` if that fits or several do."""
     if _has_length(first, text):
         return first
-    fitting_layouts = [at for at in (layout.place(variant.parameters) for layout in layouts) if _has_length(at, text)]
+    fitting_layouts = [
+        candidate
+        for candidate in (layout.place(variant.parameters) for layout in layouts)
+        if _has_length(candidate, text)
+    ]
     return fitting_layouts[0] if len(fitting_layouts) == 1 else first
 
 
@@ -447,12 +451,12 @@ def _mistake_lines(why: Why) -> list[str]:
     if not why.explanations:
         lines = ["", wrapped(f"No common mistake explains it ({noise}).", WIDTH, "  ", "")]
     else:
-        twice = (
+        introduction = (
             "No single mistake explains it. Two at once would"
             if why.explanations[-1].twice
             else "Possible explanations"
         )
-        lines = ["", wrapped(f"{twice}, most likely first ({noise}):", WIDTH, "  ", "")]
+        lines = ["", wrapped(f"{introduction}, most likely first ({noise}):", WIDTH, "  ", "")]
         for explanation in why.explanations:
             lines.append(wrapped(explanation.text, WIDTH, " " * 6, "    - "))
             lines.append(wrapped(_beside(explanation), WIDTH, " " * 6, " " * 6))
@@ -481,10 +485,10 @@ def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
     ends = (low, high) if low_first else (high, low)
     first_byte, last_byte = (end // 8 if low_first else last - end // 8 for end in ends)
     if first_byte != last_byte:
-        whole = low % 8 == 0 and high % 8 == 7
+        is_whole_bytes = low % 8 == 0 and high % 8 == 7
         return (
             f"bytes {first_byte}-{last_byte}"
-            if whole
+            if is_whole_bytes
             else f"bytes {first_byte}.{ends[0] % 8}-{last_byte}.{ends[1] % 8}"
         )
     if high - low == 7:

@@ -146,10 +146,12 @@ class Decoding:
     def _needed(self, placed: PlacedLayout) -> dict[str, str]:
         """Return the answers that the places of the fields depend on."""
         if placed.name not in self._answers:
-            needed = self._request.device.alternatives_of(placed.layout)
+            open_alternatives = self._request.device.alternatives_of(placed.layout)
             answers = self._request.answers
             self._answers[placed.name] = {
-                alternative.name: answers[alternative.name] for alternative in needed if alternative.name in answers
+                alternative.name: answers[alternative.name]
+                for alternative in open_alternatives
+                if alternative.name in answers
             }
         return self._answers[placed.name]
 
@@ -192,10 +194,10 @@ class Decoding:
                 other_layouts,
             )
             return json.dumps(data, indent=2, ensure_ascii=False) if line.number is None else _ONE_LINE.encode(data)
-        between = "" if self._is_first else "\n"
+        separator = "" if self._is_first else "\n"
         self._is_first = False
-        named = other_frames_line(decoded, other_layouts)
-        return between + explain(
+        other_frames_text = other_frames_line(decoded, other_layouts)
+        return separator + explain(
             request.device,
             request.match,
             request.sender,
@@ -205,7 +207,7 @@ class Decoding:
             line,
             answers,
             self._label,
-            named,
+            other_frames_text,
         )
 
 

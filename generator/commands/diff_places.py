@@ -41,10 +41,10 @@ def _path(document: Document, text: str) -> Path:
     """Return the place of a path of keys and names, as far as it exists."""
     path: Path = ()
     for step in _STEPS.findall(text):
-        further = next(_ways(value_at(document.data, path), step), None)
-        if further is None:
+        next_path = next(_ways(value_at(document.data, path), step), None)
+        if next_path is None:
             break
-        path = (*path, *further)
+        path = (*path, *next_path)
     return path
 
 

@@ -22,7 +22,7 @@ def asked_for(
     specs: Sequence[Path],
     device: Device,
     match: Match | None,
-    wanted: str,
+    wanted_edition: str,
     text: str,
     register_bytes: Mapping[int, int],
 ) -> tuple[Device, Match | None, dict[int, int]]:
@@ -34,7 +34,7 @@ def asked_for(
         specs: The specs to read.
         device: The family as in its spec.
         match: The order code on the label, unless the family was named.
-        wanted: A revision, a date, ``label`` or ``registers``.
+        wanted_edition: A revision, a date, ``label`` or ``registers``.
         text: The name or order code that the user gave.
         register_bytes: Register bytes by address.
 
@@ -42,9 +42,11 @@ def asked_for(
         Stop: There is no such edition, it cannot be inferred, or it has no such order code. The exit code is 2.
     """
     try:
-        revision = _revision(device, match, wanted, register_bytes)
+        revision = _revision(device, match, wanted_edition, register_bytes)
         device_in_edition = _in_edition(specs, device, revision)
-        remaining_bytes = without_tests(device, register_bytes) if wanted == BY_REGISTERS else dict(register_bytes)
+        remaining_bytes = (
+            without_tests(device, register_bytes) if wanted_edition == BY_REGISTERS else dict(register_bytes)
+        )
         return device_in_edition, find(device_in_edition, text) if match is not None else None, remaining_bytes
     except UnknownOrderCode as error:
         raise Stop(f"in edition {revision} of the manual: {error}", 2) from None
@@ -52,13 +54,13 @@ def asked_for(
         raise Stop(str(error), 2) from None
 
 
-def _revision(device: Device, match: Match | None, wanted: str, register_bytes: Mapping[int, int]) -> str:
+def _revision(device: Device, match: Match | None, wanted_edition: str, register_bytes: Mapping[int, int]) -> str:
     if device.base:
         raise UnknownEdition(f"{device.name} is derived from {device.base} and has no editions of its own")
-    if wanted == BY_REGISTERS and match is not None:
+    if wanted_edition == BY_REGISTERS and match is not None:
         return told_by_registers(device, match, register_bytes)
-    if wanted != BY_LABEL:
-        return chosen(device, wanted)
+    if wanted_edition != BY_LABEL:
+        return chosen(device, wanted_edition)
     revision = edition_by_label(device, match) if match is not None else ""
     if not revision:
         raise UnknownEdition(

@@ -49,8 +49,8 @@ def explain(name: str | None) -> str:
         return _list(examples)
     described = [*_in_check(name, examples), *_in_diff(name)]
     if not described:
-        near = suggestion(name, [*examples, *_SEVERAL_FILES, *RULES]) or "; codewheel explain lists the rules"
-        raise Stop(f"there is no rule '{name}'{near}", 2)
+        hint = suggestion(name, [*examples, *_SEVERAL_FILES, *RULES]) or "; codewheel explain lists the rules"
+        raise Stop(f"there is no rule '{name}'{hint}", 2)
     return "\n\n".join(described)
 
 

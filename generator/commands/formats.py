@@ -40,8 +40,8 @@ def _command(issue: Finding) -> str:
     return f"::{issue.level} {place}::{_escaped(issue.message)}"
 
 
-def _escaped(text: str, more: str = "") -> str:
-    for character in f"%\r\n{more}":
+def _escaped(text: str, more_characters: str = "") -> str:
+    for character in f"%\r\n{more_characters}":
         text = text.replace(character, f"%{ord(character):02X}")
     return text
 

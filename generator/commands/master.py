@@ -44,10 +44,10 @@ def run(chosen: argparse.Namespace, cache: Cache) -> tuple[int, str | Mapping[st
     device, listed_match, paths = look_up.order_code(specs, chosen.order_code, cache)
     match, register_bytes = listed_match, held_bytes(chosen.register)
     if chosen.edition is not None:
-        device, again, register_bytes = asked_for(
+        device, match_in_edition, register_bytes = asked_for(
             paths, device, listed_match, chosen.edition, chosen.order_code, register_bytes
         )
-        match = again or listed_match
+        match = match_in_edition or listed_match
     try:
         variant = with_registers(device, match.variant, register_bytes)
         answers = answers_of(device, match.variant, chosen.choose)

@@ -27,17 +27,17 @@ class OtherFrames:
         """Return the other layouts with which the text is a valid frame. ``decoded`` is its ``decode_text``."""
         return tuple(candidate for candidate in self._candidates if self._can_be(candidate, text, decoded))
 
-    def _can_be(self, at: PlacedLayout, text: str, decoded: Decoded) -> bool:
-        if decoded.layout is None or at.name == decoded.layout.name:
+    def _can_be(self, candidate: PlacedLayout, text: str, decoded: Decoded) -> bool:
+        if decoded.layout is None or candidate.name == decoded.layout.name:
             return False
-        if at.layout.in_bytes != decoded.layout.layout.in_bytes:
+        if candidate.layout.in_bytes != decoded.layout.layout.in_bytes:
             return False  # its text has another form
         # Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
         has_other_length = any(problem.fault is Fault.LENGTH for problem in decoded.problems)
-        if at.bits != decoded.layout.bits and not has_other_length:
+        if candidate.bits != decoded.layout.bits and not has_other_length:
             return False
         try:
-            return not decoded_as(self._device, self._variant, at, checked(text), exact=self._exact).problems
+            return not decoded_as(self._device, self._variant, candidate, checked(text), exact=self._exact).problems
         except FrameTextError:  # another number of bits
             return False
 

@@ -82,8 +82,8 @@ def _refuse_setting(target: Target, name: str, value: str) -> None:
     """Raise ``Stop`` if the target has no such option or the option does not accept the value."""
     options = {option.name: option for option in target.options}
     if name not in options:
-        near = suggestion(name, options, "it has") if options else "; it has none"
-        raise Stop(f"the target '{target.name}' has no option '{name}'{near}", 2)
+        hint = suggestion(name, options, "it has") if options else "; it has none"
+        raise Stop(f"the target '{target.name}' has no option '{name}'{hint}", 2)
     values = options[name].values
     if values and value not in values:
         raise Stop(f"'{target.name}.{name}' cannot be '{value}'{suggestion(value, values, 'it can be')}", 2)

@@ -102,8 +102,8 @@ def _touched(passage: Passage, facts: Sequence[Citing], old: Manual, without_num
 
 
 def _as_text(family: Family, touched: Sequence[_Touched], facts: Sequence[Citing], by_words: bool) -> Iterator[str]:
-    how = "" if by_words else "; the texts have few words in common, so only numbers are compared"
-    yield f"facts of {family.document.file}{how}"
+    compared_note = "" if by_words else "; the texts have few words in common, so only numbers are compared"
+    yield f"facts of {family.document.file}{compared_note}"
     if not touched:
         yield "no difference"
         return
@@ -135,8 +135,8 @@ def _passage(touched_passage: _Touched) -> Iterator[str]:
         yield f"  {_others(touched_passage.here - len(listed_facts), bool(listed_facts))}"
 
 
-def _others(number: int, more: bool) -> str:
-    return f"and {counted(number, 'other fact' if more else 'fact')} from this section"
+def _others(number: int, are_some_listed: bool) -> str:
+    return f"and {counted(number, 'other fact' if are_some_listed else 'fact')} from this section"
 
 
 def _as_data(family: Family, touched: Sequence[_Touched], by_words: bool) -> Mapping[str, Any]:

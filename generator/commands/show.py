@@ -187,9 +187,13 @@ def _errata(device: Device) -> list[str]:
     for listed_erratum in detailed_errata:
         head, *parts = BY_NAME.lines(erratum(listed_erratum, whole=True))
         lines += [wrapped(head, WIDTH, "    ", "  "), *(wrapped(line, WIDTH, "      ", "    ") for line in parts)]
-    more = len(device.errata) - len(detailed_errata)
+    wording_count = len(device.errata) - len(detailed_errata)
     return lines + (
-        [wrapped(f"and {more} about wording only, listed by --json and the documentation", WIDTH, "    ", "  ")]
-        if more
+        [
+            wrapped(
+                f"and {wording_count} about wording only, listed by --json and the documentation", WIDTH, "    ", "  "
+            )
+        ]
+        if wording_count
         else []
     )

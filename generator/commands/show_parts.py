@@ -113,16 +113,16 @@ def picture(placed: PlacedLayout) -> list[str]:
             )
             rows.clear()
 
-    used = 3
+    used_columns = 3
     for placed_field in placed.fields:
         name = _box(placed_field.field)
         place = bit_place(placed.layout, placed.bits, placed_field.high, placed_field.low)
         width = max(len(name), len(place)) + 2
-        if used + width + 1 > WIDTH:
+        if used_columns + width + 1 > WIDTH:
             flush()
-            used = 3
+            used_columns = 3
         rows.append((name.center(width), place.center(width)))
-        used += width + 1
+        used_columns += width + 1
     flush()
     return lines
 

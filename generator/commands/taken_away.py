@@ -44,9 +44,9 @@ def offers(olds: Sequence[Family], news: Sequence[Family], changes: Sequence[Cha
     Renamed items are still there, except options of the order code: labels of older encoders have the old text.
     """
     renamed = {(change.family, change.old) for change in changes if change.rule.name.endswith("-renamed")}
-    before = {family.device.name: family for family in olds}
+    old_families = {family.device.name: family for family in olds}
     for family in news:
-        old = before.get(family.device.name)
+        old = old_families.get(family.device.name)
         if old is None or old.device.manual.revision == family.device.manual.revision:
             continue
         renamed_names = {
@@ -58,7 +58,7 @@ def offers(olds: Sequence[Family], news: Sequence[Family], changes: Sequence[Cha
 
 def _offer(old: Family, new: Family, entries: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     name, revision = new.device.name, new.device.manual.revision
-    begin = f"{name}: edition {revision} removed these items. To keep them for older encoders, add to its spec"
+    introduction = f"{name}: edition {revision} removed these items. To keep them for older encoders, add to its spec"
     history = [history_row["revision"] for history_row in new.document.data["manual"].get("history", ())]
     if revision not in history[1:]:
         yield f"{name}: give the revisions in the history of the manual, under '{'history' if history else 'manual'}':"
@@ -76,7 +76,7 @@ def _offer(old: Family, new: Family, entries: Sequence[Mapping[str, Any]]) -> It
             yield f"    - {_in_one_line(row)}"
         yield ""
     has_editions = "editions" in new.document.data
-    yield f"{begin}{', under its editions' * has_editions}, with their source:"
+    yield f"{introduction}{', under its editions' * has_editions}, with their source:"
     yield ""
     if not has_editions:
         yield "editions:"
@@ -87,35 +87,36 @@ def _offer(old: Family, new: Family, entries: Sequence[Mapping[str, Any]]) -> It
 
 def _entries(old: Family, new: Family, renamed: Container[str]) -> Iterator[Mapping[str, Any]]:
     """Yield the changes that lead from the new edition to the old one."""
-    before, after = old.document.data, new.document.data
+    old_data, new_data = old.document.data, new.document.data
     old_revision, new_revision = old.device.manual.revision, new.device.manual.revision
-    gone = [
+    removed_parts = [
         (place, spec_part)
-        for place, spec_part in _gone(before, after, "")
+        for place, spec_part in _gone(old_data, new_data, "")
         if (label_of(spec_part) or place.rpartition(".")[2]) not in renamed
     ]
     removed = f"Edition {old_revision} has it, edition {new_revision} does not"
-    sources = {place: _source(before, place, spec_part) for place, spec_part in gone}
+    sources = {place: _source(old_data, place, spec_part) for place, spec_part in removed_parts}
     yield from (
-        {"add": place, "value": spec_part, "why": removed, "source": sources[place]} for place, spec_part in gone
+        {"add": place, "value": spec_part, "why": removed, "source": sources[place]}
+        for place, spec_part in removed_parts
     )
-    options = [(place, spec_part) for place, spec_part in gone if _OPTION.fullmatch(place)]
+    options = [(place, spec_part) for place, spec_part in removed_parts if _OPTION.fullmatch(place)]
     if not options:
         return
     source = sources[options[0][0]]
-    labels = [label for place, spec_part in options for label in _other_labels(place, spec_part, before, after)]
+    labels = [label for place, spec_part in options for label in _other_labels(place, spec_part, old_data, new_data)]
     for place in labels:
         yield {"remove": place, "why": f"Edition {new_revision} has this label for it", "source": source}
-    examples = {example["name"] for example in before.get("examples", ())}
+    examples = {example["name"] for example in old_data.get("examples", ())}
     codes = {variant.code for variant in new.device.variants if any(_selects(variant, place) for place in labels)}
-    for example in after.get("examples", ()):
+    for example in new_data.get("examples", ()):
         if example["name"] not in examples and example.get("order_code") in codes:
             yield {
                 "remove": f"examples.{example['name']}",
                 "why": f"Edition {old_revision} lacks its order code",
                 "source": source,
             }
-    for place, value in _references(before, after, ""):
+    for place, value in _references(old_data, new_data, ""):
         yield {"set": place, "to": value, "why": f"Order codes of edition {old_revision}", "source": source}
 
 
@@ -123,17 +124,17 @@ def _source(data: Any, place: str, spec_part: Any) -> str:
     """Return the source of an item if that is a document other than the manual, else the table of revisions."""
     source, node = "", data
     for step in steps_of(place):
-        inside = {label_of(child): child for child in node} if isinstance(node, list) else node
-        node = inside.get(step, {}) if isinstance(inside, dict) else {}
+        children = {label_of(child): child for child in node} if isinstance(node, list) else node
+        node = children.get(step, {}) if isinstance(children, dict) else {}
         source = node.get("source", source) if isinstance(node, dict) else source
     source = spec_part.get("source", source) if isinstance(spec_part, dict) else source
     return source if ":" in source else "Document release"
 
 
-def _other_labels(place: str, old: Any, before: Any, after: Any) -> Iterator[str]:
+def _other_labels(place: str, old: Any, old_data: Any, new_data: Any) -> Iterator[str]:
     """Yield the option that only the new edition has, if it differs from a removed one only in its label."""
     holder, _, _ = place.rpartition(".")
-    olds, news = (value_at(data, resolve(data, holder)) for data in (before, after))
+    olds, news = (value_at(data, resolve(data, holder)) for data in (old_data, new_data))
     for label, new in news.items():
         if label not in olds and _meant(new) == _meant(old):
             yield f"{holder}.{label}"
@@ -155,17 +156,17 @@ def _references(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:
     """Yield the places in both editions that refer to different order codes, and the value in the old one."""
     if isinstance(old, dict) and isinstance(new, dict):
         for key in [key for key in old if key in new]:
-            further = f"{place}.{key}".removeprefix(".")
+            child_place = f"{place}.{key}".removeprefix(".")
             if place and (key in _REFERENCES or (key == "values" and "also_written" in place)):
-                yield from [(further, old[key])] if old[key] != new[key] else []
+                yield from [(child_place, old[key])] if old[key] != new[key] else []
             elif place or key not in _APART - {"examples"}:
-                yield from _references(old[key], new[key], further)
+                yield from _references(old[key], new[key], child_place)
     elif isinstance(old, list) and isinstance(new, list):
-        named = {label_of(child): child for child in old}
+        children_by_label = {label_of(child): child for child in old}
         for index, child in enumerate(new):
             label = label_of(child)
             step = f"[{index + 1}]" if label is None else f".{label}"
-            old_child = named.get(label) if label is not None else old[index] if index < len(old) else None
+            old_child = children_by_label.get(label) if label is not None else old[index] if index < len(old) else None
             yield from _references(old_child, child, f"{place}{step}")
 
 
@@ -173,11 +174,11 @@ def _gone(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:
     """Yield the removed items: the place to add each to, and the item."""
     if isinstance(old, dict) and isinstance(new, dict):
         for key, child in old.items():
-            further = f"{place}.{key}".removeprefix(".")
+            child_place = f"{place}.{key}".removeprefix(".")
             if key in new and key not in _APART:
-                yield from _gone(child, new[key], further)
+                yield from _gone(child, new[key], child_place)
             elif key not in new and place.rpartition(".")[2] in _MAPS:
-                yield further, child
+                yield child_place, child
     elif isinstance(old, list) and isinstance(new, list):
         new_children = {label_of(child): child for child in new}
         for child in old:

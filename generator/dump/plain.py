@@ -313,10 +313,10 @@ def _opened_by(register: Register) -> Item:
 
 def _cited(sources: Sources) -> Item:
     """Return ``source`` with the first source, and ``sources`` with all if there are several."""
-    listed = [_source(source) for source in sources]
-    if len(listed) < 2:
-        return {"source": listed[0] if listed else None}
-    return {"source": listed[0], "sources": listed}
+    plain_sources = [_source(source) for source in sources]
+    if len(plain_sources) < 2:
+        return {"source": plain_sources[0] if plain_sources else None}
+    return {"source": plain_sources[0], "sources": plain_sources}
 
 
 def _source(source: Source) -> Item:

@@ -235,21 +235,23 @@ def key_hint(key: str, value: Any, known_keys: Iterable[str]) -> str:
     best_key = next(
         (known_key for known_key in fitting if _whole(value, unit.lower(), units_by_key[known_key])), fitting[-1]
     )
-    wanted = _word(units_by_key[best_key])
+    unit_word = _word(units_by_key[best_key])
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         or_else = f". If that is not a whole number{_INSTEAD[best_key]}" if best_key in _INSTEAD else ""
-        return f"; the unit is {wanted}: write '{best_key}'{or_else}"
+        return f"; the unit is {unit_word}: write '{best_key}'{or_else}"
     # From the shortest decimal form: 0.05 means five hundredths, not the nearest binary fraction.
     converted = _converted(Fraction(str(value)), unit.lower(), units_by_key[best_key])
     if converted is None:
         text = f"{value} {_word(unit.lower())}"
-        return f"; there is only '{best_key}', and {text} is not a whole number of {wanted}{_INSTEAD.get(best_key, '')}"
-    return f"; write '{best_key}: {converted}', in {wanted}"
+        return (
+            f"; there is only '{best_key}', and {text} is not a whole number of {unit_word}{_INSTEAD.get(best_key, '')}"
+        )
+    return f"; write '{best_key}: {converted}', in {unit_word}"
 
 
-def _whole(value: Any, unit: str, wanted: str) -> bool:
+def _whole(value: Any, unit: str, target_unit: str) -> bool:
     is_number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-    return is_number and _converted(Fraction(str(value)), unit, wanted) is not None
+    return is_number and _converted(Fraction(str(value)), unit, target_unit) is not None
 
 
 def _unit(key: str) -> str:
@@ -260,9 +262,9 @@ def _word(unit: str) -> str:
     return _WORDS.get(unit, unit)
 
 
-def _converted(number: Fraction, unit: str, wanted: str) -> int | None:
+def _converted(number: Fraction, unit: str, target_unit: str) -> int | None:
     """Return the number in another unit of the same kind, or None if the kind differs or the result is not whole."""
-    if unit not in _UNITS or wanted not in _UNITS or _UNITS[unit][0] != _UNITS[wanted][0]:
+    if unit not in _UNITS or target_unit not in _UNITS or _UNITS[unit][0] != _UNITS[target_unit][0]:
         return None
-    exact = number * Fraction(10) ** (_UNITS[unit][1] - _UNITS[wanted][1])
+    exact = number * Fraction(10) ** (_UNITS[unit][1] - _UNITS[target_unit][1])
     return int(exact) if exact.denominator == 1 else None

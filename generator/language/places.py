@@ -46,11 +46,11 @@ def resolve(data: Any, text: str) -> Path:
     """
     path: Path = ()
     for step in steps_of(text):
-        inside = _inside(data)
-        if step not in inside:
+        keys_by_step = _inside(data)
+        if step not in keys_by_step:
             step_text = f"[{step + 1}]" if isinstance(step, int) else step
-            raise NothingThere(step_text, [str(key) for key in inside if isinstance(key, str)], path)
-        key = inside[step]
+            raise NothingThere(step_text, [str(key) for key in keys_by_step if isinstance(key, str)], path)
+        key = keys_by_step[step]
         path, data = (*path, key), data[key]
     return path
 
@@ -71,9 +71,9 @@ def named(data: Any, path: Path) -> Path:
     """Return the path with names of items instead of indices. The last step need not exist yet."""
     named_path: Path = ()
     for step in path:
-        inside: Any = data[step] if isinstance(step, int) or step in data else None
-        named_path += ((label_of(inside) or step) if isinstance(step, int) else step,)
-        data = inside
+        child: Any = data[step] if isinstance(step, int) or step in data else None
+        named_path += ((label_of(child) or step) if isinstance(step, int) else step,)
+        data = child
     return named_path
 
 
@@ -135,9 +135,9 @@ def _edited(data: Any, mark: Mark, path: Path, edit: _Edit) -> tuple[Any, Mark]:
     if not path:
         return edit(data, mark)
     key = path[0]
-    inside, marked = _edited(data[key], mark.children[key], path[1:], edit)
+    edited_child, marked = _edited(data[key], mark.children[key], path[1:], edit)
     edited = copy(data)
-    edited[key] = inside
+    edited[key] = edited_child
     return edited, replace(mark, children={**mark.children, key: marked})
 
 

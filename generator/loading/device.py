@@ -73,8 +73,8 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     definitions = _definitions(raw)
     order_code = code_grammar(raw["order_code"])
     alternatives = tuple(_alternative(raw_alternative) for raw_alternative in raw.get("alternatives", ()))
-    first = {name: value for alternative in alternatives for name, value in alternative.answers[0].sets.items()}
-    variants = _variants(order_code, definitions, {**held_in_registers(raw, report), **first})
+    first_answers = {name: value for alternative in alternatives for name, value in alternative.answers[0].sets.items()}
+    variants = _variants(order_code, definitions, {**held_in_registers(raw, report), **first_answers})
     context = _context(raw, report, definitions, variants, alternatives)
     if too_much_work(raw, context) or (variants and not check_reach(raw, context, variants)):
         return None
@@ -310,13 +310,13 @@ def _wrong_default(register: Register, placed: PlacedLayout, parameters: Mapping
         return None
     low, high, zero_means = _limits(register, placed, parameters)
     value = _bounded_part(register, placed, default)
-    named = [named_value.value for named_value in register.values]
+    named_values = [named_value.value for named_value in register.values]
     if default >> (8 * register.length):
         problem = f"{default:#x} does not fit into {8 * register.length} bits"
     elif not low <= (value or zero_means) <= max(high, zero_means):
         problem = f"{value} is outside the limits {low} to {high}"
-    elif named and default not in named and not register.clears_itself:
-        problem = f"{default:#x} is not one of the values {', '.join(f'{number:#x}' for number in named)}"
+    elif named_values and default not in named_values and not register.clears_itself:
+        problem = f"{default:#x} is not one of the values {', '.join(f'{number:#x}' for number in named_values)}"
     else:
         return None
     return "default-does-not-fit", "default", f"the default {problem}"
@@ -379,8 +379,8 @@ def _check_requests(device: Device, report: DocumentReport) -> None:
 
 def _differ(layout: Layout, other_layout: Layout) -> bool:
     """Return whether two requests have a different constant in the same bit of a byte."""
-    first, second = _constant_bits(layout), _constant_bits(other_layout)
-    return any(second.get(place, value) != value for place, value in first.items())
+    constant_bits, other_constant_bits = _constant_bits(layout), _constant_bits(other_layout)
+    return any(other_constant_bits.get(place, value) != value for place, value in constant_bits.items())
 
 
 def _constant_bits(layout: Layout) -> dict[tuple[int, int], int]:

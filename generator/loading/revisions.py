@@ -246,8 +246,8 @@ def _run(
         RevisionError: It takes too long, or prints more than ``max_bytes`` bytes.
     """
     with subprocess.Popen(command, stdin=input_file, stdout=subprocess.PIPE, stderr=errors, env=environment) as running:
-        late = Event()
-        timer = Timer(_PATIENCE_S, _stop, (running, late))
+        timed_out = Event()
+        timer = Timer(_PATIENCE_S, _stop, (running, timed_out))
         timer.start()
         try:
             printed = running.stdout.read(max_bytes + 1) if running.stdout else b""
@@ -256,13 +256,13 @@ def _run(
             code = running.wait()
         finally:
             timer.cancel()
-    if late.is_set():
+    if timed_out.is_set():
         raise RevisionError(f"git did not answer within {_PATIENCE_S} s")
     if len(printed) > max_bytes:
         raise RevisionError(f"git lists more than {max_bytes // 2**20} MB here; name the folder of the specs")
     return code, printed
 
 
-def _stop(running: subprocess.Popen[bytes], late: Event) -> None:
-    late.set()
+def _stop(running: subprocess.Popen[bytes], timed_out: Event) -> None:
+    timed_out.set()
     running.kill()

@@ -68,11 +68,11 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
     try:
         device_files = list(_device_files(paths, cache))
         name, label = text.strip().lower(), "".join(text.split()).upper()
-        named = [device_file for device_file in device_files if device_file.name == name]
-        if len(named) > 1:
+        named_files = [device_file for device_file in device_files if device_file.name == name]
+        if len(named_files) > 1:
             return None
-        if named:
-            return (_load(named[0].path, cache)[0],)
+        if named_files:
+            return (_load(named_files[0].path, cache)[0],)
         # If the text shows the beginnings, they have been compared already.
         unsure = {
             device_file.path: "" if device_file.beginnings and all(device_file.beginnings) else label

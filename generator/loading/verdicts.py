@@ -87,8 +87,8 @@ def _following(device: Device, erratum: Erratum) -> Iterator[Verdict]:
 
 def _is_affected(field: Field, place: str, erratum: Erratum) -> bool:
     owners = (place, f"field_groups.{field.group}") if field.group else (place,)
-    inside = {f"{owner}.{field.name}" for owner in owners}
-    return any(path in inside or path in owners for path in erratum.affects)
+    field_paths = {f"{owner}.{field.name}" for owner in owners}
+    return any(path in field_paths or path in owners for path in erratum.affects)
 
 
 def _verdicts(field: Field) -> Iterator[Verdict]:

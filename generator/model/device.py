@@ -391,13 +391,13 @@ class Device:
 
     def needed_parameters(self, names: Iterable[str]) -> frozenset[str]:
         """Return these parameters, and all parameters from which they are calculated."""
-        needed, pending = set[str](), list(names)
+        needed_names, pending = set[str](), list(names)
         while pending:
             name = pending.pop()
-            if name not in needed and name in self.definitions:
+            if name not in needed_names and name in self.definitions:
                 pending += self.definitions[name].parameters
-            needed.add(name)
-        return frozenset(needed)
+            needed_names.add(name)
+        return frozenset(needed_names)
 
     def sample_of(self, layout: Layout) -> Sample | None:
         """Return the sample frame of a layout, or None if none could be made up."""

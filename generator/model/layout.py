@@ -361,14 +361,16 @@ class Layout:
 
     def place(self, parameters: Mapping[str, int]) -> PlacedLayout:
         """Return the layout for one order code, without zero-width fields. Flags of other codes are unexplained."""
-        every = (
+        placed_fields = (
             PlacedField(field.held_by(parameters), field.low.value(parameters), field.width.value(parameters))
             for field in self.fields
         )
-        placed = {field.name: field for field in every if field.width > 0}
+        fields_by_name = {field.name: field for field in placed_fields if field.width > 0}
         gray = bool(self.gray_of and (not self.gray_when or parameters.get(self.gray_when)))
-        unused = tuple((placed[field.name], place) for field, place in self.unused if field.name in placed)
-        return PlacedLayout(self, self.bits.value(parameters), tuple(placed.values()), gray, unused, parameters)
+        unused = tuple(
+            (fields_by_name[field.name], place) for field, place in self.unused if field.name in fields_by_name
+        )
+        return PlacedLayout(self, self.bits.value(parameters), tuple(fields_by_name.values()), gray, unused, parameters)
 
 
 @dataclass(frozen=True)

@@ -79,9 +79,9 @@ def find(device: Device, text: str) -> Match:
     for spelling in (as_listed(device.order_code), *device.order_code.also_written):
         match = re.fullmatch(regex(device.order_code, spelling) + AFTER, code, re.IGNORECASE)
         if match is not None:
-            listed = {(value.part, value.text.upper()): value.value for value in spelling.values}
+            value_by_text = {(value.part, value.text.upper()): value.value for value in spelling.values}
             part_texts = ((part.name, match[part.name]) for part in device.order_code.parts)
-            parts = {name: listed.get((name, text), text) for name, text in part_texts}
+            parts = {name: value_by_text.get((name, text), text) for name, text in part_texts}
             variant, unlisted = _resolve(device, parts, code)
             return Match(variant, unlisted, match["tail_"] or "", match["special_"] is not None, spelling.where)
     raise _explain(device, code)
@@ -181,8 +181,8 @@ def _clash(device: Device, code: str, parts: Mapping[str, str], listed_values: M
         for part in device.order_code.parts
         if any(_fitting(device, {**listed_values, part.name: value.text}) for value in part.values)
     ]
-    listed = " and ".join(f"{name} '{listed_values[name] or parts[name]}'" for name in names) or "its parts"
-    return messages.cannot_be_combined(code, listed, _nearest(device, code))
+    listed_parts = " and ".join(f"{name} '{listed_values[name] or parts[name]}'" for name in names) or "its parts"
+    return messages.cannot_be_combined(code, listed_parts, _nearest(device, code))
 
 
 def _explain(device: Device, code: str) -> UnknownOrderCode:

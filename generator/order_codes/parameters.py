@@ -14,13 +14,13 @@ def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
     Parameters used only by other interfaces are omitted, unless they are calculated from the parameters kept.
     Parameters that no interface uses are kept, since they are for information.
     """
-    used = {interface.name: _used(device, interface.name) for interface in device.interfaces}
-    elsewhere = set[str]().union(*used.values()) - used[kind]
+    used_by_interface = {interface.name: _used(device, interface.name) for interface in device.interfaces}
+    elsewhere = set[str]().union(*used_by_interface.values()) - used_by_interface[kind]
     possible = [parameter for parameter in device.parameters if parameter.interface in ("", kind)]
     kept_names = {
         parameter.name
         for parameter in possible
-        if parameter.name not in elsewhere and (parameter.equals is None or parameter.name in used[kind])
+        if parameter.name not in elsewhere and (parameter.equals is None or parameter.name in used_by_interface[kind])
     }
     for _ in possible:
         kept_names |= {

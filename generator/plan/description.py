@@ -248,10 +248,10 @@ def _places(fields: tuple[Field, ...]) -> tuple[Place, ...]:
 
 def _speaks(judgement: verdicts.Judgement) -> Iterator[Speaks]:
     for verdict, items in judgement.worst_first:
-        for cause in items:
-            unless = tuple(Name(part.field.name) for part in cause.unless)
-            name, when = Name(cause.by.field.name), _when(cause.by)
-            yield Speaks(verdict, name, unless, _mask(cause.by), cause.only, when, cause.chosen)
+        for speaker in items:
+            unless = tuple(Name(part.field.name) for part in speaker.unless)
+            name, when = Name(speaker.by.field.name), _when(speaker.by)
+            yield Speaks(verdict, name, unless, _mask(speaker.by), speaker.only, when, speaker.chosen)
 
 
 def _tells(told_report: reports.Told) -> Tells:
@@ -267,12 +267,12 @@ def _answered(field: Field) -> Answered | None:
             return None
 
 
-def _mask(by: verdicts.Cause) -> int:
+def _mask(cause: verdicts.Cause) -> int:
     """Return the mask of reserved bits in the number made of all of them, or 0 for any other cause."""
-    return by.mask if isinstance(by, plan.Reserved) else 0
+    return cause.mask if isinstance(cause, plan.Reserved) else 0
 
 
-def _when(by: verdicts.Cause) -> tuple[tuple[Name, int], ...]:
+def _when(cause: verdicts.Cause) -> tuple[tuple[Name, int], ...]:
     """Return the fields of a cause that consists of values, each with its value, or nothing for any other cause."""
-    conditions = by.conditions if isinstance(by, verdicts.Match) else ()
+    conditions = cause.conditions if isinstance(cause, verdicts.Match) else ()
     return tuple((Name(part.field.name), value) for part, value in conditions)

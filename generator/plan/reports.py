@@ -75,9 +75,9 @@ def reportings(device: Device) -> Iterator[Reporting]:
     for interface, layout in _sent(device):
         codec = codec_of(device, layout)
         told_reports = tuple(
-            Told(reports[layout.name, coded_field.name], by, only)
-            for by in telling(codec)
-            for coded_field, only in by_code(by.field)
+            Told(reports[layout.name, coded_field.name], cause, only)
+            for cause in telling(codec)
+            for coded_field, only in by_code(cause.field)
             if _is_told(coded_field)
         )
         tells = device.tells_position(interface.name, layout)

@@ -85,16 +85,16 @@ def judgement_of(codec: Codec) -> Judgement:
     """Return the verdict on the position of a frame, with everything that it depends on."""
     parts = {part.field.name: part for part in codec.parts}
     speaking: dict[Verdict, list[Speaks]] = {verdict: [] for verdict in Verdict}
-    for by in telling(codec):
-        match by.field.kind:
+    for cause in telling(codec):
+        match cause.field.kind:
             case Flag():
-                for flag, only in _by_worth(by.field):
+                for flag, only in _by_worth(cause.field):
                     summed_parts = [parts[name] for name in flag.sums_up if name in parts]
                     for flag_verdict, chosen in _by_answer(flag):
                         unless = tuple(part for part in summed_parts if not _decides(part, flag_verdict, parts))
-                        speaking[flag_verdict].append(Speaks(by, unless, only, chosen))
+                        speaking[flag_verdict].append(Speaks(cause, unless, only, chosen))
             case Unused(makes_position=verdict):
-                speaking[verdict].append(Speaks(by, ()))
+                speaking[verdict].append(Speaks(cause, ()))
     tells = codec.layout.tells_validity
     warning = speaking[Verdict.USABLE_WITH_WARNING] if tells else ()
     otherwise = Verdict.USABLE if tells else Verdict.UNKNOWN

@@ -35,10 +35,10 @@ def biss_places(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     select = bank_select(spec)
     for path, register in items(spec, "registers"):
         name = register["name"]
-        placed = _BANK_SELECT if name == select else _PLACES.get(name)
-        if placed is None or interface_of(register) != Biss.name or ("bank" in register and name != select):
+        fixed_place = _BANK_SELECT if name == select else _PLACES.get(name)
+        if fixed_place is None or interface_of(register) != Biss.name or ("bank" in register and name != select):
             continue
-        address, length, where = placed
+        address, length, where = fixed_place
         register_words, end = "it", "; correct the address, or rename the register if it is a different one"
         if name == select:
             register_words, end = "the register that selects banks", ""
@@ -63,19 +63,23 @@ def biss_taken(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     name ``profile_id_low``. Manuals use 40h and 41h for other purposes if there are no banks.
     """
     for path, register in items(spec, "registers"):
-        name, first = register["name"], register["address"]
+        name, first_address = register["name"], register["address"]
         if interface_of(register) != Biss.name or "bank" in register or name in _PLACES or name == bank_select(spec):
             continue
         for fixed, (address, length, where) in _PLACES.items():
-            overlaps = first < address + length and address < first + register["length"]
-            inside = address <= first and first + register["length"] <= address + length
-            is_part = inside and (register["access"] == "read_only" or name.startswith(fixed))
+            overlaps = first_address < address + length and address < first_address + register["length"]
+            is_inside = address <= first_address and first_address + register["length"] <= address + length
+            is_part = is_inside and (register["access"] == "read_only" or name.startswith(fixed))
             if fixed == "eds_bank" or not overlaps or is_part:
                 continue
             if not explained(report.document, "registers", name, "address"):
-                last = first + register["length"] - 1
-                at = f"at {first:02X}h" if first == last else f"at {first:02X}h to {last:02X}h"
-                problem = f"{quoted(name)} is {at}, but BiSS has {quoted(fixed)} {where}"
+                last_address = first_address + register["length"] - 1
+                address_text = (
+                    f"at {first_address:02X}h"
+                    if first_address == last_address
+                    else f"at {first_address:02X}h to {last_address:02X}h"
+                )
+                problem = f"{quoted(name)} is {address_text}, but BiSS has {quoted(fixed)} {where}"
                 remedy = (
                     f"correct the address, or rename the register to {quoted(fixed)} if that is the one you mean. If"
                     f" this is what the manual says, add an erratum that affects registers.{name}.address"
@@ -106,10 +110,10 @@ def biss_frame(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     groups, crcs = by_name(raw, "field_groups"), by_name(raw, "crcs")
     for fields in layouts(spec):
         layout, sent_fields = fields.owner, list(expanded(fields, groups))
-        where = f"interfaces.{Biss.name}.{layout['name']}"
+        frame_path = f"interfaces.{Biss.name}.{layout['name']}"
         if fields.interface == Biss.name and layout.get("from") == "encoder" and _FLAGS & _names(sent_fields):
-            faults = [*_frame_faults(sent_fields, crcs, (*fields.path, "name"), where)]
-            faults += _late_positions(sent_fields, position_names(spec, Biss.name), where)
+            faults = [*_frame_faults(sent_fields, crcs, (*fields.path, "name"), frame_path)]
+            faults += _late_positions(sent_fields, position_names(spec, Biss.name), frame_path)
             for path, affected, problem in faults:
                 if not explained(report.document, affected):
                     end = f"If this is what the manual says, add an erratum that affects {affected}"
@@ -117,7 +121,7 @@ def biss_frame(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def _frame_faults(
-    sent_fields: list[tuple[Path, Spec]], crcs: Mapping[str, Spec], start: Path, where: str
+    sent_fields: list[tuple[Path, Spec]], crcs: Mapping[str, Spec], start: Path, frame_path: str
 ) -> Iterator[tuple[Path, str, str]]:
     """Yield the errors of a frame: the place, the path that an erratum must affect, and the message."""
     names = [field.get("name") for _, field in sent_fields]
@@ -125,12 +129,12 @@ def _frame_faults(
         name = field.get("name")
         if name in _FLAGS and field.get("active") == "high":
             problem = f"{quoted(name)} is active high, but in BiSS it is active low; write 'active: low'"
-            yield (*path, "active"), f"{where}.{name}", problem
+            yield (*path, "active"), f"{frame_path}.{name}", problem
         if "crc_of" in field:
             problem = (
                 f"{quoted(name)} has 'crc_of', but in BiSS the CRC covers everything before it; leave 'crc_of' out"
             )
-            yield (*path, "crc_of"), f"{where}.{name}", problem
+            yield (*path, "crc_of"), f"{frame_path}.{name}", problem
         crc = crcs.get(field["crc"], {}) if "crc" in field else {}
         for key, correction, reason in _crc_faults(crc):
             if key == "xorout" and crc[key] in _INVERTED:
@@ -142,14 +146,14 @@ def _frame_faults(
             yield (*path, "crc"), f"crcs.{field['crc']}.{key}", f"{problem}; write '{key}: {correction}'"
     if {"error", "warning"} <= set(names) and names.index("error") > names.index("warning"):
         path, _ = sent_fields[names.index("warning")]
-        yield path, f"{where}.warning", "'warning' is before 'error', but BiSS sends nE before nW; swap the two"
+        yield path, f"{frame_path}.warning", "'warning' is before 'error', but BiSS sends nE before nW; swap the two"
     if not any("crc" in field for _, field in sent_fields):
         correction = "add a last field such as {name: crc, crc: NAME}"
-        yield start, f"{where}.fields", f"the frame has no CRC, but a BiSS frame ends with one; {correction}"
+        yield start, f"{frame_path}.fields", f"the frame has no CRC, but a BiSS frame ends with one; {correction}"
 
 
 def _late_positions(
-    sent_fields: list[tuple[Path, Spec]], positions: set[str], where: str
+    sent_fields: list[tuple[Path, Spec]], positions: set[str], frame_path: str
 ) -> Iterator[tuple[Path, str, str]]:
     """Yield the first part of the position that is sent after nE or nW, like ``_frame_faults``."""
     flag = ""
@@ -159,7 +163,7 @@ def _late_positions(
             flag = flag or name
         elif flag and name in positions:
             problem = f"{quoted(name)} is after {quoted(flag)}, but BiSS sends the position before nE and nW"
-            yield path, f"{where}.{name}", f"{problem}; move it before {quoted(flag)}"
+            yield path, f"{frame_path}.{name}", f"{problem}; move it before {quoted(flag)}"
             return
 
 

@@ -36,18 +36,23 @@ def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             section = cited["section"]
             if not _is_in_section(section, cited["page"], path, spans, names, report):
                 continue
-            page, begins = int(cited["page"]), _begins(spans[section], own_names)
+            page, begin_pages = int(cited["page"]), _begins(spans[section], own_names)
             pages = {int(citation["page"] or 0) for citation in pieces if citation["section"] == section}
-            if page in begins:
+            if page in begin_pages:
                 first_pages += 1
-            elif begins and not pages & begins:
+            elif begin_pages and not pages & begin_pages:
                 later_pages.append(
-                    (path, section, page, max((first_page for first_page in begins if first_page < page), default=page))
+                    (
+                        path,
+                        section,
+                        page,
+                        max((first_page for first_page in begin_pages if first_page < page), default=page),
+                    )
                 )
     if first_pages >= max(_ENOUGH, _SHARE * (first_pages + len(later_pages))):
-        for path, section, page, begin in later_pages:
+        for path, section, page, first_page in later_pages:
             problem = f"nothing in section {section} begins on page {page}, and other sources cite first pages"
-            report.add("cited-place", path, f"{problem}; cite p.{begin}, or p.{begin} and p.{page}")
+            report.add("cited-place", path, f"{problem}; cite p.{first_page}, or p.{first_page} and p.{page}")
 
 
 def _begins(spans: Mapping[str, tuple[int, int]], own_names: list[str]) -> set[int]:
@@ -66,13 +71,13 @@ def _spans(contents: Mapping[str, Any]) -> dict[str, dict[str, tuple[int, int]]]
     rows = [(name, section) for name, section in contents.items() if isinstance(section, dict)]
     page_spans: dict[str, dict[str, tuple[int, int]]] = {}
     for at, (name, section) in enumerate(rows):
-        later = [row for row in rows[at + 1 :] if not row[0].startswith(f"{name}.")]
-        end = _page(later[0][1], _END) if later else _END
-        inside = [row for row in rows[at + 1 :] if row[0].startswith(f"{name}.")]
+        later_rows = [row for row in rows[at + 1 :] if not row[0].startswith(f"{name}.")]
+        end = _page(later_rows[0][1], _END) if later_rows else _END
+        inner_rows = [row for row in rows[at + 1 :] if row[0].startswith(f"{name}.")]
         start = _page(section, _FIRST)
         page_spans[name] = {"": (start, end)}
         entries = [(title, page) for title, page in mapping(section, "entries").items() if isinstance(page, int)]
-        after = _page(inside[0][1], end) if inside else end
+        after = _page(inner_rows[0][1], end) if inner_rows else end
         for (title, page), (_, following) in pairwise([*entries, ("", after)]):
             page_spans[name][title.casefold()] = (page, max(page, following))
     return page_spans

@@ -66,8 +66,8 @@ def names_error(name: str, flag_or_value: Spec) -> bool:
 
 def flag_sums(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the flags combined by another one exist."""
-    every = (field for fields in field_lists(raw) for _, field in fields)
-    flags = [field["name"] for field in every if "active" in field and _has_name(field)]
+    all_fields = (field for fields in field_lists(raw) for _, field in fields)
+    flags = [field["name"] for field in all_fields if "active" in field and _has_name(field)]
     for fields in field_lists(spec):
         for path, field in fields:
             other_flags = [name for name in dict.fromkeys(flags) if name != field.get("name")]

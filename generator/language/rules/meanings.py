@@ -49,9 +49,9 @@ def value_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                     says = next(iter(lengths.values()))
                     problem = f"the meaning of {quoted(text)} says {says}, but {quoted(name)} is {number} {unit}"
                     report.add("meaning-mismatch", (*value_path, "sets", name), problem)
-            named, supply = supply_named(meaning), mapping(value, "supply")
-            if named and supply and named != (supply["min_mv"], supply["max_mv"]):
-                problem = f"the meaning of {quoted(text)} says {named[0]} to {named[1]} mV"
+            stated_range, supply = supply_named(meaning), mapping(value, "supply")
+            if stated_range and supply and stated_range != (supply["min_mv"], supply["max_mv"]):
+                problem = f"the meaning of {quoted(text)} says {stated_range[0]} to {stated_range[1]} mV"
                 report.add(
                     "meaning-mismatch",
                     (*value_path, "supply"),
@@ -88,8 +88,8 @@ def _codes_named(spec: Spec, value: Spec) -> dict[str, int]:
 
 def supply_named(text: str) -> tuple[int, int] | None:
     """Return the supply range given by a text, in millivolts, or None."""
-    if (two := _TWO_VOLTAGES.fullmatch(text)) is not None:
-        return _millivolts(two[1], 100), _millivolts(two[2], 100)
+    if (range_match := _TWO_VOLTAGES.fullmatch(text)) is not None:
+        return _millivolts(range_match[1], 100), _millivolts(range_match[2], 100)
     match = _ONE_VOLTAGE.fullmatch(text)
     if match is None:
         return None
@@ -130,14 +130,14 @@ def interface_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that an order code value does not select a different interface than its meaning names."""
     for path, part in items(spec, "order_code", "parts"):
         for text, value in part["values"].items():
-            named = {
+            names = {
                 interface_name.upper().replace("RS485", "RS-485")
                 for interface_name in _ANY_INTERFACE.findall(value.get("meaning", ""))
             }
             for kind, pattern in _INTERFACES.items():
-                if len(named) == 1 and pattern.search(value["meaning"]) and value.get("interface", kind) != kind:
+                if len(names) == 1 and pattern.search(value["meaning"]) and value.get("interface", kind) != kind:
                     problem = (
-                        f"the meaning of {quoted(text)} mentions {named.pop().replace('BISS', 'BiSS')}, but the"
+                        f"the meaning of {quoted(text)} mentions {names.pop().replace('BISS', 'BiSS')}, but the"
                         f" value selects {value['interface']}"
                     )
                     report.add("interface-mismatch", (*path, "values", text, "interface"), problem)

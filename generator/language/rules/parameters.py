@@ -199,15 +199,15 @@ def units(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that exponents are in bits, and that numbers of a measurement and fields have the right unit."""
     parameters = mapping(raw, "parameters")
 
-    def compare(path: Path, factor: Factor, needed: str, use: str) -> None:
+    def compare(path: Path, factor: Factor, needed_unit: str, use: str) -> None:
         unit = mapping(parameters, factor.parameter).get("unit")
         kind = _KIND_OF.get(str(unit))
-        if kind is not None and kind != needed:
+        if kind is not None and kind != needed_unit:
             report.add(
                 "unit-mismatch",
                 path,
                 f"{quoted(factor.parameter)} is in {unit}, but {use} must be in"
-                f" {'µm' if needed == 'micrometres' else needed}",
+                f" {'µm' if needed_unit == 'micrometres' else needed_unit}",
             )
 
     for fields in field_lists(spec):
@@ -220,8 +220,11 @@ def units(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 report.add("unit-mismatch", (*path, "unit"), problem)
     for path, text in expressions(spec):
         for factor in _factors(text):
-            needed = "bits" if factor.power or path[-1] in _WIDTHS else _MEASURED.get(str(path[-1]), "")
-            if needed:
+            needed_unit = "bits" if factor.power or path[-1] in _WIDTHS else _MEASURED.get(str(path[-1]), "")
+            if needed_unit:
                 compare(
-                    path, factor, needed, f"the exponent in 2^{factor.parameter}" if factor.power else quoted(path[-1])
+                    path,
+                    factor,
+                    needed_unit,
+                    f"the exponent in 2^{factor.parameter}" if factor.power else quoted(path[-1]),
                 )

@@ -41,9 +41,11 @@ class _Names:
 
     def __init__(self, raw: Spec, report: DocumentReport) -> None:
         self._report = report
-        named = (value_at(raw, path) if path[-1] == "name" else path[-1] for path in report.faults())
+        faulty_names = (value_at(raw, path) if path[-1] == "name" else path[-1] for path in report.faults())
         interfaces = {name for name in mapping(raw, "interfaces") if name not in INTERFACES}
-        self._broken = interfaces | {name for name in named if isinstance(name, str) and not _NAME.fullmatch(name)}
+        self._broken = interfaces | {
+            name for name in faulty_names if isinstance(name, str) and not _NAME.fullmatch(name)
+        }
         self.groups, self.registers = by_name(raw, "field_groups"), by_name(raw, "registers")
         self.procedures, self.parameters = by_name(raw, "procedures"), mapping(raw, "parameters")
         self._known: Mapping[str, Collection[str]] = {
@@ -302,7 +304,7 @@ def _answers(path: Path, alternative: Spec, resolver: _Names, report: DocumentRe
     own_parameters = [
         name for name in resolver.parameters if mapping(resolver.parameters, name).get("alternative") == owner
     ]
-    first = {name: answer for answer in reversed(answers) for name in answers[answer]["sets"]}
+    first_answer_setting = {name: answer for answer in reversed(answers) for name in answers[answer]["sets"]}
     for answer, sets in ((answer, answers[answer]["sets"]) for answer in answers):
         sets_path = (*path, "values", answer, "sets")
         for name in sets:
@@ -311,8 +313,10 @@ def _answers(path: Path, alternative: Spec, resolver: _Names, report: DocumentRe
                 problem = f"{quoted(name)} is not a parameter of {quoted(owner)}; give it 'alternative: {owner}'"
                 report.add("undefined-reference", (*sets_path, name), problem)
         for name in own_parameters:
-            if name in first and name not in sets:
-                problem = f"{quoted(answer)} does not set {quoted(name)}, which {quoted(first[name])} sets"
+            if name in first_answer_setting and name not in sets:
+                problem = (
+                    f"{quoted(answer)} does not set {quoted(name)}, which {quoted(first_answer_setting[name])} sets"
+                )
                 report.add("undefined-reference", sets_path, problem)
 
 
@@ -346,7 +350,7 @@ _LISTS = ("layouts", "fields", "combinations")
 
 def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that each path affected by an erratum exists."""
-    resolver, below = _Names(raw, report), {id(raw): dict(_below(raw))}
+    resolver, steps_by_node = _Names(raw, report), {id(raw): dict(_below(raw))}
     for path, erratum in items(spec, "errata"):
         for index, affected in enumerate(erratum.get("affects", ())):
             steps = affected.split(".")
@@ -357,7 +361,7 @@ def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 continue
             node: Any = raw
             for step in steps:
-                next_nodes = below.get(id(node)) or below.setdefault(id(node), dict(_below(node)))
+                next_nodes = steps_by_node.get(id(node)) or steps_by_node.setdefault(id(node), dict(_below(node)))
                 if step not in next_nodes:
                     kind = f"place {quoted(affected)} in this spec: there is no"
                     resolver.refer((*path, "affects", index), kind, step, next_nodes)
@@ -441,9 +445,11 @@ def connector_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def unused_crc(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that each CRC is a field of some frame, or has a note."""
-    used = {field.get("crc") for fields in field_lists(raw) for _, field in fields if isinstance(field.get("crc"), str)}
+    used_crcs = {
+        field.get("crc") for fields in field_lists(raw) for _, field in fields if isinstance(field.get("crc"), str)
+    }
     for path, crc in items(spec, "crcs"):
-        if used <= by_name(raw, "crcs").keys() and crc["name"] not in used and "note" not in crc:
+        if used_crcs <= by_name(raw, "crcs").keys() and crc["name"] not in used_crcs and "note" not in crc:
             problem = f"no frame uses the CRC {quoted(crc['name'])}"
             field = f"{{name: crc, crc: {crc['name']}}}"
             remedy = f"add the field {field} at the end of its frame, or explain in a 'note' what the CRC is for"

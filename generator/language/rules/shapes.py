@@ -192,14 +192,14 @@ def _is_nothing(bits: object) -> bool:
 def _check_placing(fields: Fields, report: DocumentReport) -> None:
     """Check that either all or none of the fields of a layout have positions."""
     listed_fields = list(fields)
-    placed = [(path, field) for path, field in listed_fields if _is_placed(field)]
-    if not placed or len(placed) == len(listed_fields):
+    placed_fields = [(path, field) for path, field in listed_fields if _is_placed(field)]
+    if not placed_fields or len(placed_fields) == len(listed_fields):
         return
     if fields.kind is Has.CONTROL:
         return
     path, field = next((path, field) for path, field in listed_fields if not _is_placed(field))
     name = quoted(field.get("name", field.get("use", "")))
-    placed_name = quoted(placed[0][1].get("name", ""))
+    placed_name = quoted(placed_fields[0][1].get("name", ""))
     report.add(
         "layout-keys",
         path,
@@ -291,12 +291,12 @@ def step_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def _check_repeated(path: Path, step: Spec, report: DocumentReport) -> None:
     """Check that conditions between the requests of a step are only given for several requests."""
-    between = next((key for key in ("in_succession", "every_at_least_us") if step.get(key)), None)
-    if step["do"] == "send" and between is not None and step.get("times", 1) == 1:
+    condition = next((key for key in ("in_succession", "every_at_least_us") if step.get(key)), None)
+    if step["do"] == "send" and condition is not None and step.get("times", 1) == 1:
         request_count = "sends one" if "times" in step else "has no 'times'"
-        key = quoted(between)
+        key = quoted(condition)
         problem = f"{key} applies to several requests, but the step {request_count}; add 'times', or remove {key}"
-        report.add("step-shape", (*path, between), problem, at_key=True)
+        report.add("step-shape", (*path, condition), problem, at_key=True)
 
 
 def example_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -333,9 +333,11 @@ def example_arguments(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         procedure = procedures.get(example.get("procedure", ""))
         if example["kind"] == "procedure" and procedure is not None:
             given_arguments = mapping(example, "arguments")
-            gone = [quoted(name) for name in by_name(procedure, "arguments") if name not in given_arguments]
-            if gone:
-                problem = f"{listed(gone)} {'is' if len(gone) == 1 else 'are'} missing from 'arguments' of the example"
+            names = [quoted(name) for name in by_name(procedure, "arguments") if name not in given_arguments]
+            if names:
+                problem = (
+                    f"{listed(names)} {'is' if len(names) == 1 else 'are'} missing from 'arguments' of the example"
+                )
                 report.add("example-shape", path, problem)
 
 
@@ -344,15 +346,15 @@ def measurement_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     movement = spec.get("movement")
     if movement not in ("rotary", "linear"):
         return
-    needed, foreign = (ANGLE, LENGTH) if movement == "rotary" else (LENGTH, ANGLE)
+    needed_keys, foreign = (ANGLE, LENGTH) if movement == "rotary" else (LENGTH, ANGLE)
     for path, measurement in measurements(spec):
         # A key rejected by the schema was removed. It must not be reported as missing, too.
         stated_keys = measurement.keys()
-        if not stated_keys & {needed[0], "step_nm"} and stated_keys == mapping(raw, *map(str, path)).keys():
+        if not stated_keys & {needed_keys[0], "step_nm"} and stated_keys == mapping(raw, *map(str, path)).keys():
             report.add(
                 "measurement-shape",
                 path,
-                f"{quoted(needed[0])} is missing; the measurement of a {movement} encoder needs it",
+                f"{quoted(needed_keys[0])} is missing; the measurement of a {movement} encoder needs it",
                 at_key=True,
             )
         for key in foreign:
@@ -365,8 +367,8 @@ def measurement_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 )
         if movement == "linear":
             _check_step(path, measurement, report)
-        if "highest" in measurement and needed[-1] not in mapping(raw, *map(str, path)):
-            problem = f"'highest' has no effect without {quoted(needed[-1])}; add it, or leave 'highest' out"
+        if "highest" in measurement and needed_keys[-1] not in mapping(raw, *map(str, path)):
+            problem = f"'highest' has no effect without {quoted(needed_keys[-1])}; add it, or leave 'highest' out"
             report.add("measurement-shape", (*path, "highest"), problem, at_key=True)
 
 
@@ -432,10 +434,10 @@ def _check_keys(
     of_all: Collection[str],
     report: DocumentReport,
 ) -> None:
-    needed, optional = of_kind
-    gone = [key for key in needed if key not in spec]
-    if gone:
-        report.add(rule, path, missing(gone, subject))
+    needed_keys, optional = of_kind
+    missing_keys = [key for key in needed_keys if key not in spec]
+    if missing_keys:
+        report.add(rule, path, missing(missing_keys, subject))
     for key in spec:
-        if key not in (*needed, *optional, *of_all):
+        if key not in (*needed_keys, *optional, *of_all):
             report.add(rule, (*path, key), f"{quoted(key)} does not apply to {subject}", at_key=True)

@@ -34,9 +34,9 @@ def value_verdicts(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a named value has a verdict only in a frame with a position, and that an error has one there."""
     groups = by_name(raw, "field_groups")
     judged = [fields for fields in layouts(spec) if _has_position(spec, fields, groups)]
-    used = {field.get("use") for fields in judged for _, field in fields}
+    used_groups = {field.get("use") for fields in judged for _, field in fields}
     for fields in field_lists(spec):
-        is_judged = fields.owner.get("name") in used if fields.kind is Has.GROUP else fields in judged
+        is_judged = fields.owner.get("name") in used_groups if fields.kind is Has.GROUP else fields in judged
         selectors = mapping(fields.owner, "when")
         for path, field in fields:
             for name, value in mapping(field, "values").items():
@@ -88,17 +88,19 @@ def combinations(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     groups = by_name(raw, "field_groups")
     for fields in layouts(spec):
         inner = field_names(fields, groups)
-        listed = [((*fields.path, *path), combination) for path, combination in items(fields.owner, "combinations")]
-        if listed and not _has_position(spec, fields, groups):
+        listed_combinations = [
+            ((*fields.path, *path), combination) for path, combination in items(fields.owner, "combinations")
+        ]
+        if listed_combinations and not _has_position(spec, fields, groups):
             problem = f"{_where(fields)}; leave 'combinations' out"
             report.add("combination", (*fields.path, "combinations"), problem, at_key=True)
             continue
-        for index, (combination_path, combination) in enumerate(listed):
+        for index, (combination_path, combination) in enumerate(listed_combinations):
             if _check_conditions(fields, inner, combination_path, combination, report):
-                earlier, later = listed[:index], listed[index + 1 :]
+                earlier_combinations, later_combinations = listed_combinations[:index], listed_combinations[index + 1 :]
                 verdicts = [
                     *_own_verdicts(fields, inner, combination),
-                    *_verdicts_of_parts(combination, earlier, later),
+                    *_verdicts_of_parts(combination, earlier_combinations, later_combinations),
                 ]
                 _check_can_decide(combination_path, combination, verdicts, report)
 
@@ -119,11 +121,11 @@ def report_names(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def _report_names(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path, str]]:
     """Yield the names of the reports of values and combinations, each with its path."""
-    used = {path for path, field in fields if "use" in field}
+    group_paths = {path for path, field in fields if "use" in field}
     for path, field in expanded(fields, groups):
         for name, value in mapping(field, "values").items():
             if isinstance(value, dict) and "makes_position" in value:
-                yield path if path in used else (*path, "values", name), f"{field.get('name')}_{name}"
+                yield path if path in group_paths else (*path, "values", name), f"{field.get('name')}_{name}"
     yield from (
         ((*fields.path, *path, "name"), combination["name"])
         for path, combination in items(fields.owner, "combinations")
@@ -134,7 +136,7 @@ def _check_conditions(
     fields: Fields, inner: Mapping[str, Spec], combination_path: Path, combination: Spec, report: DocumentReport
 ) -> bool:
     """Report conditions on fields or values that do not exist or cannot be combined. Return True if there are none."""
-    before = len(report)
+    problems_before = len(report)
     for name, value in combination["when"].items():
         place = (*combination_path, "when", name)
         if name not in inner:
@@ -148,12 +150,12 @@ def _check_conditions(
         elif value not in known_values:
             problem = f"{quoted(name)} has no value {quoted(value)}{suggestion(value, known_values)}"
             report.add("undefined-reference", place, problem)
-    if len(combination["when"]) == 1 and len(report) == before:
+    if len(combination["when"]) == 1 and len(report) == problems_before:
         (name,) = combination["when"]
         owner = f"the flag {quoted(name)}" if "active" in inner[name] else f"the value of {quoted(name)}"
         problem = f"{quoted(combination['name'])} has only one condition; write 'makes_position' at {owner} instead"
         report.add("combination", (*combination_path, "when"), problem)
-    return len(report) == before
+    return len(report) == problems_before
 
 
 def _no_condition(fields: Fields, name: str, field: Spec) -> str:
@@ -203,9 +205,11 @@ def _own_verdicts(fields: Fields, inner: Mapping[str, Spec], combination: Spec) 
             yield f"{quoted(name)} alone", str(field.get("makes_position", default))
 
 
-def _verdicts_of_parts(combination: Spec, earlier: Items, later: Items) -> Iterator[tuple[str, str]]:
+def _verdicts_of_parts(
+    combination: Spec, earlier_combinations: Items, later_combinations: Items
+) -> Iterator[tuple[str, str]]:
     """Yield the verdicts of other combinations that always apply when this one does."""
-    for is_earlier, other_combinations in ((True, earlier), (False, later)):
+    for is_earlier, other_combinations in ((True, earlier_combinations), (False, later_combinations)):
         for _, other_combination in other_combinations:
             is_same = (
                 other_combination["when"] == combination["when"]

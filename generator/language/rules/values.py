@@ -87,11 +87,11 @@ def value_too_wide(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 for key in ("constant", "unused", "default", "equals")
                 if isinstance(field.get(key), int)
             )
-            for below, subject, number in (*numbers, *plain_numbers):
-                stands_for_zero = number == field.get("zero_means") and below != ("constant",)
+            for value_path, subject, number in (*numbers, *plain_numbers):
+                stands_for_zero = number == field.get("zero_means") and value_path != ("constant",)
                 if (number < 0 or number >> width) and not stands_for_zero:
                     message = f"{subject} {number:#x}, which does not fit into {counted(width, 'bit')}"
-                    report.add("value-too-wide", (*path, *below), message)
+                    report.add("value-too-wide", (*path, *value_path), message)
 
 
 def register_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -136,11 +136,15 @@ def clock_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             continue
         if "used_hz" not in clock and clock.keys() == mapping(raw, *map(str, path)).keys():
             _report_missing_limit(clock, path, report)
-        used = clock.get("used_hz", [])
-        used = used if isinstance(used, list) else [used]
-        if used != sorted(set(used)):
+        used_clocks = clock.get("used_hz", [])
+        used_clocks = used_clocks if isinstance(used_clocks, list) else [used_clocks]
+        if used_clocks != sorted(set(used_clocks)):
             report.add("clock-range", (*path, "used_hz"), "list the clocks of 'used_hz' once each, in ascending order")
-        rising = [("min_hz", clock.get("min_hz")), *(("used_hz", hz) for hz in used), ("max_hz", clock.get("max_hz"))]
+        rising = [
+            ("min_hz", clock.get("min_hz")),
+            *(("used_hz", hz) for hz in used_clocks),
+            ("max_hz", clock.get("max_hz")),
+        ]
         stated_clocks = [(key, hz) for key, hz in rising if hz is not None]
         for (low_key, low), (high_key, high) in pairwise(stated_clocks):
             if low > high and low_key != high_key:

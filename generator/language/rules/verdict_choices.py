@@ -9,19 +9,21 @@ from .walk import Fields, Has, Spec, by_name, field_lists, items, mapping
 
 def default_answers(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a default is the first answer, and that the answers set one parameter, to 0 or 1, that a flag uses."""
-    used = {name for fields in field_lists(spec) for _, field in fields for name in mapping(field, "makes_position_if")}
+    used_parameters = {
+        name for fields in field_lists(spec) for _, field in fields for name in mapping(field, "makes_position_if")
+    }
     for path, alternative in items(spec, "alternatives"):
         if "default" not in alternative:
             continue
         answers, default = mapping(alternative, "values"), alternative["default"]
-        first = next(iter(answers))
-        if default != first:
+        first_answer = next(iter(answers))
+        if default != first_answer:
             problem = f"the default {quoted(default)} is not the first answer of {quoted(alternative['name'])}"
-            report.add("alternative-default", (*path, "default"), f"{problem}; write {quoted(first)}")
+            report.add("alternative-default", (*path, "default"), f"{problem}; write {quoted(first_answer)}")
             continue
         _check_settings(path, alternative, report)
-        parameter = next(iter(mapping(answers, first, "sets")))
-        if parameter not in used:
+        parameter = next(iter(mapping(answers, first_answer, "sets")))
+        if parameter not in used_parameters:
             problem = f"no flag has {quoted(parameter)} in 'makes_position_if', so the answer changes nothing"
             report.add("alternative-default", (*path, "default"), f"{problem}; add it to a flag, or remove 'default'")
 
