@@ -92,24 +92,24 @@ class Cache:
 
 def key_of(kind: str, content: Iterable[bytes | str]) -> str:
     """Return the key of a result: a hash of its kind, of all content that it depends on, and of this tool."""
-    found = hashlib.sha256(f"{kind}\0{_tool()}".encode())
-    for item in content:
-        data = item if isinstance(item, bytes) else item.encode("utf-8", "surrogateescape")
-        found.update(b"%d\0" % len(data))
-        found.update(data)
-    return found.hexdigest()
+    digest = hashlib.sha256(f"{kind}\0{_tool()}".encode())
+    for piece in content:
+        data = piece if isinstance(piece, bytes) else piece.encode("utf-8", "surrogateescape")
+        digest.update(b"%d\0" % len(data))
+        digest.update(data)
+    return digest.hexdigest()
 
 
 def content_of(paths: Iterable[Path]) -> list[bytes | str]:
     """Return the names and the content of files, for a key. A file that cannot be read has no content."""
-    found: list[bytes | str] = []
+    names_and_contents: list[bytes | str] = []
     for path in paths:
-        found.append(path.name)
+        names_and_contents.append(path.name)
         try:
-            found.append(path.read_bytes())
+            names_and_contents.append(path.read_bytes())
         except (OSError, ValueError):
-            found.append("missing")
-    return found
+            names_and_contents.append("missing")
+    return names_and_contents
 
 
 @functools.cache
@@ -120,14 +120,14 @@ def _tool() -> str:
     decoding a frame. Any change of a file changes its ``st_ctime_ns``, even if its size and modification time are the
     same as before.
     """
-    found = hashlib.sha256(f"{sys.implementation.name} {sys.version} {sys.platform}".encode())
+    digest = hashlib.sha256(f"{sys.implementation.name} {sys.version} {sys.platform}".encode())
     for folder in (Path(__file__).parent, *_parts()):
         for path, status in _files(folder):
             stamp = f"{path}\0{status.st_size} {status.st_mtime_ns} {status.st_ctime_ns}\n"
-            found.update(stamp.encode("utf-8", "surrogateescape"))
+            digest.update(stamp.encode("utf-8", "surrogateescape"))
     for name in _versions():
-        found.update(name.encode("utf-8", "surrogateescape"))
-    return found.hexdigest()
+        digest.update(name.encode("utf-8", "surrogateescape"))
+    return digest.hexdigest()
 
 
 def _parts() -> Iterable[Path]:
@@ -138,14 +138,14 @@ def _parts() -> Iterable[Path]:
 
 
 def _files(folder: Path | str) -> Iterable[tuple[str, os.stat_result]]:
-    with os.scandir(folder) as found:
-        entries = sorted(found, key=lambda entry: entry.name)
-    for entry in entries:
-        if entry.is_dir():
-            if entry.name != "__pycache__":
-                yield from _files(entry.path)
-        elif not entry.name.endswith(".pyc"):
-            yield entry.path, entry.stat()
+    with os.scandir(folder) as listing:
+        entries = sorted(listing, key=lambda folder_entry: folder_entry.name)
+    for folder_entry in entries:
+        if folder_entry.is_dir():
+            if folder_entry.name != "__pycache__":
+                yield from _files(folder_entry.path)
+        elif not folder_entry.name.endswith(".pyc"):
+            yield folder_entry.path, folder_entry.stat()
 
 
 def _versions() -> Iterable[str]:
@@ -155,7 +155,9 @@ def _versions() -> Iterable[str]:
         place = Path(spec.origin).parent.parent if spec is not None and spec.origin else None
         yield f"{name} {place}"
         if place is not None:
-            yield from sorted(item for item in os.listdir(place) if item.lower().startswith((name, f"py{name}")))
+            yield from sorted(
+                folder_name for folder_name in os.listdir(place) if folder_name.lower().startswith((name, f"py{name}"))
+            )
 
 
 def _spec_of(name: str) -> ModuleSpec | None:
@@ -184,8 +186,8 @@ def _read(folder: Path, key: str) -> Any:
     text = content[_HASH:]
     if hashlib.sha256(text).hexdigest().encode() != content[:_HASH]:
         return None
-    found = json.loads(text)
-    return found["data"] if isinstance(found, dict) and found.get("key") == key and "data" in found else None
+    stored = json.loads(text)
+    return stored["data"] if isinstance(stored, dict) and stored.get("key") == key and "data" in stored else None
 
 
 def _write(folder: Path, key: str, content: bytes) -> None:
@@ -205,21 +207,21 @@ def _write(folder: Path, key: str, content: bytes) -> None:
 def _keep_limits(folder: Path) -> None:
     """Remove unfinished files and, if a limit is exceeded, the oldest entries until half of it is used."""
     entries: list[tuple[float, int, str]] = []
-    with os.scandir(folder) as found:
-        for entry in found:
+    with os.scandir(folder) as listing:
+        for folder_entry in listing:
             with suppress(OSError):
-                status = entry.stat(follow_symlinks=False)
-                if len(entry.name) == _HASH:
-                    entries.append((status.st_mtime, status.st_size, entry.path))
-                elif entry.name.startswith(_UNFINISHED) and status.st_mtime < time.time() - _LEFT_OVER:
-                    os.unlink(entry.path)
-    size = sum(item[1] for item in entries)
+                status = folder_entry.stat(follow_symlinks=False)
+                if len(folder_entry.name) == _HASH:
+                    entries.append((status.st_mtime, status.st_size, folder_entry.path))
+                elif folder_entry.name.startswith(_UNFINISHED) and status.st_mtime < time.time() - _LEFT_OVER:
+                    os.unlink(folder_entry.path)
+    size = sum(cache_entry[1] for cache_entry in entries)
     if len(entries) <= MAX_ENTRIES and size <= MAX_SIZE:
         return
-    left = len(entries)
+    remaining = len(entries)
     for _, of_entry, path in sorted(entries):
-        if left <= MAX_ENTRIES // 2 and size <= MAX_SIZE // 2:
+        if remaining <= MAX_ENTRIES // 2 and size <= MAX_SIZE // 2:
             break
         with suppress(OSError):
             os.unlink(path)
-        left, size = left - 1, size - of_entry
+        remaining, size = remaining - 1, size - of_entry

@@ -52,7 +52,12 @@ class CompiledTemplates(BytecodeCache):
 
 def _head(bucket: Bucket) -> bytes:
     """Return the first bytes of a compiled template: the versions, the options and the text that it is made from."""
-    made = bucket.environment
-    options = (made.autoescape, made.trim_blocks, made.lstrip_blocks, made.keep_trailing_newline)
-    about = f"{jinja2.__version__} {sys.version} {options} {bucket.checksum}"
-    return MAGIC_NUMBER + hashlib.sha256(about.encode()).digest()
+    environment = bucket.environment
+    options = (
+        environment.autoescape,
+        environment.trim_blocks,
+        environment.lstrip_blocks,
+        environment.keep_trailing_newline,
+    )
+    fingerprint = f"{jinja2.__version__} {sys.version} {options} {bucket.checksum}"
+    return MAGIC_NUMBER + hashlib.sha256(fingerprint.encode()).digest()

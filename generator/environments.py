@@ -57,7 +57,7 @@ class _OwnTemplates(FileSystemLoader):
     def get_source(self, environment: Environment, template: str) -> tuple[str, str, Callable[[], bool]]:
         path = self.folder / template
         try:
-            found = super().get_source(environment, template)
+            source = super().get_source(environment, template)
         except TemplateNotFound:
             raise
         except UnicodeDecodeError:
@@ -66,7 +66,7 @@ class _OwnTemplates(FileSystemLoader):
         except OSError as error:
             raise TemplateFault(f"{path.as_posix()}: cannot read the template: {error.strerror or error}") from None
         self.used.add(template)
-        return found
+        return source
 
 
 def _first_bad_line(path: Path) -> int:
@@ -79,59 +79,61 @@ def _first_bad_line(path: Path) -> int:
 
 
 @cache
-def own_loader(own: Path) -> _OwnTemplates:
-    return _OwnTemplates(own)
+def own_loader(own_folder: Path) -> _OwnTemplates:
+    return _OwnTemplates(own_folder)
 
 
-def text_of(templates: Settings, template: str, values: Mapping[str, object], own: Path | None) -> str:
-    """Render a template of a target. ``own`` is the folder of the user's templates for it.
+def text_of(templates: Settings, template: str, values: Mapping[str, object], own_folder: Path | None) -> str:
+    """Render a template of a target. ``own_folder`` is the folder of the user's templates for it.
 
     Raises:
         TemplateFault: A user's template has an error.
     """
     try:
-        text = environment(templates, own).get_template(template).render(values)
+        text = environment(templates, own_folder).get_template(template).render(values)
         text.encode()
         return text
     except TemplateFault:
         raise
     except Exception as error:
-        if own is None or not own_loader(own).used:
+        if own_folder is None or not own_loader(own_folder).used:
             raise
-        raise TemplateFault(f"{_place(error, own) or (own / template).as_posix()}: {_reason(error)}") from None
+        raise TemplateFault(
+            f"{_place(error, own_folder) or (own_folder / template).as_posix()}: {_reason(error)}"
+        ) from None
 
 
 @cache
-def environment(templates: Settings, own: Path | None = None) -> Environment:
+def environment(templates: Settings, own_folder: Path | None = None) -> Environment:
     """Return the environment for rendering templates. Those of the user in ``own`` come first."""
     shipped = FileSystemLoader(templates.folder, encoding="utf-8-sig")
     by_name = PrefixLoader({_SHIPPED: shipped})
-    made = Environment(
-        loader=shipped if own is None else ChoiceLoader([own_loader(own), by_name, shipped]),
-        bytecode_cache=CompiledTemplates() if own is None else None,
+    new_environment = Environment(
+        loader=shipped if own_folder is None else ChoiceLoader([own_loader(own_folder), by_name, shipped]),
+        bytecode_cache=CompiledTemplates() if own_folder is None else None,
         undefined=StrictUndefined,
         autoescape=templates.autoescape,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    made.filters |= {**COMMON_FILTERS, **templates.filters}
+    new_environment.filters |= {**COMMON_FILTERS, **templates.filters}
     tests: dict[str, Callable[..., bool]] = {name: partial(_is, kind) for name, kind in templates.tests.items()}
-    made.tests.update(tests)
-    made.globals |= templates.functions
-    return made
+    new_environment.tests.update(tests)
+    new_environment.globals |= templates.functions
+    return new_environment
 
 
-def _is(kind: type, item: object) -> bool:
-    return isinstance(item, kind)
+def _is(kind: type, value: object) -> bool:
+    return isinstance(value, kind)
 
 
-def _place(error: Exception, own: Path) -> str:
+def _place(error: Exception, own_folder: Path) -> str:
     """Return file and line of an error, either in the user's template or in one of ours that includes it."""
     if isinstance(error, TemplateSyntaxError):
         return f"{error.filename or error.name}:{error.lineno}"
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.endswith(SUFFIX)]
-    theirs = [frame for frame in frames if Path(frame.filename).is_relative_to(own)]
+    theirs = [frame for frame in frames if Path(frame.filename).is_relative_to(own_folder)]
     return next((f"{Path(frame.filename).as_posix()}:{frame.lineno}" for frame in reversed(theirs or frames)), "")
 
 

@@ -23,8 +23,8 @@ class KnownFiles:
 
     def __init__(self, cache: Cache, kind: str, place: Sequence[str]) -> None:
         self._cache, self._kind, self._place = cache, kind, [_here(), *place]
-        found = cache.get(kind, self._place)
-        self._before: dict[str, Any] = found if isinstance(found, dict) else {}
+        stored = cache.get(kind, self._place)
+        self._before: dict[str, Any] = stored if isinstance(stored, dict) else {}
         self._now: dict[str, Any] = {}
         self._latest = time.time_ns() - _SETTLED_NS
 
@@ -36,12 +36,12 @@ class KnownFiles:
         """
         status = os.stat(path)
         stamp = [status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns]
-        entry: Any = self._before.get(path)
-        is_known = isinstance(entry, list) and len(entry) == 2 and entry[0] == stamp
-        found = entry[1] if is_known else work()
+        stored_result: Any = self._before.get(path)
+        is_known = isinstance(stored_result, list) and len(stored_result) == 2 and stored_result[0] == stamp
+        result = stored_result[1] if is_known else work()
         if max(status.st_mtime_ns, status.st_ctime_ns) < self._latest and os.name != "nt":
-            self._now[path] = [stamp, found]
-        return found
+            self._now[path] = [stamp, result]
+        return result
 
     def keep(self) -> None:
         """Store the results of all files that were asked for."""

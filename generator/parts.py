@@ -63,19 +63,19 @@ class Rendering:
     Args:
         devices: All families.
         targets: The names of built-in targets.
-        kept: Parts of earlier runs, and the place for new ones.
+        kept_parts: Parts of earlier runs, and the place for new ones.
     """
 
-    def __init__(self, devices: Sequence[Device], targets: Sequence[str], kept: Kept) -> None:
-        self._kept, self._masters = kept, content_of(sorted(packaged_masters().iterdir()))
+    def __init__(self, devices: Sequence[Device], targets: Sequence[str], kept_parts: Kept) -> None:
+        self._kept, self._masters = kept_parts, content_of(sorted(packaged_masters().iterdir()))
         self._found: dict[str, dict[str, Any]] = {name: {} for name in targets}
         self._missing: list[_Task] = []
         for together, device in ((together, device) for together in _TOGETHER for device in devices):
-            missing = tuple(name for name in together if name in targets and not self._finds(name, device))
-            self._missing += [(missing, device)] if missing else []
+            missing_targets = tuple(name for name in together if name in targets and not self._finds(name, device))
+            self._missing += [(missing_targets, device)] if missing_targets else []
         if self._missing:
             with suppress(ValueError):  # The target reports it.
-                shipped_masters(kept.cache)
+                shipped_masters(kept_parts.cache)
             with suppress(ImportError, TargetError):  # Modules that two processes need are imported once, before both.
                 import_module(f"{__package__}.environments")
                 for name in self._missing[0][0]:
@@ -84,9 +84,9 @@ class Rendering:
 
     def _finds(self, name: str, device: Device) -> bool:
         """Return whether an earlier run made a part, and take it."""
-        entry = self._kept.cache.get(f"part {name}", self._content(device)) if self._content(device) else None
-        if isinstance(entry, dict) and "part" in entry:
-            self._found[name][device.name] = entry["part"]
+        stored = self._kept.cache.get(f"part {name}", self._content(device)) if self._content(device) else None
+        if isinstance(stored, dict) and "part" in stored:
+            self._found[name][device.name] = stored["part"]
             return True
         return False
 
@@ -105,22 +105,24 @@ class Rendering:
             TargetError: A process died.
         """
         for start in range(0, len(self._missing), _MOST):
-            some = self._missing[start : start + _MOST]
+            batch = self._missing[start : start + _MOST]
 
             def tell(begun: int, start: int = start) -> None:
                 self._kept.tell(start + begun, len(self._missing))
 
-            with self._first if start == 0 else _Pool(some, self._make) as pool:
+            with self._first if start == 0 else _Pool(batch, self._make) as pool:
                 ours = pool.worked(tell)
-                self._take(some, ours)
+                self._take(batch, ours)
                 if start + _MOST >= len(self._missing):
-                    late = {name for number, (names, _) in enumerate(some) if number not in ours for name in names}
-                    meanwhile({name: parts for name, parts in self._found.items() if name not in late})
-                self._take(some, pool.waited_for())
+                    unfinished = {
+                        name for number, (names, _) in enumerate(batch) if number not in ours for name in names
+                    }
+                    meanwhile({name: parts for name, parts in self._found.items() if name not in unfinished})
+                self._take(batch, pool.waited_for())
         return self._found
 
-    def _take(self, tasks: Sequence[_Task], made: Mapping[int, Mapping[str, Any]]) -> None:
-        for number, parts in made.items():
+    def _take(self, tasks: Sequence[_Task], parts_by_task: Mapping[int, Mapping[str, Any]]) -> None:
+        for number, parts in parts_by_task.items():
             for name, part in parts.items():
                 self._found[name][tasks[number][1].name] = part
 
@@ -131,17 +133,17 @@ class Rendering:
     def _make(self, task: _Task) -> dict[str, Any]:
         """Return the parts of a family by the name of the target."""
         names, device = task
-        made: dict[str, Any] = {}
+        parts_by_target: dict[str, Any] = {}
         for target in map(load_target, names):
             part = target.family(device, Library((device,)), _defaults(target)) if target.family is not None else None
             if self._content(device):
                 self._kept.cache.put(f"part {target.name}", self._content(device), {"part": part})
-            made[target.name] = part
-        return made
+            parts_by_target[target.name] = part
+        return parts_by_target
 
 
 def _defaults(target: Target) -> Options:
-    return {item.name: item.default for item in target.options}
+    return {option.name: option.default for option in target.options}
 
 
 class _Pool:
@@ -188,7 +190,7 @@ class _Pool:
         Raises:
             TargetError: A process died.
         """
-        made: dict[int, Any] = {}
+        parts_by_task: dict[int, Any] = {}
         while self._children:
             number, stream = self._children[-1]
             with stream:
@@ -197,8 +199,8 @@ class _Pool:
             _, status = os.waitpid(number, 0)
             if status:
                 raise TargetError(_died(status))
-            made.update((int(position), part) for position, part in json.loads(text).items())
-        return made
+            parts_by_task.update((int(position), part) for position, part in json.loads(text).items())
+        return parts_by_task
 
     def _work(self, tell: Callable[[int], None] = lambda begun: None) -> Iterator[tuple[int, Any]]:
         while number := os.read(self._queue, _NUMBER):
@@ -217,28 +219,28 @@ def _processes(tasks: int) -> int:
     return max(1, min(_MOST_PROCESSES, len(os.sched_getaffinity(0)), free // _MEMORY))
 
 
-def _child(work: Callable[[], Iterator[tuple[int, Any]]], others: Sequence[BinaryIO]) -> tuple[int, BinaryIO]:
+def _child(work: Callable[[], Iterator[tuple[int, Any]]], other_streams: Sequence[BinaryIO]) -> tuple[int, BinaryIO]:
     """Start a process that works, and return its number and the stream of its results.
 
     It closes the streams of all children, including its own. Otherwise it would wait for ever to be read from if this
     process is killed.
     """
-    out, into = os.pipe()
+    read_end, write_end = os.pipe()
     number = os.fork()
     if number == 0:
-        os.close(out)
-        for stream in others:
+        os.close(read_end)
+        for stream in other_streams:
             stream.close()
-        _run(work, into)
-    os.close(into)
-    return number, open(out, "rb")
+        _run(work, write_end)
+    os.close(write_end)
+    return number, open(read_end, "rb")
 
 
-def _run(work: Callable[[], Iterator[tuple[int, Any]]], into: int) -> NoReturn:
+def _run(work: Callable[[], Iterator[tuple[int, Any]]], write_end: int) -> NoReturn:
     code = 1
     try:
         text = json.dumps(dict(work()))
-        with open(into, "wb") as stream:
+        with open(write_end, "wb") as stream:
             stream.write(text.encode())
         code = 0
     finally:
@@ -247,5 +249,5 @@ def _run(work: Callable[[], Iterator[tuple[int, Any]]], into: int) -> NoReturn:
 
 def _died(status: int) -> str:
     code = os.waitstatus_to_exitcode(status)
-    how = f"was ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
-    return f"a process that renders files {how}; nothing has changed; run the command again"
+    ending = f"was ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
+    return f"a process that renders files {ending}; nothing has changed; run the command again"

@@ -56,29 +56,31 @@ class Templates:
         """Return the file names of all templates, sorted."""
         return sorted(path.name for path in self.folder.glob(f"*{SUFFIX}"))
 
-    def render(self, template: str, values: Mapping[str, object], own: Path | None) -> str:
+    def render(self, template: str, values: Mapping[str, object], own_folder: Path | None) -> str:
         """Render a template with these values.
 
         Args:
             template: File name of the template.
             values: Values by name.
-            own: Folder of the user's templates for this target, ``Library.own_templates``.
+            own_folder: Folder of the user's templates for this target, ``Library.own_templates``.
 
         Raises:
             TemplateFault: A user's template has an error.
         """
         from .environments import text_of
 
-        return text_of(self, template, values, own)
+        return text_of(self, template, values, own_folder)
 
 
 def tests_for(*classes: object) -> dict[str, type]:
     """Return a test for each of these classes and members of unions, such as ``zeros_above`` for ``ZerosAbove``."""
-    found = [item for one in classes for item in get_args(one) or (one,)]
-    return {_CAPITAL.sub("_", item.__name__).lower(): item for item in found}
+    leaf_classes = [leaf_class for given_class in classes for leaf_class in get_args(given_class) or (given_class,)]
+    return {_CAPITAL.sub("_", leaf_class.__name__).lower(): leaf_class for leaf_class in leaf_classes}
 
 
-def unused_templates(own: Path, rendered: Mapping[str, Templates | None], others: Iterable[str]) -> Iterator[str]:
+def unused_templates(
+    own_folder: Path, rendered: Mapping[str, Templates | None], other_targets: Iterable[str]
+) -> Iterator[str]:
     """Yield a line for each of the user's templates that had no effect. Call this after rendering.
 
     Args:
@@ -89,16 +91,16 @@ def unused_templates(own: Path, rendered: Mapping[str, Templates | None], others
     from .environments import own_loader
 
     ours = {f"{name}/{file}" for name, templates in rendered.items() if templates for file in templates.names}
-    found = [path.relative_to(own) for path in sorted(own.rglob(f"*{SUFFIX}"))]
-    visible = [path for path in found if not any(part.startswith(".") for part in path.parts)]
+    own_files = [path.relative_to(own_folder) for path in sorted(own_folder.rglob(f"*{SUFFIX}"))]
+    visible = [path for path in own_files if not any(part.startswith(".") for part in path.parts)]
     if not visible:
         example = f"; the path of a template in it looks like {min(ours)}" if ours else ""
-        yield f"the folder {own.as_posix()} has no templates{example}"
+        yield f"the folder {own_folder.as_posix()} has no templates{example}"
     for path in visible:
         folder, name = path.parts[0], path.as_posix()
-        if name in ours or (folder not in rendered and folder in others):
+        if name in ours or (folder not in rendered and folder in other_targets):
             continue
-        if folder not in rendered or Path(*path.parts[1:]).as_posix() not in own_loader(own / folder).used:
-            misplaced = [item for item in ours if item.endswith(f"/{path.name}")]
+        if folder not in rendered or Path(*path.parts[1:]).as_posix() not in own_loader(own_folder / folder).used:
+            misplaced = [our_path for our_path in ours if our_path.endswith(f"/{path.name}")]
             hint = f"; did you mean '{misplaced[0]}'?" if len(misplaced) == 1 else suggestion(name, ours)
-            yield f"no output uses {(own / path).as_posix()}{hint}"
+            yield f"no output uses {(own_folder / path).as_posix()}{hint}"

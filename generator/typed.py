@@ -27,7 +27,7 @@ def members_fit(kind: Any, values: Sequence[Any]) -> bool:
 def _tests_of(kind: Any) -> tuple[_Test, ...]:
     """Return a test for each member of a data class, in their order."""
     modules = tuple(dict.fromkeys(base.__module__ for base in kind.__mro__))
-    return tuple(_test_of_annotation(str(item.type), modules) for item in fields(kind))
+    return tuple(_test_of_annotation(str(field.type), modules) for field in fields(kind))
 
 
 @functools.cache
@@ -51,7 +51,7 @@ def _test_of(kind: Any) -> _Test:
         return lambda value: (
             type(value) is tuple
             and len(value) == len(tests)
-            and all(test(item) for test, item in zip(tests, value, strict=True))
+            and all(test(member) for test, member in zip(tests, value, strict=True))
         )
     if origin in (tuple, list):
         test = _test_of(inner[0])

@@ -64,14 +64,14 @@ def changes(folder: Path, target: str, files: Mapping[str, str]) -> list[Change]
         WriteError: A path is outside the target's folder, or the folder cannot be read.
     """
     _refuse_bad_paths(folder, target, files)
-    found = [
+    file_changes = [
         Change(path, "unchanged" if _read(folder / path) == text.encode() else "written")
         for path, text in files.items()
     ]
-    found += [
+    file_changes += [
         Change(path, "removed") for path in _ours(folder, target) if path not in files and (folder / path).is_file()
     ]
-    return sorted(found, key=lambda item: item.path)
+    return sorted(file_changes, key=lambda change: change.path)
 
 
 def hashes(files: Mapping[str, str]) -> dict[str, str]:
@@ -82,7 +82,7 @@ def hashes(files: Mapping[str, str]) -> dict[str, str]:
 def is_as_written(
     folder: Path,
     targets: Mapping[str, Mapping[str, str]],
-    known: Callable[[str, Callable[[], str]], object] = lambda _, hash_of_file: hash_of_file(),
+    known_hash: Callable[[str, Callable[[], str]], object] = lambda _, hash_of_file: hash_of_file(),
     families: Sequence[str] = (),
 ) -> bool:
     """Return whether writing files with these hashes would change nothing.
@@ -90,13 +90,13 @@ def is_as_written(
     Args:
         folder: The output folder.
         targets: The hashes, keyed as for ``write``.
-        known: Returns the hash of the file at a path if it is known, and otherwise calls its second argument.
+        known_hash: Returns the hash of the file at a path if it is known, and otherwise calls its second argument.
         families: As for ``write``.
     """
 
     def hash_of(path: str) -> object:
         place = os.path.join(folder, path)
-        return known(place, lambda: _hash_of(Path(place))) if stat.S_ISREG(os.lstat(place).st_mode) else ""
+        return known_hash(place, lambda: _hash_of(Path(place))) if stat.S_ISREG(os.lstat(place).st_mode) else ""
 
     try:
         return not any(name.startswith(_PREFIX) for name in os.listdir(folder)) and all(
@@ -150,8 +150,8 @@ def write(
                     with suppress(OSError):  # a folder that is not empty stays
                         folder.rmdir()
     except Busy:
-        wrong = f"another run of codewheel has been writing to {folder} for {PATIENCE_S:.0f} s"
-        raise WriteError(f"{wrong}; nothing has changed; try again when it has ended") from None
+        problem = f"another run of codewheel has been writing to {folder} for {PATIENCE_S:.0f} s"
+        raise WriteError(f"{problem}; nothing has changed; try again when it has ended") from None
     except OSError as error:
         raise WriteError(
             f"cannot write {error.filename or folder}: {error.strerror or error}; nothing has changed"
@@ -168,19 +168,25 @@ def _written(
 ) -> list[Change]:
     """Write the targets to the folder. This process must hold its lock."""
     _clear(folder)
-    found = {target: changes(folder, target, files) for target, files in targets.items()}
-    guard(found)
-    if any(item.what != "unchanged" for of_target in found.values() for item in of_target):
+    changes_by_target = {target: changes(folder, target, files) for target, files in targets.items()}
+    guard(changes_by_target)
+    if any(change.what != "unchanged" for of_target in changes_by_target.values() for change in of_target):
         gate()
-    to_write = [name for name, files in targets.items() if _needs_writing(folder, name, files, found[name], families)]
-    _refuse_what_is_in_the_way(folder, {name: targets[name] for name in to_write}, found, force)
+    to_write = [
+        name
+        for name, files in targets.items()
+        if _needs_writing(folder, name, files, changes_by_target[name], families)
+    ]
+    _refuse_what_is_in_the_way(folder, {name: targets[name] for name in to_write}, changes_by_target, force)
     stages: list[_Stage] = []
     exchanged: list[_Stage] = []
     try:
         for target in to_write:
             stages.append(_Stage(Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{target}-", dir=folder)), folder / target))
             stages[-1].fill(
-                targets[target], families, {item.path for item in found[target] if item.what == "unchanged"}
+                targets[target],
+                families,
+                {change.path for change in changes_by_target[target] if change.what == "unchanged"},
             )
         for stage in stages:
             _exchange(stage.new, stage.place)
@@ -193,13 +199,13 @@ def _written(
         raise WriteError(f"cannot write {place}: {error.strerror or error}; {_state(written)}") from None
     finally:
         _remove({stage.folder: stage.place for stage in stages})
-    return [change for changed in found.values() for change in changed]
+    return [change for changed in changes_by_target.values() for change in changed]
 
 
 def _needs_writing(
-    folder: Path, target: str, files: Mapping[str, str], found: Iterable[Change], families: Sequence[str]
+    folder: Path, target: str, files: Mapping[str, str], target_changes: Iterable[Change], families: Sequence[str]
 ) -> bool:
-    if any(item.what != "unchanged" for item in found) or _ours(folder, target) != sorted(files):
+    if any(change.what != "unchanged" for change in target_changes) or _ours(folder, target) != sorted(files):
         return True
     return bool(families) and families_in(folder / target) != list(families)
 
@@ -208,9 +214,9 @@ def _shown(error: OSError, stages: Iterable[_Stage], folder: Path) -> str:
     """Return the path of an error in the user's folder, also for an error in a stage."""
     path = str(error.filename or folder)
     for stage in stages:
-        for inside in (stage.new, stage.folder):
-            if Path(path).is_relative_to(inside):
-                return (stage.place / Path(path).relative_to(inside)).as_posix()
+        for stage_folder in (stage.new, stage.folder):
+            if Path(path).is_relative_to(stage_folder):
+                return (stage.place / Path(path).relative_to(stage_folder)).as_posix()
     return path
 
 
@@ -247,19 +253,19 @@ def left_stages(folder: Path) -> list[Change]:
 
 def _stages_in(folder: Path) -> list[tuple[Path, str]]:
     """Return each stage in the output folder, and its target. These folders have our name and our mark."""
-    found = []
+    target_stages = []
     try:
         with os.scandir(folder) as listing:
-            entries = sorted(listing, key=lambda entry: entry.name)
+            entries = sorted(listing, key=lambda folder_entry: folder_entry.name)
     except OSError:
         return []
-    for entry in entries:
-        named = _STAGE.fullmatch(entry.name)
-        if named and entry.is_dir(follow_symlinks=False):
+    for folder_entry in entries:
+        stage_name = _STAGE.fullmatch(folder_entry.name)
+        if stage_name and folder_entry.is_dir(follow_symlinks=False):
             with suppress(OSError, WriteError):
-                if _is_a_stage(Path(entry.path)):
-                    found.append((Path(entry.path), named[1]))
-    return found
+                if _is_a_stage(Path(folder_entry.path)):
+                    target_stages.append((Path(folder_entry.path), stage_name[1]))
+    return target_stages
 
 
 def _is_a_stage(folder: Path) -> bool:
@@ -275,11 +281,11 @@ def _remove(stages: Mapping[Path, Path]) -> None:
 
     The mark is removed last, so that a run killed here leaves a recognisable stage.
     """
-    left = []
+    obsolete_trees = []
     for stage, place in stages.items():
         _save_from(stage, place)
-        left += [stage / _NEW, *([stage / _OLD] if os.path.lexists(place) else [])]
-    _remove_trees(left)
+        obsolete_trees += [stage / _NEW, *([stage / _OLD] if os.path.lexists(place) else [])]
+    _remove_trees(obsolete_trees)
     for stage in stages:
         if not os.path.lexists(stage / _OLD):
             with suppress(OSError):
@@ -292,8 +298,8 @@ def _save_from(stage: Path, place: Path) -> None:
     if os.path.lexists(stage / _OLD) and not os.path.lexists(place):
         with suppress(OSError):  # the run was killed between two renames
             os.rename(stage / _OLD, place)
-    for left in (stage / _NEW, stage / _OLD):
-        _save_late_files(left, place)
+    for saved_folder in (stage / _NEW, stage / _OLD):
+        _save_late_files(saved_folder, place)
     for root, folders, _ in os.walk(stage):
         for name in folders:
             with suppress(OSError):
@@ -321,29 +327,29 @@ def _remove_trees(folders: Sequence[Path]) -> None:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def _save_late_files(left: Path, place: Path) -> None:
+def _save_late_files(saved_folder: Path, place: Path) -> None:
     """Move foreign files to the target's folder that were saved in its old content after it had been copied."""
-    if not (left / LIST).is_file() or not place.is_dir():
+    if not (saved_folder / LIST).is_file() or not place.is_dir():
         return
-    ours = {*listed_in(left), *listed_in(place), LIST}
-    for path in _files_in(left):
-        if path not in ours and _is_later(late := left / path, kept := place / path):
-            kept.parent.mkdir(parents=True, exist_ok=True)
-            os.replace(late, kept)
+    ours = {*listed_in(saved_folder), *listed_in(place), LIST}
+    for path in _files_in(saved_folder):
+        if path not in ours and _is_later(saved_file := saved_folder / path, target_file := place / path):
+            target_file.parent.mkdir(parents=True, exist_ok=True)
+            os.replace(saved_file, target_file)
 
 
 def _files_in(folder: Path) -> Iterator[str]:
     """Yield the path of each file in a folder, as text, because making a ``Path`` takes longer than walking."""
     for root, _, names in os.walk(folder):
-        here = Path(root).relative_to(folder)
-        yield from names if here == Path() else (f"{here.as_posix()}/{name}" for name in names)
+        relative_folder = Path(root).relative_to(folder)
+        yield from names if relative_folder == Path() else (f"{relative_folder.as_posix()}/{name}" for name in names)
 
 
-def _is_later(late: Path, kept: Path) -> bool:
+def _is_later(saved_file: Path, target_file: Path) -> bool:
     """Return whether a file is missing in the target's folder, or older there."""
-    if not os.path.lexists(kept):
+    if not os.path.lexists(target_file):
         return True
-    new, old = os.lstat(late), os.lstat(kept)
+    new, old = os.lstat(saved_file), os.lstat(target_file)
     are_files = stat.S_ISREG(new.st_mode) and stat.S_ISREG(old.st_mode)
     return are_files and new.st_ino != old.st_ino and new.st_mtime_ns > old.st_mtime_ns
 
@@ -363,12 +369,12 @@ def _refuse_bad_paths(folder: Path, target: str, files: Mapping[str, str]) -> No
 
 
 def _refuse_what_is_in_the_way(
-    folder: Path, targets: Mapping[str, Mapping[str, str]], found: Mapping[str, list[Change]], force: bool
+    folder: Path, targets: Mapping[str, Mapping[str, str]], changes_by_target: Mapping[str, list[Change]], force: bool
 ) -> None:
     """Refuse to overwrite anything that is not in our lists. ``force`` permits it for files, but not for folders."""
     blocked: list[str] = []
     for target, files in targets.items():
-        differing = {item.path for item in found[target] if item.what == "written"}
+        differing = {change.path for change in changes_by_target[target] if change.what == "written"}
         for path, why in _in_the_way(folder, target, files, differing):
             if not force or why == _A_FOLDER:
                 blocked.append(f"\n  {(folder / path).as_posix()}{why}")
@@ -382,7 +388,7 @@ def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: 
     """Yield files and folders that codewheel did not write where ``files`` or their folders go, each with a note."""
     ours = set(_ours(folder, target))
     nearest = [Path(path) for path in {os.path.dirname(path) for path in files}]
-    folders = {item.as_posix() for path in nearest for item in (path, *path.parents)} - {".", target}
+    folders = {parent_folder.as_posix() for path in nearest for parent_folder in (path, *path.parents)} - {".", target}
     for path in sorted(folders - ours):
         if _kind_of(folder / path) in ("file", "link"):
             yield path, ", in place of a folder"
@@ -470,55 +476,55 @@ class _Stage:
         """Fill the stage with the whole content of the target's folder. Unchanged files become hard links."""
         (self.folder / _MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
         self._make(Path())
-        inside = {name.partition("/")[2]: name for name in files}
+        names_inside = {name.partition("/")[2]: name for name in files}
         # The list comes first: without it, a later run would take the files of a killed run for the user's.
-        listed = "".join(f"{path}\n" for path in sorted(inside))
+        list_text = "".join(f"{path}\n" for path in sorted(names_inside))
         head = _LIST_HEAD + (f"{_FAMILIES}{' '.join(families)}\n" if families else "")
-        (self.new / LIST).write_text(head + listed, encoding="utf-8", newline="\n")
-        for parent in {os.path.dirname(path) for path in inside}:
+        (self.new / LIST).write_text(head + list_text, encoding="utf-8", newline="\n")
+        for parent in {os.path.dirname(path) for path in names_inside}:
             self._make(Path(parent))
-        into, place = os.path.join(self.new, ""), os.path.join(self.place, "")
-        for path, name in inside.items():
-            new = into + path
+        target_prefix, place = os.path.join(self.new, ""), os.path.join(self.place, "")
+        for path, name in names_inside.items():
+            new = target_prefix + path
             if name in unchanged:
                 _same(place + path, new)
             else:
                 with open(new, "x", encoding="utf-8", newline="\n") as file:
                     file.write(files[name])
         self._carry_over({*listed_in(self.place), LIST})
-        for made, mode in reversed(self._modes.items()):
+        for new_folder, mode in reversed(self._modes.items()):
             if mode & 0o700 != 0o700:
-                made.chmod(mode)
+                new_folder.chmod(mode)
 
     def _carry_over(self, ours: set[str]) -> None:
         """Keep foreign files and empty folders in the new content. A folder that held only our files is not kept."""
         for root, folders, names in os.walk(self.place, onerror=_raise) if self.place.is_dir() else ():
-            here = Path(root).relative_to(self.place)
-            start = "" if here == Path() else f"{here.as_posix()}/"
+            relative_folder = Path(root).relative_to(self.place)
+            start = "" if relative_folder == Path() else f"{relative_folder.as_posix()}/"
             for name in (*names, *(name for name in folders if os.path.islink(os.path.join(root, name)))):
                 path = start + name
                 if path not in ours and not os.path.lexists(self.new / path):
-                    self._make(here)
+                    self._make(relative_folder)
                     _same(os.path.join(root, name), self.new / path)
             if not names and not folders:
-                self._make(here)
+                self._make(relative_folder)
 
     def _make(self, path: Path) -> None:
         """Create a folder in the new content, with the owner and mode of the old folder of the same name."""
-        made, old = self.new / path, self.place / path
-        if made in self._modes:
+        new_folder, old = self.new / path, self.place / path
+        if new_folder in self._modes:
             return
         if path != Path():
             self._make(path.parent)
-        made.mkdir()
-        self._modes[made] = 0o700
+        new_folder.mkdir()
+        self._modes[new_folder] = 0o700
         if old.is_dir() and not old.is_symlink():
-            was = old.stat()
+            old_status = old.stat()
             with suppress(OSError, AttributeError):  # only the owner can do this, and not on every system
-                os.chown(made, was.st_uid, was.st_gid)
-            shutil.copystat(old, made)
-            self._modes[made] = stat.S_IMODE(was.st_mode)
-            made.chmod(self._modes[made] | 0o700)
+                os.chown(new_folder, old_status.st_uid, old_status.st_gid)
+            shutil.copystat(old, new_folder)
+            self._modes[new_folder] = stat.S_IMODE(old_status.st_mode)
+            new_folder.chmod(self._modes[new_folder] | 0o700)
 
 
 def _raise(error: OSError) -> None:

@@ -71,8 +71,8 @@ class Parser(argparse.ArgumentParser):
 
             kind = "command" if isinstance(action, argparse._SubParsersAction) else "choice"
             choices = list(map(str, action.choices))
-            near = suggestion(str(value), choices) or f"; known: {', '.join(choices)}"
-            raise argparse.ArgumentError(None, f"there is no {kind} '{value}'{near}")
+            hint = suggestion(str(value), choices) or f"; known: {', '.join(choices)}"
+            raise argparse.ArgumentError(None, f"there is no {kind} '{value}'{hint}")
 
 
 class ShowVersion(argparse.Action):
@@ -110,16 +110,16 @@ def held_bytes(pairs: Sequence[str]) -> dict[int, int]:
     Raises:
         Stop: A pair is malformed. The exit code is 2.
     """
-    held = {}
+    register_bytes = {}
     for pair in pairs:
         address, equals, value = pair.partition("=")
         try:
-            held[int(address, 0)] = int(value, 0)
+            register_bytes[int(address, 0)] = int(value, 0)
         except ValueError:
             raise Stop(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2) from None
         if not equals or not 0 <= int(value, 0) <= 255:
             raise Stop(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2)
-    return held
+    return register_bytes
 
 
 def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> argparse.Namespace:

@@ -23,9 +23,9 @@ def changed_files(old: Sequence[Device], new: Sequence[Device]) -> Files | None:
 
 def _files(devices: Sequence[Device]) -> Mapping[str, str]:
     library = Library(tuple(devices))
-    found: dict[str, str] = {}
+    files: dict[str, str] = {}
     for name in BUILT_IN:
         target = load_target(name)
         options = {option.name: option.default for option in target.options}
-        found |= files_of(target, library, options)
-    return found
+        files |= files_of(target, library, options)
+    return files

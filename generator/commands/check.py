@@ -41,18 +41,18 @@ def run(paths: Sequence[Path], targets: Iterable[Target], cache: Cache | None = 
         Stop: A target fails. The exit code is 1.
     """
     cache = cache or Cache(None)
-    before = contents(paths)
-    clean = {file for file, content in before.items() if cache.get(_CLEAN, content)}
+    contents_before = contents(paths)
+    clean = {file for file, content in contents_before.items() if cache.get(_CLEAN, content)}
     families, report = load_families(paths, cache)
     new = [family for family in families if family.plain is not None or family.document.file not in clean]
     check_all(new, report)
-    found = look_at(families, targets, report, partial(_read, [family.document.file for family in new], cache))
+    checked = look_at(families, targets, report, partial(_read, [family.document.file for family in new], cache))
     for family in new:
         file = family.document.file
-        unchanged = family.content and content_of(family_files(Path(file))) == before[file]
+        unchanged = family.content and content_of(family_files(Path(file))) == contents_before[file]
         if unchanged and is_clean(family, report):
-            cache.put(_CLEAN, before[file], True)
-    return found
+            cache.put(_CLEAN, contents_before[file], True)
+    return checked
 
 
 def _read(new: Sequence[str], cache: Cache, family: Family, report: Report) -> Second | None:

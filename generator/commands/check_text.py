@@ -26,7 +26,11 @@ def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     """
     if form in ("github", "sarif"):
         return as_review(
-            [Finding(item.file, item.line, item.column, item.rule, item.message) for item in report.shown], form
+            [
+                Finding(problem.file, problem.line, problem.column, problem.rule, problem.message)
+                for problem in report.shown
+            ],
+            form,
         )
     lines = [problem.format() for problem in report.shown]
     lines += placeholders.notice(report.files)

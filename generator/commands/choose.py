@@ -21,19 +21,21 @@ def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[s
     Raises:
         Stop: This order code has no such alternative or answer, or an alternative has two. The exit code is 2.
     """
-    here = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
-    known = {item.name: item for item in here.alternatives}
+    reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
+    known_alternatives = {alternative.name: alternative for alternative in reduced_device.alternatives}
     answers: dict[str, str] = {}
     for pair in pairs:
         name, _, answer = pair.partition("=")
-        if not known:
+        if not known_alternatives:
             raise Stop(f"{variant.code} has nothing to choose", 2)
-        if name not in known:
-            right = " or ".join(option for item in known.values() for option in _options(item))
-            raise Stop(f"{variant.code} has no choice {quoted(visible(name))}; write {right}", 2)
-        if answer not in (item.name for item in known[name].answers):
-            right = " or ".join(_options(known[name]))
-            raise Stop(f"{quoted(name)} has no answer {quoted(visible(answer))}; write {right}", 2)
+        if name not in known_alternatives:
+            known_options = " or ".join(
+                option for alternative in known_alternatives.values() for option in _options(alternative)
+            )
+            raise Stop(f"{variant.code} has no choice {quoted(visible(name))}; write {known_options}", 2)
+        if answer not in (answer.name for answer in known_alternatives[name].answers):
+            known_options = " or ".join(_options(known_alternatives[name]))
+            raise Stop(f"{quoted(name)} has no answer {quoted(visible(answer))}; write {known_options}", 2)
         if answers.setdefault(name, answer) != answer:
             raise Stop(f"{quoted(name)} is chosen twice, as {quoted(answers[name])} and as {quoted(answer)}", 2)
     return answers
@@ -50,22 +52,26 @@ def refuse_undecided(device: Device, layout: Layout, answers: Container[str]) ->
         raise UndecidedError(message)
 
 
-def undecided(device: Device, layout: Layout, answers: Container[str], wrong: str = "cannot be decoded") -> str:
+def undecided(device: Device, layout: Layout, answers: Container[str], predicate: str = "cannot be decoded") -> str:
     """Return the questions to answer before a frame of this layout can be used, or an empty string if there are none.
 
-    ``wrong`` is the predicate of the message about the action that needs the answers.
+    ``predicate`` is the predicate of the message about the action that needs the answers.
     """
-    missing = [item for item in device.alternatives_of(layout) if item.name not in answers]
-    if missing:
-        asked = " ".join(f"{item.meaning}: add {' or '.join(_explained(item))}." for item in missing)
-        return f"{quoted(layout.name)} {wrong} until you decide. {asked}".removesuffix(".")
+    open_alternatives = [
+        alternative for alternative in device.alternatives_of(layout) if alternative.name not in answers
+    ]
+    if open_alternatives:
+        questions = " ".join(
+            f"{alternative.meaning}: add {' or '.join(_explained(alternative))}." for alternative in open_alternatives
+        )
+        return f"{quoted(layout.name)} {predicate} until you decide. {questions}".removesuffix(".")
     return ""
 
 
-def _options(item: Alternative) -> Iterator[str]:
-    return (f"--choose {item.name}={answer.name}" for answer in item.answers)
+def _options(alternative: Alternative) -> Iterator[str]:
+    return (f"--choose {alternative.name}={answer.name}" for answer in alternative.answers)
 
 
-def _explained(item: Alternative) -> Iterator[str]:
-    for option, answer in zip(_options(item), item.answers, strict=True):
+def _explained(alternative: Alternative) -> Iterator[str]:
+    for option, answer in zip(_options(alternative), alternative.answers, strict=True):
         yield f"{option} ({answer.meaning})"

@@ -28,23 +28,23 @@ _HEADINGS = ("twice", "explained", "decided", "once", "derived")
 _OLD = "the counts do not match the readings; update them with codewheel check --coverage --write"
 
 
-def cover(found: Checked, write: bool) -> Sequence[Coverage]:
+def cover(checked: Checked, write: bool) -> Sequence[Coverage]:
     """Return the coverage. Write the counts next to the specs, or report those that are out of date."""
-    for item in found.readings:
-        place = coverage_path(Path(item.spec.file))
+    for reading in checked.readings:
+        place = coverage_path(Path(reading.spec.file))
         if write:
-            place.write_text(counts_text(item.total), encoding="utf-8")
-        elif place.is_file() and place.read_text(encoding="utf-8") != counts_text(item.total):
-            found.report.add_at(str(place), 1, 1, RULE, _OLD)
-    return found.readings
+            place.write_text(counts_text(reading.total), encoding="utf-8")
+        elif place.is_file() and place.read_text(encoding="utf-8") != counts_text(reading.total):
+            checked.report.add_at(str(place), 1, 1, RULE, _OLD)
+    return checked.readings
 
 
-def refuse_unproved(families: Sequence[Family], what: str, cache: Cache | None = None) -> None:
+def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache | None = None) -> None:
     """Refuse to release valid specs if ``check`` finds problems in their other editions, second readings or counts.
 
     Args:
         families: Families whose specs have no other problems.
-        what: Participle of the refused action, such as ``written``.
+        participle: Participle of the refused action, such as ``written``.
         cache: Cache of families without such problems. They are not checked again until a file changes.
 
     Raises:
@@ -52,71 +52,76 @@ def refuse_unproved(families: Sequence[Family], what: str, cache: Cache | None =
     """
     report, cache = Report(), cache or Cache(None)
     # Check one family at a time, because a second reading needs as much memory as its spec.
-    for item in families:
-        if item.content and cache.get(_PROVED, item.content) is True:
+    for family in families:
+        if family.content and cache.get(_PROVED, family.content) is True:
             continue
-        before = len(report)
-        check_all([item], report)
-        cover(look_at([item], (), report), write=False)
+        problems_before = len(report)
+        check_all([family], report)
+        cover(look_at([family], (), report), write=False)
         # A second reading may have changed since the content was read.
-        is_same = item.content and content_of(family_files(Path(item.document.file))) == item.content
-        if is_same and len(report) == before:
-            cache.put(_PROVED, item.content, True)
+        is_same = family.content and content_of(family_files(Path(family.document.file))) == family.content
+        if is_same and len(report) == problems_before:
+            cache.put(_PROVED, family.content, True)
     if report:
         for problem in report.shown:
             print(problem.format(), file=sys.stderr)
         problems = f"'codewheel check --coverage' reports {counted(len(report), 'problem')}"
-        raise Stop(f"nothing {what}: {problems}; correct them, or add --unchecked", 1)
+        raise Stop(f"nothing {participle}: {problems}; correct them, or add --unchecked", 1)
 
 
 def is_complete(covered: Sequence[Coverage], report: Report) -> bool:
     """Return whether there are no problems and every fact that needs two readings has them."""
-    return not report and not any(item.lacking for item in covered)
+    return not report and not any(family_coverage.lacking for family_coverage in covered)
 
 
 def as_data(covered: Sequence[Coverage]) -> dict[str, Any]:
     """Return the coverage in the form that ``--json`` prints."""
     return {
-        "coverage": [_family_data(item) for item in covered],
-        "total": asdict(added(item.total for item in covered)),
+        "coverage": [_family_data(family_coverage) for family_coverage in covered],
+        "total": asdict(added(family_coverage.total for family_coverage in covered)),
     }
 
 
-def _family_data(item: Coverage) -> dict[str, Any]:
+def _family_data(family_coverage: Coverage) -> dict[str, Any]:
     once = [
         {
             "class": sort.value,
-            "file": item.spec.file,
-            "line": item.spec.position(place)[0],
-            "path": item.spec.name_path(place),
+            "file": family_coverage.spec.file,
+            "line": family_coverage.spec.position(place)[0],
+            "path": family_coverage.spec.name_path(place),
             "needed": sort.is_needed,
         }
-        for sort, place in item.once
+        for sort, place in family_coverage.once
     ]
-    classes = {sort.value: asdict(count) | {"needed": sort.is_needed} for sort, count in item.counts.items()}
-    return {"family": item.family.device.name, "classes": classes, "total": asdict(item.total), "once": once}
+    classes = {sort.value: asdict(count) | {"needed": sort.is_needed} for sort, count in family_coverage.counts.items()}
+    return {
+        "family": family_coverage.family.device.name,
+        "classes": classes,
+        "total": asdict(family_coverage.total),
+        "once": once,
+    }
 
 
-def as_text(covered: Sequence[Coverage], found: Checked) -> str:
+def as_text(covered: Sequence[Coverage], checked: Checked) -> str:
     """Return the coverage as text: by class, by family, and the facts that need a second reading."""
-    missing = [family.device.name for family in found.families if family.device.name not in _names(covered)]
-    without = [f"not read twice: {', '.join(missing)}"] if missing else []
+    unread_families = [family.device.name for family in checked.families if family.device.name not in _names(covered)]
+    without = [f"not read twice: {', '.join(unread_families)}"] if unread_families else []
     if not covered:
         return "\n".join(without)
     rows = [(f"{sort.value}{' *' if sort.is_needed else ''}", count) for sort, count in _by_class(covered).items()]
-    rows += [(item.family.device.name, item.total) for item in covered]
-    rows += [("total", added(item.total for item in covered))] if len(covered) > 1 else []
+    rows += [(family_coverage.family.device.name, family_coverage.total) for family_coverage in covered]
+    rows += [("total", added(family_coverage.total for family_coverage in covered))] if len(covered) > 1 else []
     lines = ["facts by number of readings (*: two are required)", _line("", _HEADINGS)]
     lines += [_line(name, astuple(count)) for name, count in rows]
     return "\n".join([*lines, *without, *_lacking(covered)])
 
 
 def _names(covered: Sequence[Coverage]) -> set[str]:
-    return {item.family.device.name for item in covered}
+    return {family_coverage.family.device.name for family_coverage in covered}
 
 
 def _by_class(covered: Sequence[Coverage]) -> Mapping[Sort, TimesRead]:
-    return {sort: added(item.counts[sort] for item in covered) for sort in Sort}
+    return {sort: added(family_coverage.counts[sort] for family_coverage in covered) for sort in Sort}
 
 
 def _line(name: str, cells: Sequence[object]) -> str:
@@ -125,8 +130,10 @@ def _line(name: str, cells: Sequence[object]) -> str:
 
 def _lacking(covered: Sequence[Coverage]) -> list[str]:
     lines = []
-    for item in covered:
-        for sort, place in item.lacking:
-            line, column = item.spec.position(place)
-            lines.append(f"{item.spec.file}:{line}:{column}: read once: {sort.value}, {item.spec.name_path(place)}")
+    for coverage in covered:
+        for sort, place in coverage.lacking:
+            line, column = coverage.spec.position(place)
+            lines.append(
+                f"{coverage.spec.file}:{line}:{column}: read once: {sort.value}, {coverage.spec.name_path(place)}"
+            )
     return [*lines, f"{counted(len(lines), 'fact')} to read a second time"] if lines else []

@@ -55,9 +55,13 @@ def decode_text(device: Device, variant: Variant, sender: str, text: str, layout
 
 def text_decoder(device: Device, variant: Variant, sender: str, layout: str | None) -> Callable[[str], codec.Decoded]:
     """Return a function that decodes many frames, each like ``decode_text``."""
-    layouts = [item for item in device.interface(variant.interface).layouts if item.sender == sender]
-    wanted = (item for item in layouts if item.name == layout or layout is None)
-    placed = next((item.place(variant.parameters) for item in wanted), None)
+    layouts = [
+        interface_layout
+        for interface_layout in device.interface(variant.interface).layouts
+        if interface_layout.sender == sender
+    ]
+    wanted_layouts = (sender_layout for sender_layout in layouts if sender_layout.name == layout or layout is None)
+    placed = next((sender_layout.place(variant.parameters) for sender_layout in wanted_layouts), None)
     exact = have_lengths(layouts, sender)
 
     def decoded(text: str) -> codec.Decoded:
@@ -67,16 +71,23 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
                 f"the manual describes no frame from the {sender} over {device.interface(variant.interface).title}"
             )
         if placed is None:
-            known = ", ".join(item.name for item in layouts)
-            others = device.interface(variant.interface).layouts
-            from_other = next((f" (add --from {item.sender})" for item in others if item.name == layout), "")
+            known_layouts = ", ".join(layout.name for layout in layouts)
+            all_layouts = device.interface(variant.interface).layouts
+            from_other = next(
+                (
+                    f" (add --from {interface_layout.sender})"
+                    for interface_layout in all_layouts
+                    if interface_layout.name == layout
+                ),
+                "",
+            )
             raise FrameTextError(
-                f"{variant.code} has no layout '{layout}' from the {sender}{from_other}; it has: {known}"
+                f"{variant.code} has no layout '{layout}' from the {sender}{from_other}; it has: {known_layouts}"
             )
         if placed.layout.in_bytes and layout is None:
             return codec.decode_bytes(device, variant, sender, placed_bytes(placed, variant, text))
-        at = _of_length(text, placed, layouts, variant) if exact and layout is None else placed
-        return decoded_as(device, variant, at, text, exact=exact)
+        fitting_layout = _of_length(text, placed, layouts, variant) if exact and layout is None else placed
+        return decoded_as(device, variant, fitting_layout, text, exact=exact)
 
     return decoded
 
@@ -95,14 +106,18 @@ def _of_length(text: str, first: PlacedLayout, layouts: Sequence[Layout], varian
     """Return the only layout that has the length of the text, or ``first`` if that fits or several do."""
     if _has_length(first, text):
         return first
-    found = [at for at in (item.place(variant.parameters) for item in layouts) if _has_length(at, text)]
-    return found[0] if len(found) == 1 else first
+    fitting_layouts = [
+        candidate
+        for candidate in (layout.place(variant.parameters) for layout in layouts)
+        if _has_length(candidate, text)
+    ]
+    return fitting_layouts[0] if len(fitting_layouts) == 1 else first
 
 
 def _has_length(placed: PlacedLayout, text: str) -> bool:
     """Return whether bits or bytes are as many as the layout has. A number in hex can have leading zeros."""
-    given, bits = frame_number(placed, text, exact=True), placed.layout.sent_bits.value(placed.parameters)
-    return given.bits == bits if given.exact else given.bits <= bits
+    frame, bits = frame_number(placed, text, exact=True), placed.layout.sent_bits.value(placed.parameters)
+    return frame.bits == bits if frame.exact else frame.bits <= bits
 
 
 def decoded_as(device: Device, variant: Variant, placed: PlacedLayout, text: str, *, exact: bool) -> codec.Decoded:
@@ -113,29 +128,29 @@ def decoded_as(device: Device, variant: Variant, placed: PlacedLayout, text: str
     """
     if placed.layout.in_bytes:
         return codec.decode_placed(device, placed, placed_bytes(placed, variant, text))
-    given = frame_number(placed, text, exact=exact)
-    if given.exact:
-        return codec.decode_bits(device, placed, given.number, given.bits)
-    return codec.decode(device, placed, given.number)
+    frame = frame_number(placed, text, exact=exact)
+    if frame.exact:
+        return codec.decode_bits(device, placed, frame.number, frame.bits)
+    return codec.decode(device, placed, frame.number)
 
 
 def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: codec.Decoded) -> Why | None:
     """Return explanations of a frame whose CRC, length or constant is wrong. ``decoded`` is its ``decode_text``."""
     placed = decoded.layout
-    wrong = {item.fault for item in decoded.problems}
-    has_no_crc = placed is not None and not wrong and decoded.crc is None
+    faults = {problem.fault for problem in decoded.problems}
+    has_no_crc = placed is not None and not faults and decoded.crc is None
     is_flat = placed is not None and not placed.layout.in_bytes and decoded.number in (0, (1 << placed.bits) - 1)
-    if placed is not None and not (has_no_crc or is_flat) and not wrong & {Fault.CRC, Fault.LENGTH, Fault.CONSTANT}:
+    if placed is not None and not (has_no_crc or is_flat) and not faults & {Fault.CRC, Fault.LENGTH, Fault.CONSTANT}:
         return None
     from ..why.mistakes import explain_bits, explain_bytes, explain_constant
 
     if placed is not None and not placed.layout.in_bytes:
         exact = have_lengths(device.interface(variant.interface).layouts, sender)
-        given = frame_number(placed, checked(text), exact=exact)
-        if wrong & {Fault.CRC, Fault.LENGTH} or has_no_crc or is_flat:
-            return explain_bits(device, variant, placed, given, is_valid=not wrong)
-        return explain_constant(device, variant, placed, given)
-    if placed is not None and not wrong & {Fault.CRC, Fault.LENGTH}:
+        frame = frame_number(placed, checked(text), exact=exact)
+        if faults & {Fault.CRC, Fault.LENGTH} or has_no_crc or is_flat:
+            return explain_bits(device, variant, placed, frame, is_valid=not faults)
+        return explain_constant(device, variant, placed, frame)
+    if placed is not None and not faults & {Fault.CRC, Fault.LENGTH}:
         return None
     text = checked(text)
     data = placed_bytes(placed, variant, text) if placed is not None else frame_bytes(text)
@@ -147,16 +162,16 @@ def decoded_data(
     variant: Variant,
     sender: str,
     decoded: codec.Decoded,
-    said: Findings,
+    findings: Findings,
     why: Why | None = None,
     line: Line = _NO_LINE,
-    taken: Mapping[str, str] = _NOTHING_TAKEN,
-    others: Sequence[PlacedLayout] = (),
+    answers: Mapping[str, str] = _NOTHING_TAKEN,
+    other_layouts: Sequence[PlacedLayout] = (),
 ) -> dict[str, Any]:
     """Return the result as plain data, in the shape of ``decode.schema.json``.
 
-    ``line`` is the line of standard input, if any. ``taken`` are the answers used to decode the frame. ``others`` are
-    the other layouts that match the frame.
+    ``line`` is the line of standard input, if any. ``answers`` are the answers used to decode the frame.
+    ``other_layouts`` are the other layouts that match the frame.
     """
     return {
         "version": VERSION,
@@ -164,36 +179,41 @@ def decoded_data(
         "time": line.time or None,
         "order_code": variant.code,
         "evidence": device.evidence.grade,
-        "alternatives": dict(taken),
+        "alternatives": dict(answers),
         "layout": decoded.layout.name if decoded.layout is not None else None,
-        "other_layouts": [item.name for item in others],
+        "other_layouts": [other_layout.name for other_layout in other_layouts],
         "direction": sender,
         "fields": list(map(_field_data, decoded.fields)),
         "crc": {"received": decoded.crc.received, "computed": decoded.crc.computed, "ok": decoded.crc.ok}
         if decoded.crc is not None
         else None,
         "problems": [
-            {"kind": item.fault.value, "field": item.field or None, "message": item.message}
-            for item in decoded.problems
+            {"kind": problem.fault.value, "field": problem.field or None, "message": problem.message}
+            for problem in decoded.problems
         ],
-        "reports": [_report_data(item) for item in said.reports],
-        "verdict": said.verdict.value if said.verdict is not None else None,
+        "reports": [_report_data(report) for report in findings.reports],
+        "verdict": findings.verdict.value if findings.verdict is not None else None,
         "differences": [
-            {"field": item.field, "found": item.found, "documented": item.documented, "message": item.message}
-            for item in said.differences
+            {
+                "field": difference.field,
+                "found": difference.found,
+                "documented": difference.documented,
+                "message": difference.message,
+            }
+            for difference in findings.differences
         ],
         "why": _why_data(why) if why is not None else None,
     }
 
 
-def _field_data(item: codec.DecodedField) -> dict[str, Any]:
+def _field_data(field: codec.DecodedField) -> dict[str, Any]:
     return {
-        "name": item.name,
-        "raw": item.raw,
-        "value": item.value,
-        "unit": item.unit or None,
-        "quantity": _quantity_data(item.scale, item.value) if item.scale is not None else None,
-        "meaning": item.meaning,
+        "name": field.name,
+        "raw": field.raw,
+        "value": field.value,
+        "unit": field.unit or None,
+        "quantity": _quantity_data(field.scale, field.value) if field.scale is not None else None,
+        "meaning": field.meaning,
     }
 
 
@@ -222,14 +242,14 @@ def _why_data(why: Why) -> dict[str, Any]:
     return {
         "explanations": [
             {
-                "kind": item.kind,
-                "text": item.text,
-                "one_in": item.one_in,
-                "twice": item.twice,
-                "order_codes": list(item.codes),
-                "reads": dict(item.reads),
+                "kind": explanation.kind,
+                "text": explanation.text,
+                "one_in": explanation.one_in,
+                "twice": explanation.twice,
+                "order_codes": list(explanation.codes),
+                "reads": dict(explanation.reads),
             }
-            for item in why.explanations
+            for explanation in why.explanations
         ],
         "tried": why.tried,
         "coincidence": round(why.coincidence, 4),
@@ -246,16 +266,16 @@ def explain(
     match: Match,
     sender: str,
     decoded: codec.Decoded,
-    said: Findings = _NOTHING_SAID,
+    findings: Findings = _NOTHING_SAID,
     why: Why | None = None,
     line: Line = _NO_LINE,
-    taken: Mapping[str, str] = _NOTHING_TAKEN,
+    answers: Mapping[str, str] = _NOTHING_TAKEN,
     label: Sequence[str] | None = None,
-    others: str = "",
+    other_frames: str = "",
 ) -> str:
     """Return the result as text, at most 80 columns wide.
 
-    ``label`` are the ``label_lines`` if they are known. ``others`` names the other frames that it can be.
+    ``label`` are the ``label_lines`` if they are known. ``other_frames`` names the other frames that it can be.
     """
     start = f"line {line.number}: " if line.number is not None else ""
     start = f"{start.removesuffix(': ')} at {line.time}: ".lstrip() if line.time else start
@@ -264,20 +284,26 @@ def explain(
         *(label_lines(device, match) if label is None else label),
     ]
     if decoded.layout is not None:
-        lines += [_layout_line(decoded.layout), *_taken_lines(device, taken)]
+        lines += [_layout_line(decoded.layout), *_taken_lines(device, answers)]
     if decoded.fields:
         lines += ["", *_table(decoded)]
         # An angle in degrees would look too trustworthy for an unusable position.
-        measured = _measured(device, match.variant, decoded) if said.verdict not in (None, Verdict.NOT_USABLE) else ""
+        measured = (
+            _measured(device, match.variant, decoded) if findings.verdict not in (None, Verdict.NOT_USABLE) else ""
+        )
         lines += ["", measured] if measured else []
     if decoded.crc is not None:
         lines += ["", _crc_line(device.crc(decoded.crc.name), decoded.crc)]
     lines.append("")
-    lines += [wrapped(f"{item.fault.value} error: {item.message}", WIDTH, "  ", "") for item in decoded.problems]
-    lines += [wrapped(f"not as documented: {item.message}", WIDTH, "  ", "") for item in said.differences]
+    lines += [
+        wrapped(f"{problem.fault.value} error: {problem.message}", WIDTH, "  ", "") for problem in decoded.problems
+    ]
+    lines += [
+        wrapped(f"not as documented: {difference.message}", WIDTH, "  ", "") for difference in findings.differences
+    ]
     if not decoded.problems:
-        lines += _last_words(decoded, said)
-    lines += [wrapped(others, WIDTH, "  ", "")] if others else []
+        lines += _last_words(decoded, findings)
+    lines += [wrapped(other_frames, WIDTH, "  ", "")] if other_frames else []
     lines += _why_lines(why, decoded.layout) if why is not None else []
     lines.append(f"evidence: {device.evidence.grade}")
     if device.evidence.placeholders:
@@ -294,13 +320,13 @@ def _heading(device: Device, variant: Variant, sender: str, decoded: codec.Decod
 def label_lines(device: Device, match: Match) -> Iterator[str]:
     """Yield the state that registers decide, and how the label differs from the codes in the manual."""
     variant = match.variant
-    held = [item for item in parameters_of(device, variant.interface) if item.read_from]
-    if held:
-        state = ", ".join(f"{item.name} = {variant.parameters[item.name]}" for item in held)
+    held_parameters = [parameter for parameter in parameters_of(device, variant.interface) if parameter.read_from]
+    if held_parameters:
+        state = ", ".join(f"{parameter.name} = {variant.parameters[parameter.name]}" for parameter in held_parameters)
         yield wrapped(f"with {state} (from registers; --register changes them)", WIDTH, "  ")
     yield from label_differences(device, replace(match, tail=""))
-    for item in origin(device):
-        yield wrapped(BY_NAME.sentence(item), WIDTH, "  ")
+    for statement in origin(device):
+        yield wrapped(BY_NAME.sentence(statement), WIDTH, "  ")
 
 
 def label_differences(device: Device, match: Match) -> Iterator[str]:
@@ -323,35 +349,40 @@ def _layout_line(placed: PlacedLayout) -> str:
     return f"{title}, {_size(placed)}{channel}"
 
 
-def _taken_lines(device: Device, taken: Mapping[str, str]) -> Iterator[str]:
+def _taken_lines(device: Device, answers: Mapping[str, str]) -> Iterator[str]:
     """Yield the answers to questions that the manual leaves open, and how to choose others than the defaults."""
-    for item in device.alternatives:
-        for index, answer in enumerate(item.answers):
-            if taken.get(item.name) != answer.name:
+    for alternative in device.alternatives:
+        for index, answer in enumerate(alternative.answers):
+            if answers.get(alternative.name) != answer.name:
                 continue
-            yield wrapped(f"decoded with {item.name} = {answer.name}: {answer.meaning}", WIDTH, "  ", "")
-            if item.default and index == 0:
-                others = " or ".join(f"--choose {item.name}={other.name}" for other in item.answers[1:])
-                yield wrapped(f"this is the default; for another reading, add {others}", WIDTH, "    ", "  ")
+            yield wrapped(f"decoded with {alternative.name} = {answer.name}: {answer.meaning}", WIDTH, "  ", "")
+            if alternative.default and index == 0:
+                other_choices = " or ".join(
+                    f"--choose {alternative.name}={answer.name}" for answer in alternative.answers[1:]
+                )
+                yield wrapped(f"this is the default; for another reading, add {other_choices}", WIDTH, "    ", "  ")
 
 
-def _crc_line(crc: Crc, found: codec.CrcResult) -> str:
-    verdict = "correct" if found.ok else f"WRONG, expected {found.computed:#04x}"
+def _crc_line(crc: Crc, crc_result: codec.CrcResult) -> str:
+    verdict = "correct" if crc_result.ok else f"WRONG, expected {crc_result.computed:#04x}"
     inverted = f", start value {crc.init:#x}" if crc.init else ""
     inverted += ", sent inverted" if crc.xorout == crc.mask else ""
-    return wrapped(f"CRC {found.received:#04x}: {verdict} ({crc.polynomial}{inverted})", WIDTH, "  ", "")
+    return wrapped(f"CRC {crc_result.received:#04x}: {verdict} ({crc.polynomial}{inverted})", WIDTH, "  ", "")
 
 
-def _last_words(decoded: codec.Decoded, said: Findings) -> list[str]:
+def _last_words(decoded: codec.Decoded, findings: Findings) -> list[str]:
     """Return the last lines about a valid frame or register: the encoder's reports, or that there is no error."""
-    if said.reports:
-        lines = ["the encoder reports:", *(wrapped(_reported(item), WIDTH, " " * 6, "  - ") for item in said.reports)]
-        return [*lines, f"so {WORTH[said.verdict]}"] if said.verdict else lines
+    if findings.reports:
+        lines = [
+            "the encoder reports:",
+            *(wrapped(_reported(report), WIDTH, " " * 6, "  - ") for report in findings.reports),
+        ]
+        return [*lines, f"so {WORTH[findings.verdict]}"] if findings.verdict else lines
     is_frame = decoded.layout is not None and decoded.layout.layout.sender != ""
-    words = ["no other error" if said.differences else "no frame error" if is_frame else "the value is valid"]
+    words = ["no other error" if findings.differences else "no frame error" if is_frame else "the value is valid"]
     if decoded.layout is not None and is_frame and decoded.crc is None:
         words.append(f"this frame has no CRC{', only parity' if decoded.layout.layout.has_parity else ''}")
-    words += [WORTH[said.verdict]] if said.verdict is not None else []
+    words += [WORTH[findings.verdict]] if findings.verdict is not None else []
     return [wrapped("; ".join(words), WIDTH, "  ", "")]
 
 
@@ -381,7 +412,7 @@ def _measured(device: Device, variant: Variant, decoded: codec.Decoded) -> str:
     if step is not None:
         return f"{name}: {decimal(value * step)} µm"
     terms = (measurement.counts_per_turn, measurement.turns)
-    per_turn, turns = (item.value(variant.parameters) if item is not None else 0 for item in terms)
+    per_turn, turns = (term.value(variant.parameters) if term is not None else 0 for term in terms)
     if per_turn < 1:
         return ""
     turn, counts = divmod(value, per_turn)
@@ -390,7 +421,7 @@ def _measured(device: Device, variant: Variant, decoded: codec.Decoded) -> str:
 
 
 def _why_lines(why: Why, placed: PlacedLayout | None) -> list[str]:
-    if [item.kind for item in why.explanations] == ["line_stuck"]:
+    if [explanation.kind for explanation in why.explanations] == ["line_stuck"]:
         text = sentence(why.explanations[0].text)
         return ["", wrapped(text[0].upper() + text[1:], WIDTH, "  ", "")]
     noise = _disturbed_lines(why.disturbed, placed)
@@ -403,11 +434,14 @@ def _disturbed_lines(disturbed: Sequence[int], placed: PlacedLayout | None) -> l
         return []
     first, size = disturbed[0], placed.bits // 8
     place = f"bit {first % 8} of byte {size - 1 - first // 8}" if placed.layout.in_bytes else f"bit {first}"
-    which = place if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
-    said = (
-        f"If only some frames fail, one bit may have been disturbed on the line: the CRC matches with {which} inverted"
+    bits = place if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
+    explanation = (
+        f"If only some frames fail, one bit may have been disturbed on the line: the CRC matches with {bits} inverted"
     )
-    return ["", wrapped(f"{said}. In that case, no change is needed. If all frames fail, read on.", WIDTH, "  ", "")]
+    return [
+        "",
+        wrapped(f"{explanation}. In that case, no change is needed. If all frames fail, read on.", WIDTH, "  ", ""),
+    ]
 
 
 def _mistake_lines(why: Why) -> list[str]:
@@ -417,21 +451,21 @@ def _mistake_lines(why: Why) -> list[str]:
     if not why.explanations:
         lines = ["", wrapped(f"No common mistake explains it ({noise}).", WIDTH, "  ", "")]
     else:
-        twice = (
+        introduction = (
             "No single mistake explains it. Two at once would"
             if why.explanations[-1].twice
             else "Possible explanations"
         )
-        lines = ["", wrapped(f"{twice}, most likely first ({noise}):", WIDTH, "  ", "")]
-        for item in why.explanations:
-            lines.append(wrapped(item.text, WIDTH, " " * 6, "    - "))
-            lines.append(wrapped(_beside(item), WIDTH, " " * 6, " " * 6))
+        lines = ["", wrapped(f"{introduction}, most likely first ({noise}):", WIDTH, "  ", "")]
+        for explanation in why.explanations:
+            lines.append(wrapped(explanation.text, WIDTH, " " * 6, "    - "))
+            lines.append(wrapped(_beside(explanation), WIDTH, " " * 6, " " * 6))
     return [*lines, wrapped(f"This CRC cannot detect: {'; '.join(why.cannot_see)}.", WIDTH, "  ", "")]
 
 
-def _beside(item: Explanation) -> str:
-    reads = ", ".join(f"{name} {value}" for name, value in item.reads.items())
-    return f"matches by chance in {_one_in(item.one_in)} frames" + (f", and gives {reads}" if reads else "")
+def _beside(explanation: Explanation) -> str:
+    reads = ", ".join(f"{name} {value}" for name, value in explanation.reads.items())
+    return f"matches by chance in {_one_in(explanation.one_in)} frames" + (f", and gives {reads}" if reads else "")
 
 
 def _one_in(number: int) -> str:
@@ -451,10 +485,10 @@ def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
     ends = (low, high) if low_first else (high, low)
     first_byte, last_byte = (end // 8 if low_first else last - end // 8 for end in ends)
     if first_byte != last_byte:
-        whole = low % 8 == 0 and high % 8 == 7
+        is_whole_bytes = low % 8 == 0 and high % 8 == 7
         return (
             f"bytes {first_byte}-{last_byte}"
-            if whole
+            if is_whole_bytes
             else f"bytes {first_byte}.{ends[0] % 8}-{last_byte}.{ends[1] % 8}"
         )
     if high - low == 7:
@@ -465,15 +499,15 @@ def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
 def _table(decoded: codec.Decoded) -> list[str]:
     assert decoded.layout is not None
     rows = []
-    for item in decoded.fields:
-        if item.name == codec.UNUSED and item.high < 0:
+    for field in decoded.fields:
+        if field.name == codec.UNUSED and field.high < 0:
             continue  # each unused field has a line of its own
-        place = bit_place(decoded.layout.layout, decoded.layout.bits, item.high, item.low) if item.high >= 0 else ""
-        value = {True: "yes", False: "no"}[item.value] if isinstance(item.value, bool) else str(item.value)
-        raw = f"{item.raw:#x}" if item.high > item.low or item.high < 0 else str(item.raw)
-        shown = value if isinstance(item.value, bool) else with_unit(value, item.unit)
-        shown += f" ({quantity(item.scale, int(item.value))})" if item.scale is not None else ""
-        rows.append((place, item.name, raw, shown, item.meaning))
+        place = bit_place(decoded.layout.layout, decoded.layout.bits, field.high, field.low) if field.high >= 0 else ""
+        value = {True: "yes", False: "no"}[field.value] if isinstance(field.value, bool) else str(field.value)
+        raw = f"{field.raw:#x}" if field.high > field.low or field.high < 0 else str(field.raw)
+        value_text = value if isinstance(field.value, bool) else with_unit(value, field.unit)
+        value_text += f" ({quantity(field.scale, int(field.value))})" if field.scale is not None else ""
+        rows.append((place, field.name, raw, value_text, field.meaning))
     widths = [max(len(row[column]) for row in rows) for column in range(4)]
     lines = []
     for row in rows:

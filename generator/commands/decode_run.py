@@ -57,11 +57,11 @@ def frames(arguments: Sequence[str]) -> Iterator[Line]:
         yield from frame_lines(_bounded(sys.stdin))
         return
     text = " ".join(arguments)
-    found = list(frame_lines(text.splitlines()))
-    if len(found) == 1:
-        yield found[0]._replace(number=None)
-    yield from found if len(found) != 1 else ()
-    if not found:
+    parsed_lines = list(frame_lines(text.splitlines()))
+    if len(parsed_lines) == 1:
+        yield parsed_lines[0]._replace(number=None)
+    yield from parsed_lines if len(parsed_lines) != 1 else ()
+    if not parsed_lines:
         yield Line(None, "", text)
 
 
@@ -77,11 +77,11 @@ class Decoding:
     """Decoder of one frame after another. ``code`` is the exit code so far."""
 
     def __init__(self, request: Request) -> None:
-        self._request = asked = request
-        self._read = text_decoder(asked.device, asked.match.variant, asked.sender, asked.layout)
-        is_known = asked.layout is not None or asked.register is not None
-        self._others = None if is_known else OtherFrames(asked.device, asked.match.variant, asked.sender)
-        self._label = tuple(label_lines(asked.device, asked.match))
+        self._request = query = request
+        self._read = text_decoder(query.device, query.match.variant, query.sender, query.layout)
+        is_known = query.layout is not None or query.register is not None
+        self._others = None if is_known else OtherFrames(query.device, query.match.variant, query.sender)
+        self._label = tuple(label_lines(query.device, query.match))
         #: The layouts whose questions are answered, and the answers that each layout needs, by name.
         self._decided: set[str] = set()
         self._answers: dict[str, dict[str, str]] = {}
@@ -107,31 +107,35 @@ class Decoding:
                 where = f"line {line.number}: " if line.number is not None else ""
                 print(f"codewheel: {where}{error}", file=sys.stderr)
                 continue
-            said = findings(self._request.device, self._request.match.variant, decoded)
+            frame_findings = findings(self._request.device, self._request.match.variant, decoded)
             strange = tuple(strange_values(self._request.device, decoded))
             if strange or self._request.others:
-                said = replace(said, differences=(*self._request.others, *said.differences, *strange))
-            self._codes.add(_code(decoded, said))
-            others = self._others.of(line.text, decoded) if self._others is not None else ()
-            why = why if not is_another(decoded, others) else None
+                frame_findings = replace(
+                    frame_findings, differences=(*self._request.others, *frame_findings.differences, *strange)
+                )
+            self._codes.add(_code(decoded, frame_findings))
+            other_layouts = self._others.of(line.text, decoded) if self._others is not None else ()
+            why = why if not is_another(decoded, other_layouts) else None
             # Someone who reads many frames should not have to wait for the end.
-            print(self._text(line, decoded, said, why, others), flush=line.number is not None)
+            print(self._text(line, decoded, frame_findings, why, other_layouts), flush=line.number is not None)
 
     def _decode(self, text: str) -> tuple[codec.Decoded, Why | None]:
-        asked = self._request
-        variant = asked.match.variant
+        request = self._request
+        variant = request.match.variant
         decoded = (
             self._read(text)
-            if asked.register is None
-            else decode_register_text(asked.device, variant, asked.register, text)
+            if request.register is None
+            else decode_register_text(request.device, variant, request.register, text)
         )
         # A word is only bits, and even its length depends on the answers.
         placed = decoded.layout
         needs_answers = placed is not None and bool(decoded.fields or not placed.layout.in_bytes)
         if placed is not None and needs_answers and placed.name not in self._decided:
-            refuse_undecided(asked.device, placed.layout, asked.answers)
+            refuse_undecided(request.device, placed.layout, request.answers)
             self._decided.add(placed.name)
-        return decoded, why_text(asked.device, variant, asked.sender, text, decoded) if asked.register is None else None
+        return decoded, why_text(
+            request.device, variant, request.sender, text, decoded
+        ) if request.register is None else None
 
     def _taken(self, decoded: codec.Decoded) -> dict[str, str]:
         """Return the answers that were used to decode a frame, with the defaults of those that decide its verdict."""
@@ -142,39 +146,72 @@ class Decoding:
     def _needed(self, placed: PlacedLayout) -> dict[str, str]:
         """Return the answers that the places of the fields depend on."""
         if placed.name not in self._answers:
-            needed = self._request.device.alternatives_of(placed.layout)
+            open_alternatives = self._request.device.alternatives_of(placed.layout)
             answers = self._request.answers
-            self._answers[placed.name] = {it.name: answers[it.name] for it in needed if it.name in answers}
+            self._answers[placed.name] = {
+                alternative.name: answers[alternative.name]
+                for alternative in open_alternatives
+                if alternative.name in answers
+            }
         return self._answers[placed.name]
 
     def _decisive(self, decoded: codec.Decoded) -> dict[str, str]:
         """Return the answers, or their defaults, that decide the verdict of an active flag of the frame."""
         if decoded.problems or decoded.layout is None:
             return {}
-        values = {item.name: item.value for item in decoded.fields}
-        kinds = (item.field.kind for item in decoded.layout.fields if values.get(item.name) is True)
+        values = {field.name: field.value for field in decoded.fields}
+        kinds = (field.field.kind for field in decoded.layout.fields if values.get(field.name) is True)
         parameters = {kind.verdict_parameter for kind in kinds if isinstance(kind, Flag)}
-        deciding = (it for it in self._request.device.optional_alternatives if it.parameter in parameters)
-        return {item.name: self._request.answers.get(item.name, item.default) for item in deciding}
+        deciding = (
+            alternative
+            for alternative in self._request.device.optional_alternatives
+            if alternative.parameter in parameters
+        )
+        return {
+            alternative.name: self._request.answers.get(alternative.name, alternative.default)
+            for alternative in deciding
+        }
 
     def _text(
-        self, line: Line, decoded: codec.Decoded, said: Findings, why: Why | None, others: Sequence[PlacedLayout]
+        self,
+        line: Line,
+        decoded: codec.Decoded,
+        frame_findings: Findings,
+        why: Why | None,
+        other_layouts: Sequence[PlacedLayout],
     ) -> str:
-        asked, taken = self._request, self._taken(decoded)
-        if asked.as_json:
+        request, answers = self._request, self._taken(decoded)
+        if request.as_json:
             data = decoded_data(
-                asked.device, asked.match.variant, asked.sender, decoded, said, why, line, taken, others
+                request.device,
+                request.match.variant,
+                request.sender,
+                decoded,
+                frame_findings,
+                why,
+                line,
+                answers,
+                other_layouts,
             )
             return json.dumps(data, indent=2, ensure_ascii=False) if line.number is None else _ONE_LINE.encode(data)
-        between = "" if self._is_first else "\n"
+        separator = "" if self._is_first else "\n"
         self._is_first = False
-        named = other_frames_line(decoded, others)
-        return between + explain(
-            asked.device, asked.match, asked.sender, decoded, said, why, line, taken, self._label, named
+        other_frames_text = other_frames_line(decoded, other_layouts)
+        return separator + explain(
+            request.device,
+            request.match,
+            request.sender,
+            decoded,
+            frame_findings,
+            why,
+            line,
+            answers,
+            self._label,
+            other_frames_text,
         )
 
 
-def _code(decoded: codec.Decoded, said: Findings) -> int:
-    if decoded.problems or any(item.of_register for item in said.differences):
+def _code(decoded: codec.Decoded, frame_findings: Findings) -> int:
+    if decoded.problems or any(difference.of_register for difference in frame_findings.differences):
         return FAULT
-    return NOT_USABLE if said.verdict is Verdict.NOT_USABLE else DONE
+    return NOT_USABLE if frame_findings.verdict is Verdict.NOT_USABLE else DONE

@@ -96,34 +96,34 @@ def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence
     if chosen.record and not Path(chosen.new).is_dir():
         raise Stop("--record needs a folder of specs: all families of a manufacturer share a version", 2)
     before, after = _side(chosen.old, True, chosen.lenient), _side(chosen.new, False, chosen.lenient)
-    found = _look(before, after, generate)
+    comparison = _look(before, after, generate)
     if chosen.record:
         if not chosen.unchecked:
             gate(after.families)
-        found = _record(found, after)
-    asked, notices = _accept(found.changes, chosen)
-    found = replace(found, notices=(*found.notices, *notices))
+        comparison = _record(comparison, after)
+    relevant_changes, notices = _accept(comparison.changes, chosen)
+    comparison = replace(comparison, notices=(*comparison.notices, *notices))
     if chosen.format in ("github", "sarif"):
         from .diff_places import findings
         from .formats import as_review
 
-        print(as_review(findings(asked, after.families, after.names), chosen.format))
+        print(as_review(findings(relevant_changes, after.families, after.names), chosen.format))
     elif chosen.json or chosen.format == "json":
         from ..changes.report import as_data
 
-        print(json.dumps(as_data(found), indent=2, ensure_ascii=False))
+        print(json.dumps(as_data(comparison), indent=2, ensure_ascii=False))
     elif chosen.markdown:
         from ..changes.report_markdown import as_markdown
 
-        print(as_markdown(found))
+        print(as_markdown(comparison))
     else:
         from ..changes.report_text import as_text
 
-        print(as_text(found))
-        for offer in _offers(before, after, found.changes) if chosen.editions else ():
+        print(as_text(comparison))
+        for offer in _offers(before, after, comparison.changes) if chosen.editions else ():
             print(f"\n{offer}")
     least = Impact[chosen.fail_on.upper()] if chosen.fail_on else Impact.DOCUMENTATION
-    return 1 if max((change.impact for change in asked), default=Impact.NONE) >= least else 0
+    return 1 if max((change.impact for change in relevant_changes), default=Impact.NONE) >= least else 0
 
 
 def _offers(before: _Side, after: _Side, changes: Sequence[Change]) -> Iterator[str]:
@@ -158,33 +158,34 @@ def _look(before: _Side, after: _Side, generate: Generate) -> Found:
 
     left_out = before.left_out | after.left_out
     olds, news = (
-        tuple(item.device for item in side.families if item.device.name not in left_out) for side in (before, after)
+        tuple(family.device for family in side.families if family.device.name not in left_out)
+        for side in (before, after)
     )
     changes = compare(olds, news)
     files = generate(olds, news) if changes else None
     return Found(changes, packages(olds, news, changes), files, (*before.notices, *after.notices))
 
 
-def _record(found: Found, after: _Side) -> Found:
-    """Write the records, and return ``found`` with notices about them and with the version that was written.
+def _record(comparison: Found, after: _Side) -> Found:
+    """Write the records, and return ``comparison`` with notices about them and with the version that was written.
 
     Raises:
         Stop: Part of a family could not be compared, or a file cannot be written.
     """
     from ..changes.release_files import NotRecorded, records
 
-    if found.notices:
-        raise Stop(f"nothing is recorded: {found.notices[0]}", 1)
+    if comparison.notices:
+        raise Stop(f"nothing is recorded: {comparison.notices[0]}", 1)
     try:
         # Compose all texts before touching the first file.
-        kept = list(records(found, after.families))
-        for place, text in kept:
+        record_texts = list(records(comparison, after.families))
+        for place, text in record_texts:
             place.write_text(text, encoding="utf-8")
     except NotRecorded as error:
         raise Stop(str(error), 1) from None
-    notices = tuple(f"recorded in {place.as_posix()}" for place, _ in kept)
-    packages = [replace(item, stated=item.new) for item in found.packages]
-    return replace(found, packages=packages, notices=notices)
+    notices = tuple(f"recorded in {place.as_posix()}" for place, _ in record_texts)
+    packages = [replace(package, stated=package.new) for package in comparison.packages]
+    return replace(comparison, packages=packages, notices=notices)
 
 
 def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
@@ -216,18 +217,18 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
     if lenient and families:
         _show(problems)
         count = counted(len(problems), "problem")
-        said = (
+        notice = (
             f"the current spec language finds {count} in {text}. The faulty parts are omitted and may be listed as new"
         )
-        return _Side(tuple(families), frozenset(), (said,), names)
+        return _Side(tuple(families), frozenset(), (notice,), names)
     sound = sound_families(families, report)
     if not is_old or not sound:
         raise _unread(text, problems, is_old)
     left_out = [family.device.name for family in families if family not in sound]
     because = f"because of {counted(len(problems), 'problem')} in the current spec language"
-    said = f"not compared {because}: {', '.join(left_out)}"
+    notice = f"not compared {because}: {', '.join(left_out)}"
     _show(problems)
-    return _Side(tuple(sound), frozenset(left_out), (f"{said} of {text}",), names)
+    return _Side(tuple(sound), frozenset(left_out), (f"{notice} of {text}",), names)
 
 
 def _show(problems: Sequence[Problem]) -> None:

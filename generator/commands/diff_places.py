@@ -24,7 +24,7 @@ def findings(changes: Sequence[Change], families: Sequence[Family], names: Mappi
     ``names`` has the original names of files from a git revision.
     """
     documents = {family.device.name: family.document for family in families}
-    found = []
+    placed_findings = []
     for change in changes:
         document = documents.get(change.family) or next(iter(documents.values()), None)
         if document is not None:
@@ -33,18 +33,18 @@ def findings(changes: Sequence[Change], families: Sequence[Family], names: Mappi
             message = f"{change.text} ({change.impact.word}: {about(change)})"
             level = _LEVELS.get(change.impact, "notice")
             file = document.file_of(path) or document.file
-            found.append(Finding(names.get(file, file), line, column, change.rule.name, message, level))
-    return found
+            placed_findings.append(Finding(names.get(file, file), line, column, change.rule.name, message, level))
+    return placed_findings
 
 
 def _path(document: Document, text: str) -> Path:
     """Return the place of a path of keys and names, as far as it exists."""
     path: Path = ()
     for step in _STEPS.findall(text):
-        further = next(_ways(value_at(document.data, path), step), None)
-        if further is None:
+        next_path = next(_ways(value_at(document.data, path), step), None)
+        if next_path is None:
             break
-        path = (*path, *further)
+        path = (*path, *next_path)
     return path
 
 
@@ -54,12 +54,12 @@ def _ways(node: Any, step: str) -> Iterator[Path]:
         if step in node:
             yield (step,)
         for key, inner in node.items():
-            yield from ((key, *way) for way in _direct(inner, step))
+            yield from ((key, *inner_path) for inner_path in _direct(inner, step))
     yield from _direct(node, step) if isinstance(node, list) else ()
 
 
 def _direct(node: Any, step: str) -> Iterator[Path]:
     if isinstance(node, list):
-        yield from ((index,) for index, item in enumerate(node) if label_of(item) == step)
+        yield from ((index,) for index, child in enumerate(node) if label_of(child) == step)
     elif isinstance(node, dict) and step in node:
         yield (step,)

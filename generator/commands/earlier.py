@@ -72,10 +72,10 @@ class Earlier:
 
     def report(self, files: Iterable[str]) -> Report:
         """Return the report of a run without problems that read these files."""
-        found = Report()
-        found.files += files
-        found.passed_over += self.passed_over
-        return found
+        earlier_report = Report()
+        earlier_report.files += files
+        earlier_report.passed_over += self.passed_over
+        return earlier_report
 
 
 @dataclass(frozen=True)
@@ -116,27 +116,27 @@ def _content(cache: Cache, paths: Sequence[Path], options: Sequence[str]) -> tup
     """Return all that a result depends on, and the skipped files. The first is empty if there can be no result."""
     content: list[bytes | str] = [*options, ""]
     passed_over: list[str] = []
-    known = KnownFiles(cache, "hashes", list(map(str, paths)))
+    known_files = KnownFiles(cache, "hashes", list(map(str, paths)))
 
     def look(path: Path) -> Mapping[str, Any]:
-        found: Mapping[str, Any] = known.result(str(path), lambda: _look(path))
-        return found
+        file_facts: Mapping[str, Any] = known_files.result(str(path), lambda: _look(path))
+        return file_facts
 
     def is_known(path: Path) -> bool:
         return look(path)["is_spec"] is not False
 
     names_in = functools.cache(os.listdir)
     try:
-        for given in paths:
-            found = below(given, is_known) if is_folder(given) else Found((given,), ())
-            passed_over += map(str, found.passed_over)
-            content += [str(given), *map(str, found.specs), "", *map(str, found.passed_over), ""]
-            for spec in found.specs:
+        for spec_path in paths:
+            search_result = below(spec_path, is_known) if is_folder(spec_path) else Found((spec_path,), ())
+            passed_over += map(str, search_result.passed_over)
+            content += [str(spec_path), *map(str, search_result.specs), "", *map(str, search_result.passed_over), ""]
+            for spec in search_result.specs:
                 if look(spec)["is_overlay"] is not False:
                     return [], []
                 for path in family_files(spec, names_in):
                     content += [path.name, str(look(path)["hash"]) if path.is_file() else "missing"]
-        known.keep()
+        known_files.keep()
         return content + _masters(), passed_over
     except (OSError, ValueError, TypeError, LookupError):
         return [], []

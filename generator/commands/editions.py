@@ -19,7 +19,12 @@ BY_LABEL, BY_REGISTERS = "label", "registers"
 
 
 def asked_for(
-    specs: Sequence[Path], device: Device, match: Match | None, wanted: str, text: str, held: Mapping[int, int]
+    specs: Sequence[Path],
+    device: Device,
+    match: Match | None,
+    wanted_edition: str,
+    text: str,
+    register_bytes: Mapping[int, int],
 ) -> tuple[Device, Match | None, dict[int, int]]:
     """Return a family in the requested edition, the order code ``text`` in it, and the registers still to apply.
 
@@ -29,31 +34,33 @@ def asked_for(
         specs: The specs to read.
         device: The family as in its spec.
         match: The order code on the label, unless the family was named.
-        wanted: A revision, a date, ``label`` or ``registers``.
+        wanted_edition: A revision, a date, ``label`` or ``registers``.
         text: The name or order code that the user gave.
-        held: Register bytes by address.
+        register_bytes: Register bytes by address.
 
     Raises:
         Stop: There is no such edition, it cannot be inferred, or it has no such order code. The exit code is 2.
     """
     try:
-        revision = _revision(device, match, wanted, held)
-        made = _in_edition(specs, device, revision)
-        left = without_tests(device, held) if wanted == BY_REGISTERS else dict(held)
-        return made, find(made, text) if match is not None else None, left
+        revision = _revision(device, match, wanted_edition, register_bytes)
+        device_in_edition = _in_edition(specs, device, revision)
+        remaining_bytes = (
+            without_tests(device, register_bytes) if wanted_edition == BY_REGISTERS else dict(register_bytes)
+        )
+        return device_in_edition, find(device_in_edition, text) if match is not None else None, remaining_bytes
     except UnknownOrderCode as error:
         raise Stop(f"in edition {revision} of the manual: {error}", 2) from None
     except (UnknownEdition, ValueError) as error:
         raise Stop(str(error), 2) from None
 
 
-def _revision(device: Device, match: Match | None, wanted: str, held: Mapping[int, int]) -> str:
+def _revision(device: Device, match: Match | None, wanted_edition: str, register_bytes: Mapping[int, int]) -> str:
     if device.base:
         raise UnknownEdition(f"{device.name} is derived from {device.base} and has no editions of its own")
-    if wanted == BY_REGISTERS and match is not None:
-        return told_by_registers(device, match, held)
-    if wanted != BY_LABEL:
-        return chosen(device, wanted)
+    if wanted_edition == BY_REGISTERS and match is not None:
+        return told_by_registers(device, match, register_bytes)
+    if wanted_edition != BY_LABEL:
+        return chosen(device, wanted_edition)
     revision = edition_by_label(device, match) if match is not None else ""
     if not revision:
         raise UnknownEdition(
@@ -66,12 +73,12 @@ def _in_edition(specs: Sequence[Path], device: Device, revision: str) -> Device:
     if revision == device.manual.revision:
         return device
     families, _ = load_families(specs)
-    family = next(item for item in families if item.device.name == device.name)
+    family = next(family for family in families if family.device.name == device.name)
     report = Report()
-    made = in_edition(family, revision, report)
-    if report or made is None:
+    edition_family = in_edition(family, revision, report)
+    if report or edition_family is None:
         raise problems(report)
-    return made.device
+    return edition_family.device
 
 
 def beside(families: Iterable[Family], wanted: Iterable[str], report: Report) -> list[Device]:
@@ -80,28 +87,28 @@ def beside(families: Iterable[Family], wanted: Iterable[str], report: Report) ->
     Raises:
         Stop: An argument is malformed, or there is no such family or edition. The exit code is 2.
     """
-    by_name = {item.device.name: item for item in families if not item.device.base}
-    made: dict[str, Device] = {}
+    by_name = {family.device.name: family for family in families if not family.device.base}
+    devices: dict[str, Device] = {}
     for text in wanted:
         name, equals, revision = text.partition("=")
         if not equals or name not in by_name:
-            known = ", ".join(by_name)
+            names = ", ".join(by_name)
             raise Stop(
-                f"'{text}' is not a family and an edition; write it like {next(iter(by_name), 'FAMILY')}=1.0 ({known})",
+                f"'{text}' is not a family and an edition; write it like {next(iter(by_name), 'FAMILY')}=1.0 ({names})",
                 2,
             )
         family = by_name[name]
         try:
-            asked = chosen(family.device, revision)
+            chosen_revision = chosen(family.device, revision)
         except UnknownEdition as error:
             raise Stop(str(error), 2) from None
-        if asked == family.device.manual.revision:
-            raise Stop(f"the spec of {name} is already edition {asked}", 2)
+        if chosen_revision == family.device.manual.revision:
+            raise Stop(f"the spec of {name} is already edition {chosen_revision}", 2)
         # An edition is merged into the spec as read, so the spec must conform to the schema.
-        found = in_edition(family, asked, report) if not report.faults(family.document) else None
-        if found is not None:
-            made[found.device.name] = found.device
-    return list(made.values())
+        edition_family = in_edition(family, chosen_revision, report) if not report.faults(family.document) else None
+        if edition_family is not None:
+            devices[edition_family.device.name] = edition_family.device
+    return list(devices.values())
 
 
 def check_all(families: Iterable[Family], report: Report) -> None:
@@ -110,6 +117,6 @@ def check_all(families: Iterable[Family], report: Report) -> None:
         # With an overlay, a family may lack the parts that an edition changes. A request for the edition reports that.
         if family.device.base or family.plain is not None or report.faults(family.document):
             continue
-        for item in family.device.editions:
-            if item.revision != family.device.manual.revision:
-                in_edition(family, item.revision, report)
+        for edition in family.device.editions:
+            if edition.revision != family.device.manual.revision:
+                in_edition(family, edition.revision, report)

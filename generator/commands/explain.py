@@ -49,8 +49,8 @@ def explain(name: str | None) -> str:
         return _list(examples)
     described = [*_in_check(name, examples), *_in_diff(name)]
     if not described:
-        near = suggestion(name, [*examples, *_SEVERAL_FILES, *RULES]) or "; codewheel explain lists the rules"
-        raise Stop(f"there is no rule '{name}'{near}", 2)
+        hint = suggestion(name, [*examples, *_SEVERAL_FILES, *RULES]) or "; codewheel explain lists the rules"
+        raise Stop(f"there is no rule '{name}'{hint}", 2)
     return "\n\n".join(described)
 
 
@@ -83,8 +83,10 @@ def _in_check(name: str, examples: dict[str, Example]) -> list[str]:
     if name not in examples:
         return []
     message, lines = examples[name]["message"], examples[name]["lines"]
-    shown = wrapped(f"{message}.", WIDTH, "  ")
-    return ["\n".join([f"{name}, a rule of check. Example message:", shown, "", "for these lines:", "", *lines])]
+    example_message = wrapped(f"{message}.", WIDTH, "  ")
+    return [
+        "\n".join([f"{name}, a rule of check. Example message:", example_message, "", "for these lines:", "", *lines])
+    ]
 
 
 def _in_diff(name: str) -> list[str]:

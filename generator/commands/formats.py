@@ -34,36 +34,36 @@ def as_review(findings: Sequence[Finding], form: str) -> str:
     return json.dumps(_sarif(findings), indent=2, ensure_ascii=False)
 
 
-def _command(item: Finding) -> str:
+def _command(issue: Finding) -> str:
     """Return a workflow command, in which line ends and percent signs are escaped."""
-    place = f"file={_escaped(item.file, ',:')},line={item.line},col={item.column},title={_escaped(item.rule, ',:')}"
-    return f"::{item.level} {place}::{_escaped(item.message)}"
+    place = f"file={_escaped(issue.file, ',:')},line={issue.line},col={issue.column},title={_escaped(issue.rule, ',:')}"
+    return f"::{issue.level} {place}::{_escaped(issue.message)}"
 
 
-def _escaped(text: str, more: str = "") -> str:
-    for character in f"%\r\n{more}":
+def _escaped(text: str, more_characters: str = "") -> str:
+    for character in f"%\r\n{more_characters}":
         text = text.replace(character, f"%{ord(character):02X}")
     return text
 
 
 def _sarif(findings: Sequence[Finding]) -> dict[str, object]:
-    rules = [{"id": rule} for rule in sorted({item.rule for item in findings})]
+    rules = [{"id": rule} for rule in sorted({finding.rule for finding in findings})]
     driver = {"name": "codewheel", "version": __version__, "rules": rules}
     results = [
         {
-            "ruleId": item.rule,
-            "level": _LEVELS[item.level],
-            "message": {"text": item.message},
+            "ruleId": finding.rule,
+            "level": _LEVELS[finding.level],
+            "message": {"text": finding.message},
             "locations": [
                 {
                     "physicalLocation": {
-                        "artifactLocation": {"uri": _uri(item.file)},
-                        "region": {"startLine": item.line, "startColumn": item.column},
+                        "artifactLocation": {"uri": _uri(finding.file)},
+                        "region": {"startLine": finding.line, "startColumn": finding.column},
                     }
                 }
             ],
         }
-        for item in findings
+        for finding in findings
     ]
     run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
     return {"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}

@@ -81,17 +81,17 @@ def frame_bytes(text: str) -> bytes:
     """
     data = b""
     for piece in text.split():
-        shown = quoted(visible(piece))
+        piece_text = quoted(visible(piece))
         if not _HEX.fullmatch(piece):
-            raise FrameTextError(say.not_hex(shown))
+            raise FrameTextError(say.not_hex(piece_text))
         prefixed = piece[:2] in ("0x", "0X")
         digits = piece[2:] if prefixed else piece
         if len(digits) == 1 and prefixed:
             digits = f"0{digits}"
         elif len(digits) == 1:
-            raise FrameTextError(say.one_digit(shown, digits))
+            raise FrameTextError(say.one_digit(piece_text, digits))
         elif len(digits) % 2:
-            raise FrameTextError(say.odd(shown))
+            raise FrameTextError(say.odd(piece_text))
         data += bytes.fromhex(digits)
     return data
 

@@ -39,7 +39,7 @@ def rows(devices: Sequence[Device]) -> list[Row]:
             "family": device.name,
             "title": device.title,
             "manufacturer": device.manufacturer.title,
-            "interfaces": [[item.name, item.title] for item in device.interfaces],
+            "interfaces": [[interface.name, interface.title] for interface in device.interfaces],
             "pattern": device.order_code.pattern,
             "order_codes": [variant.code for variant in device.variants],
             "manual": {
@@ -52,38 +52,38 @@ def rows(devices: Sequence[Device]) -> list[Row]:
     ]
 
 
-def without_repeated(own: Sequence[Row] = (), packaged: Sequence[Row] = ()) -> list[Row]:
+def without_repeated(own_rows: Sequence[Row] = (), packaged: Sequence[Row] = ()) -> list[Row]:
     """Return the user's families and then the packaged ones, without those that the user's have too.
 
     Report these on standard error.
     """
-    names = {row["family"] for row in own}
-    codes = {code for row in own for code in row["order_codes"]}
+    names = {row["family"] for row in own_rows}
+    codes = {code for row in own_rows for code in row["order_codes"]}
     repeated = [row for row in packaged if row["family"] in names or not codes.isdisjoint(row["order_codes"])]
     if repeated:
-        shown = ", ".join(row["family"] for row in repeated)
-        print(f"codewheel: in your specs and in the packaged ones: {shown}; yours are used", file=sys.stderr)
-    return [*own, *(row for row in packaged if row not in repeated)]
+        repeated_names = ", ".join(row["family"] for row in repeated)
+        print(f"codewheel: in your specs and in the packaged ones: {repeated_names}; yours are used", file=sys.stderr)
+    return [*own_rows, *(row for row in packaged if row not in repeated)]
 
 
 def as_data(families: Sequence[Row]) -> dict[str, Any]:
     """Return the families in the form that ``--json`` prints."""
-    shown = [{**item, "interfaces": [name for name, _ in item["interfaces"]]} for item in families]
-    return {"version": 1, "families": shown}
+    rows = [{**family, "interfaces": [name for name, _ in family["interfaces"]]} for family in families]
+    return {"version": 1, "families": rows}
 
 
 def as_text(families: Sequence[Row]) -> str:
     """Return a few lines about each family."""
     lines = []
-    for item in families:
-        manual = item["manual"]
+    for family in families:
+        manual = family["manual"]
         date = f" of {manual['date']}" if manual["date"] else ""
         lines += [
-            wrapped(f"{item['title']} ({item['manufacturer']})", WIDTH, " " * 10, f"{item['family']:<8}  "),
+            wrapped(f"{family['title']} ({family['manufacturer']})", WIDTH, " " * 10, f"{family['family']:<8}  "),
             *pairs(
                 [
-                    ("interfaces", ", ".join(title for _, title in item["interfaces"])),
-                    ("order codes", f"{len(item['order_codes'])}, {item['pattern']}"),
+                    ("interfaces", ", ".join(title for _, title in family["interfaces"])),
+                    ("order codes", f"{len(family['order_codes'])}, {family['pattern']}"),
                     ("manual", f"{manual['title']}, revision {manual['revision']}{date}"),
                 ],
                 10,

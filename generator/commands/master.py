@@ -27,7 +27,7 @@ def run(chosen: argparse.Namespace, cache: Cache) -> tuple[int, str | Mapping[st
         Stop: There is no such master, order code or edition, or there are no settings for it.
     """
     refuse_missing(chosen.masters)
-    known, report = sheet.load_masters(chosen.masters)
+    masters, report = sheet.load_masters(chosen.masters)
     if report:
         raise problems(report)
     if (chosen.format or chosen.device) is not None and (chosen.master is None or chosen.order_code is None):
@@ -35,21 +35,23 @@ def run(chosen: argparse.Namespace, cache: Cache) -> tuple[int, str | Mapping[st
     if chosen.order_code is None:
         if chosen.edition is not None:
             raise Stop("--edition needs an order code", 2)
-        return 0, text.masters_data(known) if chosen.json else text.masters_text(known)
-    names = [item.name for item in known]
+        return 0, text.masters_data(masters) if chosen.json else text.masters_text(masters)
+    names = [master.name for master in masters]
     if chosen.master is not None and chosen.master not in names:
         hint = suggestion(chosen.master, names) or "; codewheel master lists them"
         raise Stop(f"there is no master '{chosen.master}'{hint}", 2)
     specs = specs_to_read(chosen.specs, cache)
-    device, found, paths = look_up.order_code(specs, chosen.order_code, cache)
-    match, held = found, held_bytes(chosen.register)
+    device, listed_match, paths = look_up.order_code(specs, chosen.order_code, cache)
+    match, register_bytes = listed_match, held_bytes(chosen.register)
     if chosen.edition is not None:
-        device, again, held = asked_for(paths, device, found, chosen.edition, chosen.order_code, held)
-        match = again or found
+        device, match_in_edition, register_bytes = asked_for(
+            paths, device, listed_match, chosen.edition, chosen.order_code, register_bytes
+        )
+        match = match_in_edition or listed_match
     try:
-        variant = with_registers(device, match.variant, held)
+        variant = with_registers(device, match.variant, register_bytes)
         answers = answers_of(device, match.variant, chosen.choose)
-        told = record(device, variant, not held, chosen.cable, answers)
+        encoder_record = record(device, variant, not register_bytes, chosen.cable, answers)
     except RegisterError as error:
         raise Stop(str(error), 2) from None
     except Undecided as error:
@@ -57,34 +59,42 @@ def run(chosen: argparse.Namespace, cache: Cache) -> tuple[int, str | Mapping[st
     except NoRecord as error:
         raise Stop(str(error), 1) from None
     if chosen.format is not None or chosen.device is not None:
-        return 0, _file(chosen, device, known, told)
-    sheets = [sheet.sheet(item, told) for item in known if chosen.master in (None, item.name)]
+        return 0, _file(chosen, device, masters, encoder_record)
+    sheets = [sheet.sheet(master, encoder_record) for master in masters if chosen.master in (None, master.name)]
     code = 1 if chosen.master is not None and sheets[0].refusals else 0
-    return code, text.sheet_data(match, told, sheets) if chosen.json else text.sheet_text(device, match, told, sheets)
+    return code, text.sheet_data(match, encoder_record, sheets) if chosen.json else text.sheet_text(
+        device, match, encoder_record, sheets
+    )
 
 
-def _file(chosen: argparse.Namespace, device: Device, known: Sequence[sheet.Master], told: Record) -> str:
+def _file(chosen: argparse.Namespace, device: Device, masters: Sequence[sheet.Master], encoder_record: Record) -> str:
     """Return the file of the master in the format that the user chose."""
     from ..targets.masters.files import file_text
 
-    master = next(item for item in known if item.name == chosen.master)
-    formats = {item["format"]: item for item in master.files}
+    master = next(master for master in masters if master.name == chosen.master)
+    formats = {file_format["format"]: file_format for file_format in master.files}
     if not formats:
-        others = listed(item.name for item in known if item.files)
-        raise Stop(f"no file format is known for {master.name}; there are formats for {others}", 2)
+        masters_with_files = listed(other_master.name for other_master in masters if other_master.files)
+        raise Stop(f"no file format is known for {master.name}; there are formats for {masters_with_files}", 2)
     if chosen.format not in formats:
-        wrong = f"{master.name} has no format '{chosen.format}'" if chosen.format else "--device needs --format"
-        raise Stop(f"{wrong}; the formats of {master.name} are {listed(formats)}", 2)
+        problem = f"{master.name} has no format '{chosen.format}'" if chosen.format else "--device needs --format"
+        raise Stop(f"{problem}; the formats of {master.name} are {listed(formats)}", 2)
     if chosen.json:
         raise Stop("--format prints a file; leave out --json", 2)
-    found = sheet.sheet(master, told)
-    if found.refusals:
-        able = [item.name for item in known if item.files and not sheet.sheet(item, told).refusals]
+    master_sheet = sheet.sheet(master, encoder_record)
+    if master_sheet.refusals:
+        able = [
+            other_master.name
+            for other_master in masters
+            if other_master.files and not sheet.sheet(other_master, encoder_record).refusals
+        ]
         taking = f"; there are files for {listed(able)}" if able else ""
-        raise Stop(f"{master.name} cannot use {told.code}: {found.refusals[0].reason.rstrip('.')}{taking}", 2)
+        raise Stop(
+            f"{master.name} cannot use {encoder_record.code}: {master_sheet.refusals[0].reason.rstrip('.')}{taking}", 2
+        )
     rule = formats[chosen.format]
-    devices = found.devices_with(rule)
+    devices = master_sheet.devices_with(rule)
     on = devices[0] if chosen.device is None else chosen.device
     if on not in devices:
         raise Stop(f"'{on}' is not a device with this format; use --device {listed(devices, 'or')}", 2)
-    return file_text(device, [told.code], found, rule, on).rstrip("\n")
+    return file_text(device, [encoder_record.code], master_sheet, rule, on).rstrip("\n")

@@ -36,8 +36,8 @@ def run(paths: Sequence[Path], only_check: bool) -> int:
 
 
 def _files(paths: Iterable[Path]) -> Iterator[Path]:
-    for given in paths:
-        for spec in below(given).specs if is_folder(given) else (given,):
+    for spec_path in paths:
+        for spec in below(spec_path).specs if is_folder(spec_path) else (spec_path,):
             yield from (path for path in (spec, second_reading_path(spec)) if path == spec or path.is_file())
 
 

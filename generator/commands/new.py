@@ -82,14 +82,18 @@ def _written(files: dict[Path, str]) -> Iterator[Path]:
 
 
 def _suggested(name: str) -> str:
-    made = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")[:_LONGEST_NAME]
-    return made if _NAME.fullmatch(made) and made != name else "encoder_1"
+    suggestion = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")[:_LONGEST_NAME]
+    return suggestion if _NAME.fullmatch(suggestion) and suggestion != name else "encoder_1"
 
 
 def _manufacturer(path: Path) -> str:
     document = read_document(path, Report()) if path.is_file() else None
-    found = document.data.get("manufacturer") if document is not None else None
-    return found if isinstance(found, str) and re.fullmatch(r"[a-z][a-z0-9]*", found) else _MANUFACTURER
+    manufacturer = document.data.get("manufacturer") if document is not None else None
+    return (
+        manufacturer
+        if isinstance(manufacturer, str) and re.fullmatch(r"[a-z][a-z0-9]*", manufacturer)
+        else _MANUFACTURER
+    )
 
 
 def _schema(kind: str) -> Path:
@@ -98,8 +102,8 @@ def _schema(kind: str) -> Path:
 
 def _in_one_checkout(folder: Path, kind: str) -> bool:
     """Return whether a clone with the spec also has the tool's schema: both are in one checkout, outside a venv."""
-    here = folder.resolve()
-    top = next((place for place in (here, *here.parents) if (place / ".git").exists()), None)
+    resolved_folder = folder.resolve()
+    top = next((place for place in (resolved_folder, *resolved_folder.parents) if (place / ".git").exists()), None)
     schema = _schema(kind).resolve()
     return top is not None and schema.is_relative_to(top) and "site-packages" not in schema.parts
 

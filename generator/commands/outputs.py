@@ -28,10 +28,10 @@ def targets_named(names: Iterable[str] | None = None, otherwise: Iterable[str] =
     Raises:
         Stop: There is no such target (exit code 2), or it cannot be loaded (exit code 1).
     """
-    found = []
+    loaded_targets = []
     for name in dict.fromkeys(names or otherwise):
         try:
-            found.append(load_target(name))
+            loaded_targets.append(load_target(name))
         except LookupError:
             raise Stop(_no_target(name), 2) from None
         except PackageMissing as error:
@@ -40,13 +40,13 @@ def targets_named(names: Iterable[str] | None = None, otherwise: Iterable[str] =
             print(f"codewheel: {error}; this target is skipped", file=sys.stderr)
         except TargetError as error:
             raise Stop(str(error), 1) from None
-    return found
+    return loaded_targets
 
 
 def are_built_in(targets: Iterable[Target], names: Iterable[str] | None) -> bool:
     """Return whether these are exactly the built-in targets ``names``, none of which lacks its packages."""
-    asked = list(dict.fromkeys(names or BUILT_IN))
-    return [target.name for target in targets] == asked and set(asked) <= set(BUILT_IN)
+    wanted_names = list(dict.fromkeys(names or BUILT_IN))
+    return [target.name for target in targets] == wanted_names and set(wanted_names) <= set(BUILT_IN)
 
 
 def _no_target(name: str) -> str:
@@ -63,27 +63,27 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
     Raises:
         Stop: A setting is malformed, or its target does not run. The exit code is 2.
     """
-    asked = {target.name: target for target in targets}
-    found = {target.name: {option.name: option.default for option in target.options} for target in targets}
+    targets_by_name = {target.name: target for target in targets}
+    options = {target.name: {option.name: option.default for option in target.options} for target in targets}
     for setting in settings:
         place, equals, value = setting.partition("=")
         name, dot, option = place.partition(".")
         if not equals or not dot:
             raise Stop(f"'{setting}' is not a setting; write it like TARGET.OPTION=VALUE", 2)
-        if name not in asked:
-            wrong = f"'{place}' is for a target that does not run; add --target {name}"
-            raise Stop(wrong if name in target_names() else _no_target(name), 2)
-        _refuse_setting(asked[name], option, value)
-        found[name][option] = value
-    return dict(found)
+        if name not in targets_by_name:
+            problem = f"'{place}' is for a target that does not run; add --target {name}"
+            raise Stop(problem if name in target_names() else _no_target(name), 2)
+        _refuse_setting(targets_by_name[name], option, value)
+        options[name][option] = value
+    return dict(options)
 
 
 def _refuse_setting(target: Target, name: str, value: str) -> None:
     """Raise ``Stop`` if the target has no such option or the option does not accept the value."""
     options = {option.name: option for option in target.options}
     if name not in options:
-        near = suggestion(name, options, "it has") if options else "; it has none"
-        raise Stop(f"the target '{target.name}' has no option '{name}'{near}", 2)
+        hint = suggestion(name, options, "it has") if options else "; it has none"
+        raise Stop(f"the target '{target.name}' has no option '{name}'{hint}", 2)
     values = options[name].values
     if values and value not in values:
         raise Stop(f"'{target.name}.{name}' cannot be '{value}'{suggestion(value, values, 'it can be')}", 2)
@@ -124,10 +124,10 @@ def tell_unfit(families: Sequence[Family], targets: Iterable[Target], report: Re
     library = Library(tuple(family.device for family in sound.values()))
     for target in targets:
         try:
-            found = problems_of(target, library)
+            target_problems = problems_of(target, library)
         except TargetError as error:
             raise Stop(str(error), 1) from None
-        for problem in found:
+        for problem in target_problems:
             document = sound[problem.device.name].document
             line, _ = document.position(problem.other)
             message = problem.message.replace("{line}", str(line)) if problem.other else problem.message
@@ -150,19 +150,19 @@ def rendered(
 
     def meanwhile(complete: Made) -> None:
         with suppress(TargetError):  # It is raised below, in the order of the targets.
-            early.update((item.name, files_with(item, complete)) for item in targets if item.name in complete)
+            early.update((target.name, files_with(target, complete)) for target in targets if target.name in complete)
 
     try:
-        made = begun.finished(meanwhile) if begun is not None else {}
+        finished_parts = begun.finished(meanwhile) if begun is not None else {}
         try:
-            files = {item.name: early.get(item.name) or files_with(item, made) for item in targets}
+            files = {target.name: early.get(target.name) or files_with(target, finished_parts) for target in targets}
         except TargetError:  # A part can be damaged. Without parts, a target reports its own errors.
-            files = {item.name: files_with(item, {}) for item in targets}
+            files = {target.name: files_with(target, {}) for target in targets}
     except (TargetError, TemplateFault) as error:
         raise Stop(str(error), 2 if isinstance(error, OptionError) else 1) from None
     if library.own_templates is not None:
-        own = {target.name: target.templates for target in targets}
-        unused = list(unused_templates(library.own_templates, own, target_names()))
+        templates_by_target = {target.name: target.templates for target in targets}
+        unused = list(unused_templates(library.own_templates, templates_by_target, target_names()))
         if unused:
             raise Stop("\n  ".join(["nothing written: these templates have no effect:", *unused]), 2)
     return files
@@ -173,10 +173,10 @@ def listing() -> str:
     targets = {name: _or_fault(name) for name in target_names()}
     indent = " " * (max(map(len, targets)) + 4)
     lines = [f"targets ({listed(BUILT_IN)} run by default):"]
-    for name, found in targets.items():
+    for name, loaded in targets.items():
         lead = f"  {name}".ljust(len(indent))
-        lines += _filled(found.summary if isinstance(found, Target) else found, lead, indent)
-        for option in found.options if isinstance(found, Target) else ():
+        lines += _filled(loaded.summary if isinstance(loaded, Target) else loaded, lead, indent)
+        for option in loaded.options if isinstance(loaded, Target) else ():
             text = f"--option {name}.{option.name}={'|'.join(option.values) or 'VALUE'}: {option.summary}"
             lines += _filled(f"{text} (default: {option.default})", indent, indent + "  ")
     return "\n".join(lines)
@@ -189,5 +189,5 @@ def _or_fault(name: str) -> Target | str:
         return str(error)
 
 
-def _filled(text: str, first: str, others: str) -> list[str]:
-    return textwrap.wrap(text, _WIDTH, initial_indent=first, subsequent_indent=others, break_on_hyphens=False)
+def _filled(text: str, first: str, indent: str) -> list[str]:
+    return textwrap.wrap(text, _WIDTH, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)

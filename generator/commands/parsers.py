@@ -321,8 +321,8 @@ _COMMANDS: Mapping[str, tuple[str, Callable[[Parser], None]]] = {
 }
 
 
-def _add_specs(parser: argparse.ArgumentParser, others: str = "") -> None:
-    parser.add_argument("specs", nargs="*", type=a_path, metavar="SPECS", help=_SPECS.format(others))
+def _add_specs(parser: argparse.ArgumentParser, other_specs: str = "") -> None:
+    parser.add_argument("specs", nargs="*", type=a_path, metavar="SPECS", help=_SPECS.format(other_specs))
     parser.add_argument(
         "--specs", dest="more_specs", action="append", type=a_path, default=[], metavar="PATH", help="the same as SPECS"
     )
@@ -357,14 +357,14 @@ def _add_edition_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_spec_option(parser: argparse.ArgumentParser, others: str = _PACKAGED_TOO) -> None:
+def _add_spec_option(parser: argparse.ArgumentParser, other_specs: str = _PACKAGED_TOO) -> None:
     parser.add_argument(
         "--specs",
         action="append",
         type=a_path,
         default=[],
         metavar="PATH",
-        help=_SPECS.format(others),
+        help=_SPECS.format(other_specs),
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
     _add_cache_option(parser)

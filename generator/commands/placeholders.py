@@ -46,16 +46,16 @@ def as_data(files: Iterable[str]) -> list[dict[str, Any]]:
 
 def notice(files: Iterable[str]) -> list[str]:
     """Return a line with the number of placeholders, and one for each. Empty if there are none."""
-    places = [f"  {item.file}:{item.line}: {item.name}" for item in placeholders_in(files)]
+    places = [f"  {placeholder.file}:{placeholder.line}: {placeholder.name}" for placeholder in placeholders_in(files)]
     return [f"{_counted(len(places))} (each has the word TODO):", *places] if places else []
 
 
 def short_notice(files: Iterable[str]) -> str:
     """Return one line with the number of placeholders and the first one, or an empty text if there are none."""
-    found = list(placeholders_in(files))
-    if not found:
+    todos = list(placeholders_in(files))
+    if not todos:
         return ""
-    return f"{_counted(len(found))}, the first at {found[0].file}:{found[0].line}; codewheel check lists them"
+    return f"{_counted(len(todos))}, the first at {todos[0].file}:{todos[0].line}; codewheel check lists them"
 
 
 def _counted(number: int) -> str:

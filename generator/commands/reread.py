@@ -64,46 +64,56 @@ def _family(specs: Sequence[Path], name: str | None, old: Manual) -> Family:
     families, report = load_families(specs)
     if report:
         raise problems(report)
-    plain = {item.device.name: item for item in families if not item.device.base}
+    plain = {family.device.name: family for family in families if not family.device.base}
     if name is not None:
         if name.lower() not in plain:
             raise Stop(f"'{name}' is not a family; known: {', '.join(plain)}", 2)
         return plain[name.lower()]
     cover = {word.casefold() for section in old.sections[:1] for word in section.words}
-    found = [item for item in plain.values() if cover >= set(WORD.findall(item.device.manual.title.casefold()))]
-    if len(found) != 1:
-        wrong = "its first page names none of the families" if not found else "its first page names several families"
-        known = ", ".join(plain)
-        raise Stop(f"cannot tell which family this manual describes: {wrong}; add --family NAME, one of {known}", 2)
-    return found[0]
+    named_families = [
+        family for family in plain.values() if cover >= set(WORD.findall(family.device.manual.title.casefold()))
+    ]
+    if len(named_families) != 1:
+        problem = (
+            "its first page names none of the families"
+            if not named_families
+            else "its first page names several families"
+        )
+        known_names = ", ".join(plain)
+        raise Stop(
+            f"cannot tell which family this manual describes: {problem}; add --family NAME, one of {known_names}", 2
+        )
+    return named_families[0]
 
 
 def _without_number(family: Family) -> Mapping[int, str]:
     """Return the sections without a number by their pages, because their titles depend on the language."""
     contents = family.document.data["manual"].get("contents", {})
-    return {item["page"]: title for title, item in contents.items() if not title[0].isdigit() and "page" in item}
+    return {
+        heading["page"]: title for title, heading in contents.items() if not title[0].isdigit() and "page" in heading
+    }
 
 
 def _touched(passage: Passage, facts: Sequence[Citing], old: Manual, without_number: Mapping[int, str]) -> _Touched:
     sections = {passage.section.number} | old.without_heading_after(passage.section.number)
     sections.add(without_number.get(passage.section.page or 0, passage.section.number))
-    here = [fact for fact in facts if fact.is_at(sections, passage)]
-    return _Touched(passage, ranked(here, passage), len(here))
+    section_facts = [fact for fact in facts if fact.is_at(sections, passage)]
+    return _Touched(passage, ranked(section_facts, passage), len(section_facts))
 
 
 def _as_text(family: Family, touched: Sequence[_Touched], facts: Sequence[Citing], by_words: bool) -> Iterator[str]:
-    how = "" if by_words else "; the texts have few words in common, so only numbers are compared"
-    yield f"facts of {family.document.file}{how}"
+    compared_note = "" if by_words else "; the texts have few words in common, so only numbers are compared"
+    yield f"facts of {family.document.file}{compared_note}"
     if not touched:
         yield "no difference"
         return
     section = ""
-    for item in touched:
-        if item.passage.section.shown != section:
-            section = item.passage.section.shown
+    for touched_passage in touched:
+        if touched_passage.passage.section.shown != section:
+            section = touched_passage.passage.section.shown
             yield f"\n{section}"
-        yield from _passage(item)
-    sections = {item.passage.section.number for item in touched}
+        yield from _passage(touched_passage)
+    sections = {touched_passage.passage.section.number for touched_passage in touched}
     citing_them = sum(1 for fact in facts if fact.sections & sections)
     yield ""
     places = f"{counted(len(touched), 'passage')} in {counted(len(sections), 'section')}"
@@ -111,22 +121,22 @@ def _as_text(family: Family, touched: Sequence[_Touched], facts: Sequence[Citing
     yield _CANNOT
 
 
-def _passage(item: _Touched) -> Iterator[str]:
+def _passage(touched_passage: _Touched) -> Iterator[str]:
     yield ""
-    for name, text in zip(("old", "new"), item.passage.shown, strict=True):
+    for name, text in zip(("old", "new"), touched_passage.passage.shown, strict=True):
         if text:
             yield f"  {name}: {text if len(text) <= _LONGEST else text[: _LONGEST - 3] + '...'}"
-    if not item.here:
+    if not touched_passage.here:
         yield "  no fact in the spec cites this place"
         return
-    shown = item.facts[:_MOST_FACTS]
-    yield from (f"  {fact.shown}" for fact in shown)
-    if item.here > len(shown):
-        yield f"  {_others(item.here - len(shown), bool(shown))}"
+    listed_facts = touched_passage.facts[:_MOST_FACTS]
+    yield from (f"  {fact.shown}" for fact in listed_facts)
+    if touched_passage.here > len(listed_facts):
+        yield f"  {_others(touched_passage.here - len(listed_facts), bool(listed_facts))}"
 
 
-def _others(number: int, more: bool) -> str:
-    return f"and {counted(number, 'other fact' if more else 'fact')} from this section"
+def _others(number: int, are_some_listed: bool) -> str:
+    return f"and {counted(number, 'other fact' if are_some_listed else 'fact')} from this section"
 
 
 def _as_data(family: Family, touched: Sequence[_Touched], by_words: bool) -> Mapping[str, Any]:
@@ -136,14 +146,14 @@ def _as_data(family: Family, touched: Sequence[_Touched], by_words: bool) -> Map
         "compared": "words" if by_words else "numbers",
         "passages": [
             {
-                "section": item.passage.section.number,
-                "title": item.passage.section.title,
-                "old": " ".join(item.passage.old),
-                "new": " ".join(item.passage.new),
-                "facts": _listed(item.facts),
-                "facts_of_section": item.here,
+                "section": touched_passage.passage.section.number,
+                "title": touched_passage.passage.section.title,
+                "old": " ".join(touched_passage.passage.old),
+                "new": " ".join(touched_passage.passage.new),
+                "facts": _listed(touched_passage.facts),
+                "facts_of_section": touched_passage.here,
             }
-            for item in touched
+            for touched_passage in touched
         ],
     }
 
@@ -163,12 +173,14 @@ def run_facts(chosen: argparse.Namespace) -> int:
     families, report = load_families(chosen.specs)
     if report:
         raise problems(report)
-    found = next((item for item in families if item.device.name == chosen.family.lower()), None)
-    if found is None:
-        raise Stop(f"'{chosen.family}' is not a family; known: {', '.join(item.device.name for item in families)}", 2)
+    cited_family = next((family for family in families if family.device.name == chosen.family.lower()), None)
+    if cited_family is None:
+        raise Stop(
+            f"'{chosen.family}' is not a family; known: {', '.join(family.device.name for family in families)}", 2
+        )
     facts = [
         fact
-        for fact in citing(found.document)
+        for fact in citing(cited_family.document)
         if (chosen.page is None or chosen.page in fact.pages)
         and (chosen.section is None or chosen.section in fact.sections)
     ]

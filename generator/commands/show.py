@@ -34,17 +34,23 @@ def device_text(device: Device) -> str:
     ]
     for part in device.order_code.parts:
         lines.append(wrapped(part.meaning, WIDTH, "    ", f"  {part.name}: "))
-        lines += pairs([(item.text, item.meaning) for item in part.values], 4)
-        lines += [wrapped(BY_NAME.sentence(item), WIDTH, "      ", "    ") for item in open_values(part)]
+        lines += pairs([(part_value.text, part_value.meaning) for part_value in part.values], 4)
+        lines += [wrapped(BY_NAME.sentence(open_value), WIDTH, "      ", "    ") for open_value in open_values(part)]
     for spelled in device.order_code.also_written:
         lines.append(wrapped(BY_NAME.sentence(spelling(spelled)), WIDTH, "    ", "  "))
     lines += ["", "Parameters"]
-    lines += pairs([(item.name, BY_NAME.paragraph(parameter(device, item))) for item in device.parameters], 2)
+    lines += pairs(
+        [
+            (device_parameter.name, BY_NAME.paragraph(parameter(device, device_parameter)))
+            for device_parameter in device.parameters
+        ],
+        2,
+    )
     lines += alternative_lines(device)
     lines += _position(
-        [("", device.measurement), *((item.title, item.measurement) for item in device.interfaces)], None
+        [("", device.measurement), *((interface.title, interface.measurement) for interface in device.interfaces)], None
     )
-    lines += [line for item in device.interfaces for line in _own_ranges(device, item.name, None)]
+    lines += [line for interface in device.interfaces for line in _own_ranges(device, interface.name, None)]
     for interface in device.interfaces:
         lines += ["", *interface_lines(device, interface)]
         for layout in interface.layouts:
@@ -55,51 +61,74 @@ def device_text(device: Device) -> str:
 def variant_text(device: Device, match: Match) -> str:
     """Return the text about an order code: its interface, widths, frames, registers and limits."""
     variant = match.variant
-    here = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
+    reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
     lines = [wrapped(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, "  ", "")]
     lines += [*label_differences(device, match), *_manual(device), *_parameters(device, variant)]
-    lines += alternative_lines(here)
+    lines += alternative_lines(reduced_device)
     lines += _position([("", device.measurement_of(variant.interface))], variant.parameters)
-    lines += _own_ranges(here, variant.interface, variant.parameters)
-    interface = here.interface(variant.interface)
-    lines += ["", *interface_lines(here, with_output_code(interface, variant))]
+    lines += _own_ranges(reduced_device, variant.interface, variant.parameters)
+    interface = reduced_device.interface(variant.interface)
+    lines += ["", *interface_lines(reduced_device, with_output_code(interface, variant))]
     for layout in interface.layouts:
-        lines += ["", *frame_lines(here, layout, variant)]
-    return "\n".join([*lines, *register_lines(here, variant), *_inputs_and_procedures(here), *_errata(here)])
+        lines += ["", *frame_lines(reduced_device, layout, variant)]
+    return "\n".join(
+        [
+            *lines,
+            *register_lines(reduced_device, variant),
+            *_inputs_and_procedures(reduced_device),
+            *_errata(reduced_device),
+        ]
+    )
 
 
 def _manual(device: Device) -> list[str]:
     manual = device.manual
     date = f" of {manual.date}" if manual.date else ""
     origin = f"from the manual {manual.title}, revision {manual.revision}{date}, in {language(manual.language)}"
-    said = [BY_NAME.sentence(item) for item in (grade(device), *says_origin(device))]
+    statements = [BY_NAME.sentence(statement) for statement in (grade(device), *says_origin(device))]
     if device.editions:
-        said.append(f"--edition shows the others: {', '.join(item.revision for item in device.editions)}")
-    return [wrapped(line, WIDTH, "  ") for line in (origin, *said)]
+        statements.append(f"--edition shows the others: {', '.join(edition.revision for edition in device.editions)}")
+    return [wrapped(line, WIDTH, "  ") for line in (origin, *statements)]
 
 
 def _parameters(device: Device, variant: Variant) -> list[str]:
     """Return the lines about parameters that the order code sets and those held in registers."""
-    shown = parameters_of(device, variant.interface)
+    shown_parameters = parameters_of(device, variant.interface)
     at_run_time = run_time_names(device)
-    fixed = [item for item in shown if item.name not in at_run_time and not item.alternative]
-    held = [item for item in shown if item.name in at_run_time]
+    fixed = [
+        device_parameter
+        for device_parameter in shown_parameters
+        if device_parameter.name not in at_run_time and not device_parameter.alternative
+    ]
+    held_parameters = [
+        device_parameter for device_parameter in shown_parameters if device_parameter.name in at_run_time
+    ]
     lines = ["", "Parameters", *_values(device, fixed, variant)] if fixed else []
-    if held:
-        lines += ["", f"Held in registers ({initial(device)})", *_values(device, held, variant)]
-        addresses = dict.fromkeys(device.register(item.register).address for item in held if item.read_from)
+    if held_parameters:
+        lines += ["", f"Held in registers ({initial(device)})", *_values(device, held_parameters, variant)]
+        addresses = dict.fromkeys(
+            device.register(device_parameter.register).address
+            for device_parameter in held_parameters
+            if device_parameter.read_from
+        )
         example = f"--register 0x{next(iter(addresses)):02X}=0x.."
         lines.append(wrapped(f"decode accepts other values, one byte at a time: {example}", WIDTH, "  ", "  "))
     return lines
 
 
 def _values(device: Device, parameters: Sequence[Parameter], variant: Variant) -> list[str]:
-    names = max(len(item.name) for item in parameters)
-    shown = {item.name: value(item, variant.parameters[item.name]) for item in parameters}
-    numbers = max(map(len, shown.values()))
+    names = max(len(device_parameter.name) for device_parameter in parameters)
+    value_texts = {
+        device_parameter.name: value(device_parameter, variant.parameters[device_parameter.name])
+        for device_parameter in parameters
+    }
+    numbers = max(map(len, value_texts.values()))
     rows = (
-        (f"{item.name.ljust(names)}  {shown[item.name].ljust(numbers)}", BY_NAME.paragraph(parameter(device, item)))
-        for item in parameters
+        (
+            f"{device_parameter.name.ljust(names)}  {value_texts[device_parameter.name].ljust(numbers)}",
+            BY_NAME.paragraph(parameter(device, device_parameter)),
+        )
+        for device_parameter in parameters
     )
     return pairs(rows, 2)
 
@@ -109,16 +138,16 @@ def _position(
 ) -> list[str]:
     style = at(parameters) if parameters is not None else BY_NAME
     rows = []
-    for over, item in measurements:
-        if item is None:
+    for title, interface_measurement in measurements:
+        if interface_measurement is None:
             continue
-        counts = style.phrase(measurement(item))
-        step = item.micrometres(parameters) if parameters is not None else None
-        if step is not None and item.modulus is not None and parameters is not None:
-            millimetres = step * item.modulus.value(parameters) / 1000
+        counts = style.phrase(measurement(interface_measurement))
+        step = interface_measurement.micrometres(parameters) if parameters is not None else None
+        if step is not None and interface_measurement.modulus is not None and parameters is not None:
+            millimetres = step * interface_measurement.modulus.value(parameters) / 1000
             places = "" if 1000 % millimetres.denominator else f"{float(millimetres):,.3f}"
             counts += f", {places or decimal(millimetres)} mm in total"
-        rows.append((over or item.of, f"{counts}  [{cite(item.source)}]"))
+        rows.append((title or interface_measurement.of, f"{counts}  [{cite(interface_measurement.source)}]"))
     return ["", "Position", *pairs(rows, 2)] if rows else []
 
 
@@ -127,8 +156,8 @@ def _own_ranges(device: Device, interface: str, parameters: Mapping[str, int] | 
     style = at(parameters) if parameters is not None else BY_NAME
     return pairs(
         (
-            (f"in {name}", f"{style.phrase(position_range(item))}  [{cite(item.source)}]")
-            for name, item in own_ranges(device, interface)
+            (f"in {name}", f"{style.phrase(position_range(layout_range))}  [{cite(layout_range.source)}]")
+            for name, layout_range in own_ranges(device, interface)
         ),
         2,
     )
@@ -140,22 +169,31 @@ def _listed(title: str, rows: Sequence[tuple[str, str, Sources]]) -> list[str]:
 
 
 def _inputs_and_procedures(device: Device) -> list[str]:
-    inputs = _listed("Inputs", [(item.name, item.meaning, item.source) for item in device.inputs])
-    return inputs + _listed("Procedures", [(item.name, item.title, item.source) for item in device.procedures])
+    inputs = _listed(
+        "Inputs",
+        [(hardware_input.name, hardware_input.meaning, hardware_input.source) for hardware_input in device.inputs],
+    )
+    return inputs + _listed(
+        "Procedures", [(procedure.name, procedure.title, procedure.source) for procedure in device.procedures]
+    )
 
 
 def _errata(device: Device) -> list[str]:
     """Return the errata in full, except those about wording, which are only counted."""
-    found = [item for item in device.errata if item.severity != "wording"]
+    detailed_errata = [erratum for erratum in device.errata if erratum.severity != "wording"]
     if not device.errata:
         return []
     lines = ["", "Errata of the manual"]
-    for item in found:
-        head, *parts = BY_NAME.lines(erratum(item, whole=True))
+    for listed_erratum in detailed_errata:
+        head, *parts = BY_NAME.lines(erratum(listed_erratum, whole=True))
         lines += [wrapped(head, WIDTH, "    ", "  "), *(wrapped(line, WIDTH, "      ", "    ") for line in parts)]
-    more = len(device.errata) - len(found)
+    wording_count = len(device.errata) - len(detailed_errata)
     return lines + (
-        [wrapped(f"and {more} about wording only, listed by --json and the documentation", WIDTH, "    ", "  ")]
-        if more
+        [
+            wrapped(
+                f"and {wording_count} about wording only, listed by --json and the documentation", WIDTH, "    ", "  "
+            )
+        ]
+        if wording_count
         else []
     )

@@ -29,7 +29,7 @@ def at(parameters: Mapping[str, int]) -> Style:
 def interface_lines(device: Device, interface: Interface) -> list[str]:
     """Return the lines about one interface: clock, times, port, data IDs."""
     facts = say_interface.facts(device, interface)
-    rows = [(item.label, f"{BY_NAME.phrase(item)}  {BY_NAME.cited(item.source)}") for item in facts]
+    rows = [(fact.label, f"{BY_NAME.phrase(fact)}  {BY_NAME.cited(fact.source)}") for fact in facts]
     return [f"{interface.title}  [{cite(interface.source)}]", *pairs(rows, 2)]
 
 
@@ -39,23 +39,23 @@ def interface_lines(device: Device, interface: Interface) -> list[str]:
 def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[str]:
     """Return the lines about a frame of a family: its fields with their widths, one line per group."""
     rows: dict[str, list[str]] = {}
-    for item in layout.fields:
-        width = item.width.constant if item.width.is_constant else item.width.render()
-        rows.setdefault(item.group or item.name, []).append(
-            f"{item.name} {width}" if item.group else counted(width, "bit") + _fixed(item)
+    for layout_field in layout.fields:
+        width = layout_field.width.constant if layout_field.width.is_constant else layout_field.width.render()
+        rows.setdefault(layout_field.group or layout_field.name, []).append(
+            f"{layout_field.name} {width}" if layout_field.group else counted(width, "bit") + _fixed(layout_field)
         )
     return [
         wrapped(
             BY_NAME.sentence(say_layout.head(interface, layout, layout.name, device.alternatives)), WIDTH, "    ", "  "
         ),
         *pairs(((name, ", ".join(parts)) for name, parts in rows.items()), 4),
-        *(wrapped(BY_NAME.sentence(item), WIDTH, "      ", "    ") for item in say_layout.facts(interface, layout)),
-        *(wrapped(BY_NAME.sentence(item), WIDTH, "      ", "    ") for item in needs(device, layout)),
+        *(wrapped(BY_NAME.sentence(fact), WIDTH, "      ", "    ") for fact in say_layout.facts(interface, layout)),
+        *(wrapped(BY_NAME.sentence(need), WIDTH, "      ", "    ") for need in needs(device, layout)),
     ]
 
 
-def _fixed(item: Field) -> str:
-    match item.kind:
+def _fixed(layout_field: Field) -> str:
+    match layout_field.kind:
         case Constant(value):
             return f", always {field.short(value)}"
         case Unused(value):
@@ -73,10 +73,13 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
         wrapped(style.sentence(say_layout.head(interface, layout, name, device.alternatives)), WIDTH, "  ", ""),
         *picture(placed),
     ]
-    notes = [style.sentence(item) for item in say_layout.carries(interface, layout)]
-    for item in device.alternatives_of(layout):
-        shown = f"The picture shows {item.answers[0].name}."
-        notes += [f"{style.sentence(said)} {shown}" for said in needs(replace(device, alternatives=(item,)), layout)]
+    notes = [style.sentence(fact) for fact in say_layout.carries(interface, layout)]
+    for alternative in device.alternatives_of(layout):
+        picture_note = f"The picture shows {alternative.answers[0].name}."
+        notes += [
+            f"{style.sentence(need)} {picture_note}"
+            for need in needs(replace(device, alternatives=(alternative,)), layout)
+        ]
     widths = run_time_widths(device, layout)
     if widths:
         notes.append(
@@ -84,8 +87,10 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
         )
     if layout.gray_of:
         names = device.needed_parameters([layout.gray_when] if layout.gray_when else [])
-        held = ", ".join(field_at(device, item.read_from) for item in device.run_time_parameters if item.name in names)
-        decided = f", according to the factory default of {held}" if held else ""
+        deciding_fields = ", ".join(
+            field_at(device, parameter.read_from) for parameter in device.run_time_parameters if parameter.name in names
+        )
+        decided = f", according to the factory default of {deciding_fields}" if deciding_fields else ""
         notes.append(f"{layout.gray_of} is in {'Gray code' if placed.gray else 'binary'}{decided}.")
     return [*lines, *(wrapped(note, WIDTH, "  ", "  ") for note in notes)]
 
@@ -108,37 +113,40 @@ def picture(placed: PlacedLayout) -> list[str]:
             )
             rows.clear()
 
-    used = 3
-    for item in placed.fields:
-        name = _box(item.field)
-        place = bit_place(placed.layout, placed.bits, item.high, item.low)
+    used_columns = 3
+    for placed_field in placed.fields:
+        name = _box(placed_field.field)
+        place = bit_place(placed.layout, placed.bits, placed_field.high, placed_field.low)
         width = max(len(name), len(place)) + 2
-        if used + width + 1 > WIDTH:
+        if used_columns + width + 1 > WIDTH:
             flush()
-            used = 3
+            used_columns = 3
         rows.append((name.center(width), place.center(width)))
-        used += width + 1
+        used_columns += width + 1
     flush()
     return lines
 
 
-def _box(item: Field) -> str:
+def _box(layout_field: Field) -> str:
     """Return the text in the box of a field: its name, a constant's value, or both."""
-    if not isinstance(item.kind, Constant):
-        return item.name
-    constant = field.short(item.kind.value)
-    return constant if item.padding_of or item.fills_gap else f"{item.name} = {constant}"
+    if not isinstance(layout_field.kind, Constant):
+        return layout_field.name
+    constant = field.short(layout_field.kind.value)
+    return constant if layout_field.padding_of or layout_field.fills_gap else f"{layout_field.name} = {constant}"
 
 
 def alternative_lines(device: Device) -> list[str]:
     """Return the questions that the manual leaves open, each with its answers."""
     lines: list[str] = []
-    for item in device.alternatives:
-        lines.append(wrapped(BY_NAME.sentence(question(item)), WIDTH, "      ", f"  {item.name}: "))
-        lines += (wrapped(BY_NAME.sentence(answer(one)), WIDTH, "      ", "    ") for one in item.answers)
-        shown = item.answers[1 if item.default else 0]
-        example = f"Give decode the answer with --choose {item.name}={shown.name}"
-        default = f"{item.default} applies without a choice. " if item.default else ""
+    for alternative in device.alternatives:
+        lines.append(wrapped(BY_NAME.sentence(question(alternative)), WIDTH, "      ", f"  {alternative.name}: "))
+        lines += (
+            wrapped(BY_NAME.sentence(answer(alternative_answer)), WIDTH, "      ", "    ")
+            for alternative_answer in alternative.answers
+        )
+        example_answer = alternative.answers[1 if alternative.default else 0]
+        example = f"Give decode the answer with --choose {alternative.name}={example_answer.name}"
+        default = f"{alternative.default} applies without a choice. " if alternative.default else ""
         lines.append(wrapped(default + example, WIDTH, "      ", "    "))
     return ["", "Left open by the manual, for you to choose", *lines] if lines else []
 
@@ -152,18 +160,18 @@ def register_lines(device: Device, variant: Variant | None) -> list[str]:
         return []
     style = at(variant.parameters) if variant is not None else BY_NAME
     lines = ["", "Registers"]
-    for item in device.registers:
-        head = style.sentence(say_register.head(device, item, item.name))
+    for register in device.registers:
+        head = style.sentence(say_register.head(device, register, register.name))
         lines += [wrapped(head, WIDTH, "    ", "  ")]
-        fields = item.layout.fields
-        facts = [*say_register.facts(device, item), *(field.rules(device, fields[0]) if len(fields) == 1 else ())]
+        fields = register.layout.fields
+        facts = [*say_register.facts(device, register), *(field.rules(device, fields[0]) if len(fields) == 1 else ())]
         lines += [wrapped(style.paragraph(facts), WIDTH, "    ")] if facts else []
         if variant is not None and len(fields) > 1:
-            placed = item.layout.place(variant.parameters)
+            placed = register.layout.place(variant.parameters)
             lines += pairs(
                 ((bits(part.high, part.low), _field(device, part.field, style)) for part in placed.fields), 4
             )
-        lines += pairs(((hexadecimal(choice.value), _choice(choice)) for choice in item.values), 4)
+        lines += pairs(((hexadecimal(choice.value), _choice(choice)) for choice in register.values), 4)
     return lines
 
 
@@ -173,7 +181,7 @@ def _choice(choice: Value) -> str:
     return f"{choice.name}: {meaning}" if meaning else choice.name
 
 
-def _field(device: Device, item: Field, style: Style) -> str:
-    rules = field.rules(device, item)
-    text = style.paragraph([field.choices(item.values), *rules] if item.values else rules)
-    return f"{item.name}: {text}" if text else item.name
+def _field(device: Device, register_field: Field, style: Style) -> str:
+    rules = field.rules(device, register_field)
+    text = style.paragraph([field.choices(register_field.values), *rules] if register_field.values else rules)
+    return f"{register_field.name}: {text}" if text else register_field.name

@@ -33,7 +33,9 @@ class _Dumper(yaml.SafeDumper):
     """A writer of YAML that spells such numbers with 0x."""
 
 
-_Dumper.add_representer(_Hexadecimal, lambda made, item: made.represent_scalar("tag:yaml.org,2002:int", f"{item:#04x}"))
+_Dumper.add_representer(
+    _Hexadecimal, lambda dumper, number: dumper.represent_scalar("tag:yaml.org,2002:int", f"{number:#04x}")
+)
 
 
 def offers(olds: Sequence[Family], news: Sequence[Family], changes: Sequence[Change]) -> Iterator[str]:
@@ -41,83 +43,98 @@ def offers(olds: Sequence[Family], news: Sequence[Family], changes: Sequence[Cha
 
     Renamed items are still there, except options of the order code: labels of older encoders have the old text.
     """
-    renamed = {(item.family, item.old) for item in changes if item.rule.name.endswith("-renamed")}
-    before = {family.device.name: family for family in olds}
+    renamed = {(change.family, change.old) for change in changes if change.rule.name.endswith("-renamed")}
+    old_families = {family.device.name: family for family in olds}
     for family in news:
-        old = before.get(family.device.name)
+        old = old_families.get(family.device.name)
         if old is None or old.device.manual.revision == family.device.manual.revision:
             continue
-        known = {item for name, item in renamed if name == family.device.name and isinstance(item, str)}
-        if entries := list(_entries(old, family, known)):
+        renamed_names = {
+            old_name for name, old_name in renamed if name == family.device.name and isinstance(old_name, str)
+        }
+        if entries := list(_entries(old, family, renamed_names)):
             yield "\n".join(_offer(old, family, entries))
 
 
 def _offer(old: Family, new: Family, entries: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     name, revision = new.device.name, new.device.manual.revision
-    begin = f"{name}: edition {revision} removed these items. To keep them for older encoders, add to its spec"
-    history = [item["revision"] for item in new.document.data["manual"].get("history", ())]
+    introduction = f"{name}: edition {revision} removed these items. To keep them for older encoders, add to its spec"
+    history = [history_row["revision"] for history_row in new.document.data["manual"].get("history", ())]
     if revision not in history[1:]:
         yield f"{name}: give the revisions in the history of the manual, under '{'history' if history else 'manual'}':"
         yield ""
         if not history:
             yield "  history:"
-        for item in (manual for manual in (old.device.manual, new.device.manual) if manual.revision not in history):
-            row = {"revision": item.revision, **({"date": item.date} if item.date else {}), "changes": "Not listed"}
+        for listed_manual in (
+            manual for manual in (old.device.manual, new.device.manual) if manual.revision not in history
+        ):
+            row = {
+                "revision": listed_manual.revision,
+                **({"date": listed_manual.date} if listed_manual.date else {}),
+                "changes": "Not listed",
+            }
             yield f"    - {_in_one_line(row)}"
         yield ""
     has_editions = "editions" in new.document.data
-    yield f"{begin}{', under its editions' * has_editions}, with their source:"
+    yield f"{introduction}{', under its editions' * has_editions}, with their source:"
     yield ""
     if not has_editions:
         yield "editions:"
     yield f"  - revision: {_in_one_line([revision])[1:-1]}"
     yield "    before:"
-    yield from (f"      - {_in_one_line(item)}" for item in entries)
+    yield from (f"      - {_in_one_line(edition_change)}" for edition_change in entries)
 
 
 def _entries(old: Family, new: Family, renamed: Container[str]) -> Iterator[Mapping[str, Any]]:
     """Yield the changes that lead from the new edition to the old one."""
-    before, after = old.document.data, new.document.data
-    has, lacks = old.device.manual.revision, new.device.manual.revision
-    gone = [
-        (place, item)
-        for place, item in _gone(before, after, "")
-        if (label_of(item) or place.rpartition(".")[2]) not in renamed
+    old_data, new_data = old.document.data, new.document.data
+    old_revision, new_revision = old.device.manual.revision, new.device.manual.revision
+    removed_parts = [
+        (place, spec_part)
+        for place, spec_part in _gone(old_data, new_data, "")
+        if (label_of(spec_part) or place.rpartition(".")[2]) not in renamed
     ]
-    removed = f"Edition {has} has it, edition {lacks} does not"
-    sources = {place: _source(before, place, item) for place, item in gone}
-    yield from ({"add": place, "value": item, "why": removed, "source": sources[place]} for place, item in gone)
-    options = [(place, item) for place, item in gone if _OPTION.fullmatch(place)]
+    removed = f"Edition {old_revision} has it, edition {new_revision} does not"
+    sources = {place: _source(old_data, place, spec_part) for place, spec_part in removed_parts}
+    yield from (
+        {"add": place, "value": spec_part, "why": removed, "source": sources[place]}
+        for place, spec_part in removed_parts
+    )
+    options = [(place, spec_part) for place, spec_part in removed_parts if _OPTION.fullmatch(place)]
     if not options:
         return
     source = sources[options[0][0]]
-    labels = [label for place, item in options for label in _other_labels(place, item, before, after)]
+    labels = [label for place, spec_part in options for label in _other_labels(place, spec_part, old_data, new_data)]
     for place in labels:
-        yield {"remove": place, "why": f"Edition {lacks} has this label for it", "source": source}
-    examples = {item["name"] for item in before.get("examples", ())}
-    codes = {item.code for item in new.device.variants if any(_selects(item, place) for place in labels)}
-    for item in after.get("examples", ()):
-        if item["name"] not in examples and item.get("order_code") in codes:
-            yield {"remove": f"examples.{item['name']}", "why": f"Edition {has} lacks its order code", "source": source}
-    for place, value in _references(before, after, ""):
-        yield {"set": place, "to": value, "why": f"Order codes of edition {has}", "source": source}
+        yield {"remove": place, "why": f"Edition {new_revision} has this label for it", "source": source}
+    examples = {example["name"] for example in old_data.get("examples", ())}
+    codes = {variant.code for variant in new.device.variants if any(_selects(variant, place) for place in labels)}
+    for example in new_data.get("examples", ()):
+        if example["name"] not in examples and example.get("order_code") in codes:
+            yield {
+                "remove": f"examples.{example['name']}",
+                "why": f"Edition {old_revision} lacks its order code",
+                "source": source,
+            }
+    for place, value in _references(old_data, new_data, ""):
+        yield {"set": place, "to": value, "why": f"Order codes of edition {old_revision}", "source": source}
 
 
-def _source(data: Any, place: str, item: Any) -> str:
+def _source(data: Any, place: str, spec_part: Any) -> str:
     """Return the source of an item if that is a document other than the manual, else the table of revisions."""
     source, node = "", data
     for step in steps_of(place):
-        inside = {label_of(item): item for item in node} if isinstance(node, list) else node
-        node = inside.get(step, {}) if isinstance(inside, dict) else {}
+        children = {label_of(child): child for child in node} if isinstance(node, list) else node
+        node = children.get(step, {}) if isinstance(children, dict) else {}
         source = node.get("source", source) if isinstance(node, dict) else source
-    source = item.get("source", source) if isinstance(item, dict) else source
+    source = spec_part.get("source", source) if isinstance(spec_part, dict) else source
     return source if ":" in source else "Document release"
 
 
-def _other_labels(place: str, old: Any, before: Any, after: Any) -> Iterator[str]:
+def _other_labels(place: str, old: Any, old_data: Any, new_data: Any) -> Iterator[str]:
     """Yield the option that only the new edition has, if it differs from a removed one only in its label."""
     holder, _, _ = place.rpartition(".")
-    olds, news = (value_at(data, resolve(data, holder)) for data in (before, after))
+    olds, news = (value_at(data, resolve(data, holder)) for data in (old_data, new_data))
     for label, new in news.items():
         if label not in olds and _meant(new) == _meant(old):
             yield f"{holder}.{label}"
@@ -139,49 +156,49 @@ def _references(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:
     """Yield the places in both editions that refer to different order codes, and the value in the old one."""
     if isinstance(old, dict) and isinstance(new, dict):
         for key in [key for key in old if key in new]:
-            further = f"{place}.{key}".removeprefix(".")
+            child_place = f"{place}.{key}".removeprefix(".")
             if place and (key in _REFERENCES or (key == "values" and "also_written" in place)):
-                yield from [(further, old[key])] if old[key] != new[key] else []
+                yield from [(child_place, old[key])] if old[key] != new[key] else []
             elif place or key not in _APART - {"examples"}:
-                yield from _references(old[key], new[key], further)
+                yield from _references(old[key], new[key], child_place)
     elif isinstance(old, list) and isinstance(new, list):
-        named = {label_of(item): item for item in old}
-        for index, item in enumerate(new):
-            label = label_of(item)
+        children_by_label = {label_of(child): child for child in old}
+        for index, child in enumerate(new):
+            label = label_of(child)
             step = f"[{index + 1}]" if label is None else f".{label}"
-            other = named.get(label) if label is not None else old[index] if index < len(old) else None
-            yield from _references(other, item, f"{place}{step}")
+            old_child = children_by_label.get(label) if label is not None else old[index] if index < len(old) else None
+            yield from _references(old_child, child, f"{place}{step}")
 
 
 def _gone(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:
     """Yield the removed items: the place to add each to, and the item."""
     if isinstance(old, dict) and isinstance(new, dict):
-        for key, item in old.items():
-            further = f"{place}.{key}".removeprefix(".")
+        for key, child in old.items():
+            child_place = f"{place}.{key}".removeprefix(".")
             if key in new and key not in _APART:
-                yield from _gone(item, new[key], further)
+                yield from _gone(child, new[key], child_place)
             elif key not in new and place.rpartition(".")[2] in _MAPS:
-                yield further, item
+                yield child_place, child
     elif isinstance(old, list) and isinstance(new, list):
-        kept = {label_of(item): item for item in new}
-        for item in old:
-            name = label_of(item)
-            if name in kept:
-                yield from _gone(item, kept[name], f"{place}.{name}")
+        new_children = {label_of(child): child for child in new}
+        for child in old:
+            name = label_of(child)
+            if name in new_children:
+                yield from _gone(child, new_children[name], f"{place}.{name}")
             elif name is not None:
-                yield place, item
+                yield place, child
 
 
-def _in_one_line(item: Any) -> str:
+def _in_one_line(node: Any) -> str:
     text: str = yaml.dump(
-        _spelled(item), Dumper=_Dumper, default_flow_style=True, width=_WIDTH, sort_keys=False, allow_unicode=True
+        _spelled(node), Dumper=_Dumper, default_flow_style=True, width=_WIDTH, sort_keys=False, allow_unicode=True
     )
     return text.strip()
 
 
-def _spelled(item: Any, key: str = "") -> Any:
-    if isinstance(item, dict):
-        return {name: _spelled(value, name) for name, value in item.items()}
-    if isinstance(item, list):
-        return [_spelled(value) for value in item]
-    return _Hexadecimal(item) if key in HEXADECIMAL and type(item) is int else item
+def _spelled(node: Any, key: str = "") -> Any:
+    if isinstance(node, dict):
+        return {name: _spelled(value, name) for name, value in node.items()}
+    if isinstance(node, list):
+        return [_spelled(value) for value in node]
+    return _Hexadecimal(node) if key in HEXADECIMAL and type(node) is int else node

@@ -71,17 +71,23 @@ def variant_dump(device: Device, match: Match) -> Item:
         "special": match.special,
         "written_as_in": match.written_as_in,
     }
-    here = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
-    parameters = tuple(item for item in here.parameters if item.interface in ("", variant.interface))
-    here = replace(here, parameters=parameters, measurement=here.measurement_of(variant.interface))
-    own = replace(variant, parameters=_own_parameters(device, variant))
-    return _Dump(here, variant).whole((own,), own.parameters, label)
+    reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
+    parameters = tuple(
+        parameter for parameter in reduced_device.parameters if parameter.interface in ("", variant.interface)
+    )
+    reduced_device = replace(
+        reduced_device, parameters=parameters, measurement=reduced_device.measurement_of(variant.interface)
+    )
+    own_variant = replace(variant, parameters=_own_parameters(device, variant))
+    return _Dump(reduced_device, variant).whole((own_variant,), own_variant.parameters, label)
 
 
 def _own_parameters(device: Device, variant: Variant) -> dict[str, int]:
     """Return the parameters of an order code, without those that belong to another interface."""
-    others = {item.name for item in device.parameters if item.interface not in ("", variant.interface)}
-    return {name: value for name, value in variant.parameters.items() if name not in others}
+    foreign_names = {
+        parameter.name for parameter in device.parameters if parameter.interface not in ("", variant.interface)
+    }
+    return {name: value for name, value in variant.parameters.items() if name not in foreign_names}
 
 
 @dataclass(frozen=True)
@@ -121,24 +127,26 @@ class _Dump:
             "parameter_definitions": self.plain(self.device.parameters, source),
             "alternatives": self.plain(self.device.alternatives, ()),
             "order_code_grammar": self.plain(self.device.order_code, ()),
-            "order_codes": [self.plain(item, source) | _cited(source) for item in variants],
+            "order_codes": [self.plain(variant, source) | _cited(source) for variant in variants],
         }
 
     def _talk(self) -> Item:
         """Return the frames and registers with their meanings."""
         device = self.device
         return {
-            "interfaces": {item.name: self._interface(item) for item in device.interfaces},
+            "interfaces": {interface.name: self._interface(interface) for interface in device.interfaces},
             "layouts": [
-                self._layout(layout, item.name, item.source) for item in device.interfaces for layout in item.layouts
+                self._layout(layout, interface.name, interface.source)
+                for interface in device.interfaces
+                for layout in interface.layouts
             ],
             "field_groups": self.plain(device.field_groups, ()),
-            "registers": [self._register(item) for item in device.registers],
+            "registers": [self._register(register) for register in device.registers],
             "crcs": self.plain(device.crcs, ()),
             "alarms": self.plain(device.alarms, ()),
             "procedures": [
-                self.plain(item, ()) | {"steps": [self._step(step, item.source) for step in item.steps]}
-                for item in device.procedures
+                self.plain(procedure, ()) | {"steps": [self._step(step, procedure.source) for step in procedure.steps]}
+                for procedure in device.procedures
             ],
             "timings": self._timings(),
         }
@@ -153,9 +161,10 @@ class _Dump:
             "leds": self.plain(device.leds, ()),
             "characteristics": self.plain(device.characteristics, ()),
             "tables": [
-                self.plain(item, ()) | {"rows": [{"cells": list(row)} for row in item.rows]} for item in device.tables
+                self.plain(table, ()) | {"rows": [{"cells": list(row)} for row in table.rows]}
+                for table in device.tables
             ],
-            "examples": [self._example(item) for item in device.examples],
+            "examples": [self._example(example) for example in device.examples],
             "errata": self.plain(device.errata, ()),
             "lost_figures": self.plain(device.lost_figures, ()),
             "supply": self.plain(device.supply, ()),
@@ -170,21 +179,23 @@ class _Dump:
         if isinstance(value, bytes):
             return value.hex(" ").upper()
         if isinstance(value, Mapping):
-            return {key: self.plain(item, inherited) for key, item in value.items()}
+            return {key: self.plain(member, inherited) for key, member in value.items()}
         if isinstance(value, tuple):
-            return [self.plain(item, inherited) for item in value]
+            return [self.plain(member, inherited) for member in value]
         if not is_dataclass(value) or isinstance(value, type):
             return value
-        own: Sources = getattr(value, "source", ()) or inherited
+        own_sources: Sources = getattr(value, "source", ()) or inherited
         part = PARTS_BY_CLASS.get(type(value).__name__)
         if part is None:
-            return {item.name: self.plain(getattr(value, item.name), own) for item in fields(value)} | _cited(own)
-        made = {
-            item.name: self._member(item, getattr(value, item.attribute), own)
-            for item in part.members
-            if item.shape and hasattr(value, item.attribute)
+            return {
+                attribute.name: self.plain(getattr(value, attribute.name), own_sources) for attribute in fields(value)
+            } | _cited(own_sources)
+        plain_members = {
+            member.name: self._member(member, getattr(value, member.attribute), own_sources)
+            for member in part.members
+            if member.shape and hasattr(value, member.attribute)
         }
-        return made | _cited(own) if part.is_sourced else made
+        return plain_members | _cited(own_sources) if part.is_sourced else plain_members
 
     def _member(self, member: Member, value: Any, inherited: Sources) -> Any:
         """Return a member as plain data. A missing word is an empty text."""
@@ -196,36 +207,36 @@ class _Dump:
         return expression.constant if expression.is_constant else expression.render()
 
     def _interface(self, interface: Interface) -> Item:
-        made: Item = self.plain(interface, interface.source)
+        interface_data: Item = self.plain(interface, interface.source)
         for name, word in (("alignment", "end"), ("output_code", "code")):
-            said = made.pop(name, None)
-            if said is not None:
-                made |= {name: said[word], f"{name}_source": said["source"]}
-        made["kind"] = interface.name
-        return filled(made | {"layouts": [layout.name for layout in interface.layouts]}, "interface")
+            property_data = interface_data.pop(name, None)
+            if property_data is not None:
+                interface_data |= {name: property_data[word], f"{name}_source": property_data["source"]}
+        interface_data["kind"] = interface.name
+        return filled(interface_data | {"layouts": [layout.name for layout in interface.layouts]}, "interface")
 
     def _layout(self, layout: Layout, interface: str, inherited: Sources) -> Item:
-        own = layout.source or inherited
-        made: Item = self.plain(replace(layout, fields=()), own)
-        made |= {"carried_as": layout.carried_as, "interface": interface}
-        made["alternatives"] = [item.name for item in self.device.alternatives_of(layout)]
-        made["join"] = [self._join(item, layout) | _cited(own) for item in layout.joins]
-        made["fields"] = self._fields(layout, own)
-        return made
+        own_sources = layout.source or inherited
+        layout_data: Item = self.plain(replace(layout, fields=()), own_sources)
+        layout_data |= {"carried_as": layout.carried_as, "interface": interface}
+        layout_data["alternatives"] = [alternative.name for alternative in self.device.alternatives_of(layout)]
+        layout_data["join"] = [self._join(join, layout) | _cited(own_sources) for join in layout.joins]
+        layout_data["fields"] = self._fields(layout, own_sources)
+        return layout_data
 
     def _fields(self, layout: Layout, inherited: Sources) -> list[Item]:
         if self.variant is None:
-            return [self._field(item, item.low + item.width - Expression(1), inherited) for item in layout.fields]
+            return [self._field(field, field.low + field.width - Expression(1), inherited) for field in layout.fields]
         placed = layout.place(self.variant.parameters)
-        return [self._field(item.field, Expression(item.high), inherited) for item in placed.fields]
+        return [self._field(field.field, Expression(field.high), inherited) for field in placed.fields]
 
     def _field(self, field: Field, high: Expression, inherited: Sources) -> Item:
-        made: Item = self.plain(replace(field, kind=Number()), inherited)
+        field_data: Item = self.plain(replace(field, kind=Number()), inherited)
         word, of_kind = self._kind(field.kind, field.source or inherited)
         place = {"kind": word, "high": self._number(high)}
-        made["equals"] = None if isinstance(field.equals, str) else made["equals"]
-        made["equals_text"] = field.equals if isinstance(field.equals, str) else ""
-        return filled(made | place | of_kind, "field")
+        field_data["equals"] = None if isinstance(field.equals, str) else field_data["equals"]
+        field_data["equals_text"] = field.equals if isinstance(field.equals, str) else ""
+        return filled(field_data | place | of_kind, "field")
 
     def _kind(self, kind: Kind, inherited: Sources) -> tuple[str, Item]:
         """Return the name of a kind and its own members."""
@@ -250,8 +261,8 @@ class _Dump:
                 return "constant", {"constant": value, "padding_of": padding_of}
             case Unused(value, verdict):
                 return "unused", {"unused": value, "makes_position": verdict.value}
-            case CrcValue(crc, of):
-                return "crc", {"crc": crc, "crc_of": list(of)}
+            case CrcValue(crc, covered):
+                return "crc", {"crc": crc, "crc_of": list(covered)}
             case Parity() as parity:
                 sense = "odd" if parity.is_odd else "even"
                 return "parity", {"parity_of": list(parity.covers), "parity": sense, "over": parity.over}
@@ -269,14 +280,16 @@ class _Dump:
         return {"name": join.name, "fields": list(join.fields), "width": self._number(width)}
 
     def _register(self, register: Register) -> Item:
-        made: Item = self.plain(register, ())
+        register_data: Item = self.plain(register, ())
         data = register.default_bytes()
-        made["default_bytes"] = data.hex(" ").upper() if data is not None else ""
-        made["opened_by"] = _opened_by(register) if register.opened_by else None
-        made["other_bits"] = register.layout.gaps
-        made["join"] = [self._join(item, register.layout) | _cited(register.source) for item in register.layout.joins]
-        made["fields"] = self._fields(register.layout, register.source)
-        return made
+        register_data["default_bytes"] = data.hex(" ").upper() if data is not None else ""
+        register_data["opened_by"] = _opened_by(register) if register.opened_by else None
+        register_data["other_bits"] = register.layout.gaps
+        register_data["join"] = [
+            self._join(join, register.layout) | _cited(register.source) for join in register.layout.joins
+        ]
+        register_data["fields"] = self._fields(register.layout, register.source)
+        return register_data
 
     def _step(self, step: Step, inherited: Sources) -> Item:
         return filled(self.plain(step, inherited), "step")
@@ -286,11 +299,11 @@ class _Dump:
         return filled({"from": "encoder"} | self.plain(example, ()), "example")
 
     def _timings(self) -> list[Item]:
-        device = [self.plain(item, ()) | {"interface": ""} for item in self.device.timings]
+        device = [self.plain(timing, ()) | {"interface": ""} for timing in self.device.timings]
         return device + [
-            self.plain(item, part.source) | {"interface": part.name}
+            self.plain(timing, part.source) | {"interface": part.name}
             for part in self.device.interfaces
-            for item in part.timings
+            for timing in part.timings
         ]
 
 
@@ -300,10 +313,10 @@ def _opened_by(register: Register) -> Item:
 
 def _cited(sources: Sources) -> Item:
     """Return ``source`` with the first source, and ``sources`` with all if there are several."""
-    listed = [_source(item) for item in sources]
-    if len(listed) < 2:
-        return {"source": listed[0] if listed else None}
-    return {"source": listed[0], "sources": listed}
+    plain_sources = [_source(source) for source in sources]
+    if len(plain_sources) < 2:
+        return {"source": plain_sources[0] if plain_sources else None}
+    return {"source": plain_sources[0], "sources": plain_sources}
 
 
 def _source(source: Source) -> Item:

@@ -90,8 +90,10 @@ def _add_element(sequence: Any, member: Member, description: str) -> None:
         return
     items = _add(_add(element, "complexType"), "sequence")
     if member.kind is Kind.MAP:
-        entry = _add(items, "element", name="entry", maxOccurs="unbounded")
-        extended = _add(_add(_add(entry, "complexType"), "simpleContent"), "extension", base=_entry_type(member))
+        entry_element = _add(items, "element", name="entry", maxOccurs="unbounded")
+        extended = _add(
+            _add(_add(entry_element, "complexType"), "simpleContent"), "extension", base=_entry_type(member)
+        )
         _add(extended, "attribute", name="name", type="xs:string", use="required")
         if len(member.types) > 1:
             kind = _add(extended, "attribute", name="type", use="required")

@@ -75,9 +75,9 @@ def below(
     search = _Search(outputs, most_names)
     search.run(folder)
     specs = {path for path in search.files if is_spec(path)}
-    others = (path for path in search.files if path not in specs and path.name != CONFIGURATION)
+    other_files = (path for path in search.files if path not in specs and path.name != CONFIGURATION)
     not_entered = tuple(sorted(search.not_entered))
-    return Found(tuple(sorted(specs)), tuple(sorted(others)), not_entered, search.is_complete)
+    return Found(tuple(sorted(specs)), tuple(sorted(other_files)), not_entered, search.is_complete)
 
 
 def is_folder(path: Path) -> bool:
@@ -108,15 +108,15 @@ class _Search:
                 self.files.append(folder)
                 self.not_entered.append((folder, UNREADABLE))
                 continue
-            if folder != root and self._is_left_out(folder, {entry.name for entry in entries}):
+            if folder != root and self._is_left_out(folder, {folder_entry.name for folder_entry in entries}):
                 continue
             self._names_left -= len(entries)
             if self._names_left < 0:
                 self.is_complete = False
                 return
-            for entry in entries:
-                if not entry.name.startswith("."):
-                    self._look_at(entry, folder / entry.name, folders)
+            for folder_entry in entries:
+                if not folder_entry.name.startswith("."):
+                    self._look_at(folder_entry, folder / folder_entry.name, folders)
 
     def _is_left_out(self, folder: Path, names: Collection[str]) -> bool:
         if not _MARKS.isdisjoint(names) or (self._outputs and os.path.realpath(folder) in self._outputs):
@@ -126,22 +126,22 @@ class _Search:
             return True
         return False
 
-    def _look_at(self, entry: os.DirEntry[str], path: Path, folders: deque[Path]) -> None:
+    def _look_at(self, folder_entry: os.DirEntry[str], path: Path, folders: deque[Path]) -> None:
         """Note a YAML file, or a folder that is to be searched."""
-        if _is_folder_entry(entry):
-            if entry.name in _BUILD_FOLDERS or entry.name.endswith(".egg-info"):
+        if _is_folder_entry(folder_entry):
+            if folder_entry.name in _BUILD_FOLDERS or folder_entry.name.endswith(".egg-info"):
                 return
-            if entry.is_symlink():
+            if folder_entry.is_symlink():
                 self.not_entered.append((path, LINK))
             else:
                 folders.append(path)
-        elif entry.name.endswith(SUFFIXES) and not is_second(entry.name):
+        elif folder_entry.name.endswith(SUFFIXES) and not is_second(folder_entry.name):
             self.files.append(path)
 
 
-def _is_folder_entry(entry: os.DirEntry[str]) -> bool:
+def _is_folder_entry(folder_entry: os.DirEntry[str]) -> bool:
     try:
-        return entry.is_dir()
+        return folder_entry.is_dir()
     except OSError:  # A link to itself. Reading it reports the error.
         return False
 
@@ -184,5 +184,5 @@ def top_keys(path: Path) -> frozenset[str] | None:
         return frozenset()
     in_braces = text[start.end() - 1 : start.end()] == b"{"
     # A line break is found faster than the beginning of a line.
-    found = re.findall(_KEY if in_braces else rb"\n" + re.escape(start[1]) + _KEY, b"\n" + text, re.MULTILINE)
-    return frozenset(key.decode() for key in found)
+    keys = re.findall(_KEY if in_braces else rb"\n" + re.escape(start[1]) + _KEY, b"\n" + text, re.MULTILINE)
+    return frozenset(key.decode() for key in keys)

@@ -87,7 +87,7 @@ def number_hint(key: str, value: Any) -> str:
         if value.is_integer() and abs(value) < 2**64:
             return f"; write {int(value)}"
         return _fraction_hint(key, value) if math.isfinite(value) else ""
-    if isinstance(value, list) and len(value) > 1 and all(type(item) is int and 0 <= item < 256 for item in value):
+    if isinstance(value, list) and len(value) > 1 and all(type(byte) is int and 0 <= byte < 256 for byte in value):
         value = bytes(value).hex(" ")
     if not isinstance(value, str) or len(value) > _LONGEST:
         return ""
@@ -96,14 +96,14 @@ def number_hint(key: str, value: Any) -> str:
         return _bytes_hint(bytes.fromhex(text))
     if _PLAIN.fullmatch(text):
         return f"; write {text}, without the quotes"
-    if found := _HEX.fullmatch(text):
-        return f"; write {found['negative']}0x{(found['suffixed'] or found['prefixed']).upper()}"
-    if found := _BINARY.fullmatch(text):
-        return f"; write {int(found[1], 2):#x}"
-    if found := _GROUPED.fullmatch(text):
-        return f"; write {text.replace(found[1], '')}"
-    if found := _WITH_UNIT.fullmatch(text):
-        converted = _converted(Fraction(found["number"]), found["unit"].lower(), _unit(key))
+    if match := _HEX.fullmatch(text):
+        return f"; write {match['negative']}0x{(match['suffixed'] or match['prefixed']).upper()}"
+    if match := _BINARY.fullmatch(text):
+        return f"; write {int(match[1], 2):#x}"
+    if match := _GROUPED.fullmatch(text):
+        return f"; write {text.replace(match[1], '')}"
+    if match := _WITH_UNIT.fullmatch(text):
+        converted = _converted(Fraction(match["number"]), match["unit"].lower(), _unit(key))
         return f"; write {converted}, in {_word(_unit(key))}" if converted is not None else ""
     if key == "poly" and POLYNOMIAL.fullmatch(text):
         return _polynomial_hint(text)
@@ -112,8 +112,8 @@ def number_hint(key: str, value: Any) -> str:
 
 def expression_hint(text: str) -> str:
     """Return what to write instead of an expression with the powers of a programming language. Empty if unclear."""
-    right = _SHIFTED.sub(r"2^\1", text.replace("**", "^"))
-    return f"; write {right}" if right != text else ""
+    corrected = _SHIFTED.sub(r"2^\1", text.replace("**", "^"))
+    return f"; write {corrected}" if corrected != text else ""
 
 
 def value_hint(key: str, value: Any, schema: Mapping[str, Any]) -> str:
@@ -130,32 +130,32 @@ def value_hint(key: str, value: Any, schema: Mapping[str, Any]) -> str:
 
 def word_hint(key: str, value: Any) -> str:
     """Return what to write instead of ``rw`` or ``big`` under a key that takes one of our words. Empty if unclear."""
-    right = _VALUES.get(key, {}).get(str(value).lower(), "")
-    return f"; write '{right}'" if right else ""
+    word = _VALUES.get(key, {}).get(str(value).lower(), "")
+    return f"; write '{word}'" if word else ""
 
 
-def foreign_key_hint(key: str, value: Any, known: Collection[str], given: Collection[str]) -> str:
+def foreign_key_hint(key: str, value: Any, allowed_keys: Collection[str], used_keys: Collection[str]) -> str:
     """Return what to write instead of a key of other tools, such as ``description: ...`` for ``meaning: ...``.
 
-    ``known`` contains the keys that are allowed here, and ``given`` those that are used.
+    ``allowed_keys`` contains the keys that are allowed here, and ``used_keys`` those that are used.
     """
-    words = [word for word in _ELSEWHERE.get(key.lower(), ()) if word in known]
+    words = [word for word in _ELSEWHERE.get(key.lower(), ()) if word in allowed_keys]
     fitting = (word for word in words if word_hint(word, value) or value in _VALUES.get(word, {}).values())
-    right = next(fitting, words[0] if words else "")
-    if not right:
+    our_key = next(fitting, words[0] if words else "")
+    if not our_key:
         return ""
-    if right in given:
-        return f"; leave it out, because '{right}' says the same"
-    if right == "active":
+    if our_key in used_keys:
+        return f"; leave it out, because '{our_key}' says the same"
+    if our_key == "active":
         low = (key.lower() == "active_low") == (value is not False)
         return f"; write 'active: {'low' if low else 'high'}'"
-    if right in _VALUES:
-        word = _VALUES[right].get(str(value).lower().replace("-", "_"), "")
-        return f"; write '{right}: {word}'" if word else f"; it is called '{right}' here"
+    if our_key in _VALUES:
+        word = _VALUES[our_key].get(str(value).lower().replace("-", "_"), "")
+        return f"; write '{our_key}: {word}'" if word else f"; it is called '{our_key}' here"
     if (bits := _TYPE_BITS.fullmatch(str(value).lower())) is not None:
         number = int(bits[1] or bits[2])
-        return f"; write '{right}: {number // 8 if right == 'length' else number}'"
-    return f"; it is called '{right}' here"
+        return f"; write '{our_key}: {number // 8 if our_key == 'length' else number}'"
+    return f"; it is called '{our_key}' here"
 
 
 def _bytes_hint(data: bytes) -> str:
@@ -172,12 +172,12 @@ def _fraction_hint(key: str, value: float) -> str:
         return _larger_unit_hint(unit, value)
     if key == "step_um":
         return _step_hint(value)
-    wrong = f"; there are no fractions of {_word(unit)}" if unit in _UNITS else "; there are no fractions"
+    problem = f"; there are no fractions of {_word(unit)}" if unit in _UNITS else "; there are no fractions"
     if "at_least" in key or key.startswith("min_"):
-        return f"{wrong}: round up and write {math.ceil(value)}"
+        return f"{problem}: round up and write {math.ceil(value)}"
     if ("at_most" in key or key.startswith("max_")) and value > 1:
-        return f"{wrong}: round down and write {math.floor(value)}"
-    return wrong
+        return f"{problem}: round down and write {math.floor(value)}"
+    return problem
 
 
 def _larger_unit_hint(unit: str, value: float) -> str:
@@ -204,8 +204,8 @@ def _polynomial_hint(text: str) -> str:
     top = max(powers)
     if top > 64:
         return ""
-    rest = sum(1 << power for power in powers - {top})
-    return f"; write {rest:#x}, which omits x^{top}, and 'width: {top}'"
+    low_powers = sum(1 << power for power in powers - {top})
+    return f"; write {low_powers:#x}, which omits x^{top}, and 'width: {top}'"
 
 
 def polynomial_powers(text: str) -> set[int]:
@@ -214,36 +214,44 @@ def polynomial_powers(text: str) -> set[int]:
     return {int(term.partition("^")[2] or 1) if term.startswith("x") else 0 for term in terms}
 
 
-def key_hint(key: str, value: Any, known: Iterable[str]) -> str:
+def key_hint(key: str, value: Any, known_keys: Iterable[str]) -> str:
     """Return what to write instead of a key with the wrong unit, such as ``min_khz: 200`` for ``min_hz: 200000``."""
     stem, _, unit = key.rpartition("_")
     if not stem or unit.lower() not in _UNITS:
         return ""
     kind = _UNITS[unit.lower()][0]
-    others = {item: _unit(item) for item in known if _UNITS.get(_unit(item), ("", 0))[0] == kind}
-    stems = {item.rpartition("_")[0] for item in others}
-    meant_stem = stem if stem in stems else nearest_choice(stem, [other for other in stems if other != stem])
-    fitting = [item for item in others if meant_stem and item.rpartition("_")[0] == meant_stem]
+    units_by_key = {
+        known_key: _unit(known_key) for known_key in known_keys if _UNITS.get(_unit(known_key), ("", 0))[0] == kind
+    }
+    stems = {known_key.rpartition("_")[0] for known_key in units_by_key}
+    meant_stem = (
+        stem if stem in stems else nearest_choice(stem, [other_stem for other_stem in stems if other_stem != stem])
+    )
+    fitting = [known_key for known_key in units_by_key if meant_stem and known_key.rpartition("_")[0] == meant_stem]
     if not fitting or key in fitting:
         return ""
     # The largest unit in which the value is a whole number, or else the smallest one.
-    fitting.sort(key=lambda item: -_UNITS[others[item]][1])
-    right = next((item for item in fitting if _whole(value, unit.lower(), others[item])), fitting[-1])
-    wanted = _word(others[right])
+    fitting.sort(key=lambda known_key: -_UNITS[units_by_key[known_key]][1])
+    best_key = next(
+        (known_key for known_key in fitting if _whole(value, unit.lower(), units_by_key[known_key])), fitting[-1]
+    )
+    unit_word = _word(units_by_key[best_key])
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        or_else = f". If that is not a whole number{_INSTEAD[right]}" if right in _INSTEAD else ""
-        return f"; the unit is {wanted}: write '{right}'{or_else}"
+        or_else = f". If that is not a whole number{_INSTEAD[best_key]}" if best_key in _INSTEAD else ""
+        return f"; the unit is {unit_word}: write '{best_key}'{or_else}"
     # From the shortest decimal form: 0.05 means five hundredths, not the nearest binary fraction.
-    converted = _converted(Fraction(str(value)), unit.lower(), others[right])
+    converted = _converted(Fraction(str(value)), unit.lower(), units_by_key[best_key])
     if converted is None:
-        shown = f"{value} {_word(unit.lower())}"
-        return f"; there is only '{right}', and {shown} is not a whole number of {wanted}{_INSTEAD.get(right, '')}"
-    return f"; write '{right}: {converted}', in {wanted}"
+        text = f"{value} {_word(unit.lower())}"
+        return (
+            f"; there is only '{best_key}', and {text} is not a whole number of {unit_word}{_INSTEAD.get(best_key, '')}"
+        )
+    return f"; write '{best_key}: {converted}', in {unit_word}"
 
 
-def _whole(value: Any, unit: str, wanted: str) -> bool:
+def _whole(value: Any, unit: str, target_unit: str) -> bool:
     is_number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-    return is_number and _converted(Fraction(str(value)), unit, wanted) is not None
+    return is_number and _converted(Fraction(str(value)), unit, target_unit) is not None
 
 
 def _unit(key: str) -> str:
@@ -254,9 +262,9 @@ def _word(unit: str) -> str:
     return _WORDS.get(unit, unit)
 
 
-def _converted(number: Fraction, unit: str, wanted: str) -> int | None:
+def _converted(number: Fraction, unit: str, target_unit: str) -> int | None:
     """Return the number in another unit of the same kind, or None if the kind differs or the result is not whole."""
-    if unit not in _UNITS or wanted not in _UNITS or _UNITS[unit][0] != _UNITS[wanted][0]:
+    if unit not in _UNITS or target_unit not in _UNITS or _UNITS[unit][0] != _UNITS[target_unit][0]:
         return None
-    exact = number * Fraction(10) ** (_UNITS[unit][1] - _UNITS[wanted][1])
+    exact = number * Fraction(10) ** (_UNITS[unit][1] - _UNITS[target_unit][1])
     return int(exact) if exact.denominator == 1 else None

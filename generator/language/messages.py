@@ -170,9 +170,9 @@ def _key_hint(error: Any, path: Path, key: str) -> str:
         return f"; it is now called '{RENAMED[key]}' (codewheel migrate renames it)"
     if foreign := foreign_key_hint(key, error.instance[key], known_keys, error.instance):
         return foreign
-    near = nearest_choice(key, list(known_keys))
-    if near:
-        return f"; did you mean '{near}'?"
+    nearest_key = nearest_choice(key, list(known_keys))
+    if nearest_key:
+        return f"; did you mean '{nearest_key}'?"
     if path and path[-1] in _ALL_THERE_IS:
         return f"; {_ALL_THERE_IS[path[-1]]}"
     if key in _OF_FIELDS and "fields" in known_keys:

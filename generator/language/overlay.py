@@ -288,7 +288,7 @@ def _characteristics(data: Mapping[str, Any]) -> set[str]:
     characteristics = data.get("characteristics")
     if not isinstance(characteristics, list):
         return set()
-    names = [entry.get("name") for entry in characteristics if isinstance(entry, dict)]
+    names = [characteristic.get("name") for characteristic in characteristics if isinstance(characteristic, dict)]
     return {name for name in names if isinstance(name, str)}
 
 

@@ -28,9 +28,9 @@ _Edit = Callable[[Any, Mark], tuple[Any, Mark]]
 class NothingThere(LookupError):
     """No value at a path. ``step`` is the missing step, ``known`` are the possible ones."""
 
-    def __init__(self, step: str, known: list[str], found: Path) -> None:
+    def __init__(self, step: str, known_steps: list[str], existing_path: Path) -> None:
         super().__init__(step)
-        self.step, self.known, self.found = step, known, found
+        self.step, self.known, self.found = step, known_steps, existing_path
 
 
 def steps_of(text: str) -> tuple[str | int, ...]:
@@ -46,11 +46,11 @@ def resolve(data: Any, text: str) -> Path:
     """
     path: Path = ()
     for step in steps_of(text):
-        inside = _inside(data)
-        if step not in inside:
-            shown = f"[{step + 1}]" if isinstance(step, int) else step
-            raise NothingThere(shown, [str(key) for key in inside if isinstance(key, str)], path)
-        key = inside[step]
+        keys_by_step = _inside(data)
+        if step not in keys_by_step:
+            step_text = f"[{step + 1}]" if isinstance(step, int) else step
+            raise NothingThere(step_text, [str(key) for key in keys_by_step if isinstance(key, str)], path)
+        key = keys_by_step[step]
         path, data = (*path, key), data[key]
     return path
 
@@ -61,20 +61,20 @@ def _inside(data: Any) -> dict[str | int, str | int]:
         return {key: key for key in data}
     if not isinstance(data, list):
         return {}
-    found: dict[str | int, str | int] = {index: index for index in range(len(data))}
-    for index, item in enumerate(data):
-        found.setdefault(label_of(item) or index, index)
-    return found
+    steps: dict[str | int, str | int] = {index: index for index in range(len(data))}
+    for index, child in enumerate(data):
+        steps.setdefault(label_of(child) or index, index)
+    return steps
 
 
 def named(data: Any, path: Path) -> Path:
     """Return the path with names of items instead of indices. The last step need not exist yet."""
-    found: Path = ()
+    named_path: Path = ()
     for step in path:
-        inside: Any = data[step] if isinstance(step, int) or step in data else None
-        found += ((label_of(inside) or step) if isinstance(step, int) else step,)
-        data = inside
-    return found
+        child: Any = data[step] if isinstance(step, int) or step in data else None
+        named_path += ((label_of(child) or step) if isinstance(step, int) else step,)
+        data = child
+    return named_path
 
 
 def value_at(data: Any, path: Path) -> Any:
@@ -100,11 +100,11 @@ def from_file(mark: Mark, file: str) -> Mark:
 def put(data: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tuple[Any, Mark]:
     """Return data and marks with a value at ``path``: replaced, at a new key, or appended to a list."""
 
-    def edit(holder: Any, held: Mark) -> tuple[Any, Mark]:
+    def edit(holder: Any, holder_mark: Mark) -> tuple[Any, Mark]:
         key = path[-1]
-        made: Any = [*holder, None] if isinstance(holder, list) and key == len(holder) else copy(holder)
-        made[key] = value
-        return made, replace(held, children={**held.children, key: mark})
+        edited: Any = [*holder, None] if isinstance(holder, list) and key == len(holder) else copy(holder)
+        edited[key] = value
+        return edited, replace(holder_mark, children={**holder_mark.children, key: mark})
 
     return _edited(data, marks, path[:-1], edit)
 
@@ -112,16 +112,21 @@ def put(data: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tuple[Any
 def taken_away(data: Any, marks: Mark, path: Path) -> tuple[Any, Mark]:
     """Return data and marks without the value at ``path``."""
 
-    def edit(holder: Any, held: Mark) -> tuple[Any, Mark]:
+    def edit(holder: Any, holder_mark: Mark) -> tuple[Any, Mark]:
         key = path[-1]
         if isinstance(holder, dict):
-            left = {name: item for name, item in holder.items() if name != key}
-            return left, replace(held, children={name: item for name, item in held.children.items() if name != key})
-        kept = [index for index in range(len(holder)) if index != key]
+            remaining = {name: child for name, child in holder.items() if name != key}
+            return remaining, replace(
+                holder_mark,
+                children={name: child_mark for name, child_mark in holder_mark.children.items() if name != key},
+            )
+        remaining_indices = [index for index in range(len(holder)) if index != key]
         children: dict[str | int, Mark] = {
-            place: held.children[index] for place, index in enumerate(kept) if index in held.children
+            place: holder_mark.children[index]
+            for place, index in enumerate(remaining_indices)
+            if index in holder_mark.children
         }
-        return [holder[index] for index in kept], replace(held, children=children)
+        return [holder[index] for index in remaining_indices], replace(holder_mark, children=children)
 
     return _edited(data, marks, path[:-1], edit)
 
@@ -130,10 +135,10 @@ def _edited(data: Any, mark: Mark, path: Path, edit: _Edit) -> tuple[Any, Mark]:
     if not path:
         return edit(data, mark)
     key = path[0]
-    inside, marked = _edited(data[key], mark.children[key], path[1:], edit)
-    made = copy(data)
-    made[key] = inside
-    return made, replace(mark, children={**mark.children, key: marked})
+    edited_child, marked = _edited(data[key], mark.children[key], path[1:], edit)
+    edited = copy(data)
+    edited[key] = edited_child
+    return edited, replace(mark, children={**mark.children, key: marked})
 
 
 def as_affected(data: Any, path: Path) -> str:
@@ -169,7 +174,7 @@ class Affected:
         """Return everything in the data to which a path refers."""
         nodes = [self._data]
         for step in affected.split("."):
-            nodes = [found for node in nodes for found in self._named(node, step)]
+            nodes = [match for node in nodes for match in self._named(node, step)]
         return nodes
 
     def _named(self, node: Any, step: str) -> list[Any]:
@@ -178,19 +183,19 @@ class Affected:
             return self._items_of(node).get(step, [])
         if not isinstance(node, dict):
             return []
-        found = [node[step]] if step in node else []
-        for key, item in node.items():
-            if isinstance(item, list):
-                found += self._items_of(item).get(step, [])
-            elif key == "values" and isinstance(item, dict) and step in item:
-                found.append(item[step])
-        return found
+        matches = [node[step]] if step in node else []
+        for key, child in node.items():
+            if isinstance(child, list):
+                matches += self._items_of(child).get(step, [])
+            elif key == "values" and isinstance(child, dict) and step in child:
+                matches.append(child[step])
+        return matches
 
     def _items_of(self, items: list[Any]) -> dict[object, list[Any]]:
         if id(items) not in self._items:
-            found: dict[object, list[Any]] = {}
-            for item in items:
-                if isinstance(item, dict) and isinstance(item.get("name"), str):
-                    found.setdefault(item["name"], []).append(item)
-            self._items[id(items)] = found
+            named_items: dict[object, list[Any]] = {}
+            for list_item in items:
+                if isinstance(list_item, dict) and isinstance(list_item.get("name"), str):
+                    named_items.setdefault(list_item["name"], []).append(list_item)
+            self._items[id(items)] = named_items
         return self._items[id(items)]

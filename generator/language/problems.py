@@ -219,9 +219,9 @@ def suggestion(word: str, known_words: Iterable[str], otherwise: str = "known") 
         otherwise: The text before the list of all known words.
     """
     choices = [known_word for known_word in dict.fromkeys(known_words) if known_word != word]
-    near = nearest_choice(word, choices)
-    if near:
-        return f"; did you mean '{near}'?"
+    nearest_word = nearest_choice(word, choices)
+    if nearest_word:
+        return f"; did you mean '{nearest_word}'?"
     if choices and len(choices) <= _FEW_CHOICES:
         return f"; {otherwise}: {', '.join(choices)}"
     return ""

@@ -72,9 +72,9 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     """
     definitions = _definitions(raw)
     order_code = code_grammar(raw["order_code"])
-    alternatives = tuple(_alternative(item) for item in raw.get("alternatives", ()))
-    first = {name: value for item in alternatives for name, value in item.answers[0].sets.items()}
-    variants = _variants(order_code, definitions, {**held_in_registers(raw, report), **first})
+    alternatives = tuple(_alternative(raw_alternative) for raw_alternative in raw.get("alternatives", ()))
+    first_answers = {name: value for alternative in alternatives for name, value in alternative.answers[0].sets.items()}
+    variants = _variants(order_code, definitions, {**held_in_registers(raw, report), **first_answers})
     context = _context(raw, report, definitions, variants, alternatives)
     if too_much_work(raw, context) or (variants and not check_reach(raw, context, variants)):
         return None
@@ -108,12 +108,12 @@ def _context(
     sets = parameter_sets(raw, definitions, variants, alternatives)
     return Context(
         report=report,
-        groups=MappingProxyType({item["name"]: (item, ("field_groups", index)) for index, item in groups}),
+        groups=MappingProxyType({group["name"]: (group, ("field_groups", index)) for index, group in groups}),
         definitions=definitions,
         parameter_sets=sets,
-        crcs=MappingProxyType({item["name"]: record(Crc, item) for item in raw.get("crcs", ())}),
+        crcs=MappingProxyType({crc["name"]: record(Crc, crc) for crc in raw.get("crcs", ())}),
         data_ids=MappingProxyType(
-            {kind: records(DataId, item, "data_ids") for kind, item in raw["interfaces"].items()}
+            {kind: records(DataId, interface, "data_ids") for kind, interface in raw["interfaces"].items()}
         ),
         only_while=lambda only: only_while(only, variants, set_parameters(raw)),
     )
@@ -136,14 +136,14 @@ def _device(
         raw,
         name=raw["device"],
         manufacturer=manufacturer,
-        documents=tuple(record(Document, item, key=key) for key, item in raw.get("documents", {}).items()),
-        parameters=tuple(_parameter(name, item, context) for name, item in parameters),
+        documents=tuple(record(Document, document, key=key) for key, document in raw.get("documents", {}).items()),
+        parameters=tuple(_parameter(name, parameter, context) for name, parameter in parameters),
         order_code=order_code,
         variants=variants,
         crcs=tuple(context.crcs.values()),
         interfaces=interfaces,
         registers=registers,
-        alarms=tuple(record(Alarm, {"implemented": True, **item}) for item in raw.get("alarms", ())),
+        alarms=tuple(record(Alarm, {"implemented": True, **alarm}) for alarm in raw.get("alarms", ())),
         procedures=(),
         examples=build_examples(raw),
         measurement=build_measurement(raw, context),
@@ -154,14 +154,14 @@ def _device(
 
 
 def _definitions(raw: Raw) -> Mapping[str, Expression]:
-    found = {}
-    for name, item in raw["parameters"].items():
-        if "equals" in item:
+    definitions = {}
+    for name, parameter in raw["parameters"].items():
+        if "equals" in parameter:
             try:
-                found[name] = Expression.parse(item["equals"])
+                definitions[name] = Expression.parse(parameter["equals"])
             except ExpressionError:
                 continue  # reported by the rule on expressions
-    return MappingProxyType(found)
+    return MappingProxyType(definitions)
 
 
 def code_grammar(raw: Raw) -> OrderCode:
@@ -179,14 +179,18 @@ def code_grammar(raw: Raw) -> OrderCode:
 
 
 def _spelling(raw: Raw) -> Spelling:
-    texts = ((part, *item) for part, found in raw.get("values", {}).items() for item in found.items())
+    texts = (
+        (part, *text_and_value)
+        for part, part_values in raw.get("values", {}).items()
+        for text_and_value in part_values.items()
+    )
     return record(Spelling, raw, values=tuple(SpelledValue(part, text, value) for part, text, value in texts))
 
 
 def _alternative(raw: Raw) -> Alternative:
     answers = (
-        Answer(name, item["meaning"], MappingProxyType(dict(item["sets"])), sources(item))
-        for name, item in raw["values"].items()
+        Answer(name, answer["meaning"], MappingProxyType(dict(answer["sets"])), sources(answer))
+        for name, answer in raw["values"].items()
     )
     return Alternative(raw["name"], raw["meaning"], tuple(answers), sources(raw), raw.get("default", ""))
 
@@ -200,12 +204,14 @@ def _only(raw: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
 
 
 def _variants(
-    order_code: OrderCode, definitions: Mapping[str, Expression], held: Mapping[str, int]
+    order_code: OrderCode, definitions: Mapping[str, Expression], held_values: Mapping[str, int]
 ) -> tuple[Variant, ...]:
-    found = combinations(order_code) if order_code.parts else ()
+    code_combinations = combinations(order_code) if order_code.parts else ()
     return tuple(
-        Variant(code, MappingProxyType(dict(parts)), interface, resolve_parameters({**held, **sets}, definitions))
-        for code, parts, interface, sets in found
+        Variant(
+            code, MappingProxyType(dict(parts)), interface, resolve_parameters({**held_values, **sets}, definitions)
+        )
+        for code, parts, interface, sets in code_combinations
     )
 
 
@@ -219,8 +225,11 @@ def _parameter(name: str, raw: Raw, context: Context) -> Parameter:
 
 
 def _registers(raw: Raw, context: Context) -> tuple[Register, ...]:
-    built = (_register(item, ("registers", index), context) for index, item in enumerate(raw.get("registers", ())))
-    return tuple(item for item in built if item is not None)
+    built = (
+        _register(raw_register, ("registers", index), context)
+        for index, raw_register in enumerate(raw.get("registers", ()))
+    )
+    return tuple(register for register in built if register is not None)
 
 
 def _register(raw: Raw, path: Path, context: Context) -> Register | None:
@@ -241,7 +250,7 @@ def _register(raw: Raw, path: Path, context: Context) -> Register | None:
         opened_by=opened.get("register", ""),
         opened_by_value=opened.get("value", ""),
         layout=layout,
-        meanings=tuple(_register_meaning(item, context) for item in raw.get("meanings", ())),
+        meanings=tuple(_register_meaning(meaning, context) for meaning in raw.get("meanings", ())),
         opened_by_field=opened.get("field", ""),
     )
     _check_limits(register, path, context)
@@ -259,13 +268,13 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
     Only the first problem is reported, for the first order code that has it.
     """
     sets = context.parameter_sets.get(register.interface, ())
-    places = (place for item in register.layout.fields for place in (item.low, item.width))
-    is_alike = all(item is None or item.is_constant for item in (*places, register.min, register.max))
+    places = (place for field in register.layout.fields for place in (field.low, field.width))
+    is_alike = all(expression is None or expression.is_constant for expression in (*places, register.min, register.max))
     for parameters in sets[:1] if is_alike else sets:
         placed = register.layout.place(parameters)
-        wrong = _wrong_limits(register, placed, parameters) or _wrong_default(register, placed, parameters)
-        if wrong is not None:
-            rule, key, message = wrong
+        problem = _wrong_limits(register, placed, parameters) or _wrong_default(register, placed, parameters)
+        if problem is not None:
+            rule, key, message = problem
             context.report.add(rule, (*path, key), message)
             return
 
@@ -276,8 +285,8 @@ _Wrong = tuple[str, str, str]
 
 def _limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> tuple[int, int, int]:
     """Return the lowest and the highest value as stored, and the meaning of a stored zero."""
-    item = placed.field(bounded(register))
-    zero_means = item.field.number.zero_means if item is not None else 0
+    bounded_field = placed.field(bounded(register))
+    zero_means = bounded_field.field.number.zero_means if bounded_field is not None else 0
     low, high = bounds(register, placed, (register.min, register.max), parameters)
     return low, high - 1 if zero_means and high == zero_means else high, zero_means
 
@@ -301,27 +310,27 @@ def _wrong_default(register: Register, placed: PlacedLayout, parameters: Mapping
         return None
     low, high, zero_means = _limits(register, placed, parameters)
     value = _bounded_part(register, placed, default)
-    named = [item.value for item in register.values]
+    named_values = [named_value.value for named_value in register.values]
     if default >> (8 * register.length):
-        wrong = f"{default:#x} does not fit into {8 * register.length} bits"
+        problem = f"{default:#x} does not fit into {8 * register.length} bits"
     elif not low <= (value or zero_means) <= max(high, zero_means):
-        wrong = f"{value} is outside the limits {low} to {high}"
-    elif named and default not in named and not register.clears_itself:
-        wrong = f"{default:#x} is not one of the values {', '.join(f'{item:#x}' for item in named)}"
+        problem = f"{value} is outside the limits {low} to {high}"
+    elif named_values and default not in named_values and not register.clears_itself:
+        problem = f"{default:#x} is not one of the values {', '.join(f'{number:#x}' for number in named_values)}"
     else:
         return None
-    return "default-does-not-fit", "default", f"the default {wrong}"
+    return "default-does-not-fit", "default", f"the default {problem}"
 
 
 def _bounded_part(register: Register, placed: PlacedLayout, default: int) -> int:
     """Return the part of the default that the limits apply to, with its sign."""
     width = bounded_width(register, placed)
-    join = next((item for item in register.layout.joins if item.name == bounded(register)), None)
+    join = next((join for join in register.layout.joins if join.name == bounded(register)), None)
     if join is not None:
         value = codec.join_value(placed, join, default)
     else:
-        item = placed.field(bounded(register))
-        value = default >> (item.low if item is not None else 0) & ((1 << width) - 1)
+        bounded_field = placed.field(bounded(register))
+        value = default >> (bounded_field.low if bounded_field is not None else 0) & ((1 << width) - 1)
     return value - (1 << width) if value > representable(register, placed)[1] else value
 
 
@@ -331,22 +340,24 @@ def _check_control_bytes(device: Device, report: DocumentReport) -> None:
     if interface is None or not sound_so_far(report).has_frames:
         return
     variants = device.variants_over(interface.name)
-    for item in interface.data_ids if variants else ():
-        path: Path = ("interfaces", interface.name, "data_ids", item.name)
-        layout = next((layout for layout in interface.layouts if item.id in layout.selects), None)
+    for data_id in interface.data_ids if variants else ():
+        path: Path = ("interfaces", interface.name, "data_ids", data_id.name)
+        layout = next((layout for layout in interface.layouts if data_id.id in layout.selects), None)
         if layout is None:
-            wrong = f"no layout has data ID {item.id:X} in its 'when'; add it to one"
-            report.add("undefined-reference", path, wrong)
+            problem = f"no layout has data ID {data_id.id:X} in its 'when'; add it to one"
+            report.add("undefined-reference", path, problem)
             continue
         placed = layout.place(variants[0].parameters)
-        values = {field.name: 0 for field in layout.data_fields} | {layout.selector: item.id}
+        values = {field.name: 0 for field in layout.data_fields} | {layout.selector: data_id.id}
         try:
-            made = number_to_bytes(layout, codec.encode(device, placed, values), placed.bits)[0]
+            control_byte = number_to_bytes(layout, codec.encode(device, placed, values), placed.bits)[0]
         except codec.EncodeError:
             continue  # a layout that cannot be encoded with zeros is found by other rules
-        if made != item.control:
-            wrong = f"according to its fields, the control field of data ID {item.id:X} is {made:#04x}"
-            report.add("control-mismatch", (*path, "control"), f"{wrong}, but it is {item.control:#04x} in the manual")
+        if control_byte != data_id.control:
+            problem = f"according to its fields, the control field of data ID {data_id.id:X} is {control_byte:#04x}"
+            report.add(
+                "control-mismatch", (*path, "control"), f"{problem}, but it is {data_id.control:#04x} in the manual"
+            )
 
 
 def _check_requests(device: Device, report: DocumentReport) -> None:
@@ -354,20 +365,22 @@ def _check_requests(device: Device, report: DocumentReport) -> None:
     interface = device.over(Rs485)
     if interface is None or not interface.exchanges or not sound_so_far(report).has_frames:
         return
-    layouts = {item.name: item for item in interface.layouts}
-    found = [layouts[item.request] for item in interface.exchanges if item.request in layouts]
-    for index, layout in enumerate(found):
-        other = next((item for item in found[:index] if not _differ(item, layout)), None)
-        if other is not None:
-            pair = f"'{layout.name}' from '{other.name}'"
-            wrong = f"no constant distinguishes {pair}; add the command as a 'constant' to both"
-            report.add("rs485-exchange", ("interfaces", interface.name, "layouts", layout.name), wrong)
+    layouts = {layout.name: layout for layout in interface.layouts}
+    requests = [layouts[exchange.request] for exchange in interface.exchanges if exchange.request in layouts]
+    for index, layout in enumerate(requests):
+        ambiguous_layout = next(
+            (earlier_layout for earlier_layout in requests[:index] if not _differ(earlier_layout, layout)), None
+        )
+        if ambiguous_layout is not None:
+            pair = f"'{layout.name}' from '{ambiguous_layout.name}'"
+            problem = f"no constant distinguishes {pair}; add the command as a 'constant' to both"
+            report.add("rs485-exchange", ("interfaces", interface.name, "layouts", layout.name), problem)
 
 
-def _differ(one: Layout, other: Layout) -> bool:
+def _differ(layout: Layout, other_layout: Layout) -> bool:
     """Return whether two requests have a different constant in the same bit of a byte."""
-    first, second = _constant_bits(one), _constant_bits(other)
-    return any(second.get(place, value) != value for place, value in first.items())
+    constant_bits, other_constant_bits = _constant_bits(layout), _constant_bits(other_layout)
+    return any(other_constant_bits.get(place, value) != value for place, value in constant_bits.items())
 
 
 def _constant_bits(layout: Layout) -> dict[tuple[int, int], int]:

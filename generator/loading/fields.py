@@ -52,17 +52,17 @@ class Context:
     def expression(self, text: int | str) -> Expression | None:
         """Return an expression over parameters set by order codes, or None if it is not valid."""
         try:
-            found = Expression.parse(text).substitute(self.definitions)
-            known = next((parameters for sets in self.parameter_sets.values() for parameters in sets), {})
-            return found if known.keys() >= set(found.parameters) else None
+            expression = Expression.parse(text).substitute(self.definitions)
+            known_parameters = next((parameters for sets in self.parameter_sets.values() for parameters in sets), {})
+            return expression if known_parameters.keys() >= set(expression.parameters) else None
         except ExpressionError:
             return None  # reported by the rules on references and expressions
 
 
 def _makes_position(raw: Raw, interface: str) -> Verdict | None:
     """Return the verdict on the position while the flag ``raw`` is active, from the spec or the interface."""
-    said: str = raw.get("makes_position", "") or INTERFACES[interface].flags.get(raw["name"], "")
-    return Verdict(said) if said else None
+    verdict_text: str = raw.get("makes_position", "") or INTERFACES[interface].flags.get(raw["name"], "")
+    return Verdict(verdict_text) if verdict_text else None
 
 
 @dataclass(frozen=True)
@@ -97,10 +97,10 @@ def bit_range(text: int | str) -> tuple[int, int] | None:
 
 def equals(raw: Raw, context: Context) -> Expression | int | str | None:
     """Return the expected value: text, a number, or an expression if it depends on the order code."""
-    found = raw.get("equals")
-    if isinstance(found, str) and "text" not in raw:
-        return context.expression(found)
-    return found if isinstance(found, (int, str)) else None
+    expected = raw.get("equals")
+    if isinstance(expected, str) and "text" not in raw:
+        return context.expression(expected)
+    return expected if isinstance(expected, (int, str)) else None
 
 
 def zero_field(name: str, kind: Constant, low: Expression, width: Expression, site: Site, source: Sources) -> Field:
@@ -170,23 +170,26 @@ def build_combinations(raw: Raw) -> tuple[Combination, ...]:
     return tuple(
         record(
             Combination,
-            item,
-            when=tuple(f"{name}.{value}" for name, value in item["when"].items()),
-            makes_position=Verdict(item["makes_position"]),
+            raw_combination,
+            when=tuple(f"{name}.{value}" for name, value in raw_combination["when"].items()),
+            makes_position=Verdict(raw_combination["makes_position"]),
         )
-        for item in raw.get("combinations", ())
+        for raw_combination in raw.get("combinations", ())
     )
 
 
 def _reserved(values: Sequence[Value], width: int) -> tuple[Value, ...]:
     """Name the values of a field that the spec does not list."""
     meaning = "Reserved: the manual does not say what it means"
-    others = sorted(set(range(1 << width)) - {item.value for item in values})
-    return tuple(Value(f"{RESERVED}_{value}", value, "", {}, meaning, ()) for value in others)
+    unlisted_numbers = sorted(set(range(1 << width)) - {value.value for value in values})
+    return tuple(Value(f"{RESERVED}_{value}", value, "", {}, meaning, ()) for value in unlisted_numbers)
 
 
 def _data_ids(data_ids: Sequence[DataId]) -> tuple[Value, ...]:
-    return tuple(Value(item.name, item.id, f"Data ID {item.id:X}", {}, item.meaning, item.source) for item in data_ids)
+    return tuple(
+        Value(data_id.name, data_id.id, f"Data ID {data_id.id:X}", {}, data_id.meaning, data_id.source)
+        for data_id in data_ids
+    )
 
 
 def _runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:

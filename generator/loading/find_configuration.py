@@ -33,9 +33,9 @@ def configuration_above(cache: Cache) -> Configuration | None:
         if len(files) > 1:
             raise Faulty(*files)
         if files:
-            found = _known(files[0], cache)
-            if found is not None:
-                return found
+            configuration = _known(files[0], cache)
+            if configuration is not None:
+                return configuration
         if os.path.lexists(folder / REPOSITORY):
             return None
     return None
@@ -78,15 +78,15 @@ def _known(file: Path, cache: Cache) -> Configuration | None:
         content: list[bytes | str] = [file.name, file.read_bytes()]
     except OSError:
         raise Faulty(file) from None
-    known = cache.get(_KIND, content)
-    if fits(known, dict[str, list[str]]) and known.keys() == SETTINGS:
-        settings = settings_in(file, known)
+    cached_settings = cache.get(_KIND, content)
+    if fits(cached_settings, dict[str, list[str]]) and cached_settings.keys() == SETTINGS:
+        settings = settings_in(file, cached_settings)
         if all(map(exists, settings.specs)):
             return settings
     from .configuration_file import read_configuration
 
-    found = read_configuration(file)
-    if found is None:
+    read_settings = read_configuration(file)
+    if read_settings is None:
         return None
-    cache.put(_KIND, content, found)
-    return settings_in(file, found)
+    cache.put(_KIND, content, read_settings)
+    return settings_in(file, read_settings)

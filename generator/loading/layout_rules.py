@@ -184,12 +184,14 @@ def _is_plain(crc: Crc) -> bool:
 
 def _left_out(layout: Layout, crc: Field, kind: CrcValue) -> Iterator[str]:
     """Yield the fields with data that a CRC with a list of fields leaves out, unless a note names them."""
-    named = {crc.name, *kind.of, *re.findall(r"\w+", f"{layout.note} {crc.note}")}
+    mentioned_names = {crc.name, *kind.of, *re.findall(r"\w+", f"{layout.note} {crc.note}")}
     data_fields = (field.name for field in layout.fields if not isinstance(field.kind, (Constant, Unused)))
-    missing = listed(name for name in data_fields if name not in named)
-    if kind.of and missing:
-        remedy = f"add the fields that it covers to 'crc_of', or add a 'note' that the manual leaves out {missing}"
-        yield f"'{crc.name}' leaves out {missing}; {remedy}"
+    unmentioned_names = listed(name for name in data_fields if name not in mentioned_names)
+    if kind.of and unmentioned_names:
+        remedy = (
+            f"add the fields that it covers to 'crc_of', or add a 'note' that the manual leaves out {unmentioned_names}"
+        )
+        yield f"'{crc.name}' leaves out {unmentioned_names}; {remedy}"
 
 
 def _no_run(layout: Layout, kind: CrcValue, site: Site) -> Iterator[str]:

@@ -136,7 +136,7 @@ def _arranged(raw: Raw, site: Site, total: int | None, low_first: bool) -> tuple
     items = _items(raw.get("fields", ()), (*site.path, "fields"), site.context, low_first)
     if items is None:
         return None
-    if any(_is_placed(item.raw) for item in items if not item.group):
+    if any(_is_placed(field_item.raw) for field_item in items if not field_item.group):
         bits = Expression(total if total is not None else _highest(items, site) + 1)
     else:
         items, bits = _in_sequence(items, low_first)
@@ -147,7 +147,7 @@ def _arranged(raw: Raw, site: Site, total: int | None, low_first: bool) -> tuple
 
 def _covering(items: Sequence[Item], bits: Expression, gaps: str, site: Site) -> list[Field] | None:
     """Return the fields from the lowest up, with zero fields in zero gaps, or None if bits are left over."""
-    fields = [field for item in items for field in _fields(item, site)]
+    fields = [field for field_item in items for field in _fields(field_item, site)]
     fields = _with_places(fields, site)
     if not _covers(fields, bits, gaps, site):
         return None
@@ -157,7 +157,7 @@ def _covering(items: Sequence[Item], bits: Expression, gaps: str, site: Site) ->
 def _items(raw_fields: Sequence[Raw], path: Path, context: Context, low_first: bool) -> list[Item] | None:
     """Return the fields with groups included, or None if one is not valid, which is reported elsewhere."""
     items = [_item(raw, (*path, index), context, low_first) for index, raw in enumerate(raw_fields)]
-    valid_items = [item for item in items if item is not None]
+    valid_items = [field_item for field_item in items if field_item is not None]
     return valid_items if len(valid_items) == len(items) else None
 
 
@@ -182,7 +182,7 @@ def _group_items(group: Raw, path: Path, context: Context, low_first: bool) -> l
     items = _items(fields, (*path, "fields"), context, low_first)
     if items is None:
         return None
-    if not any(_is_placed(item.raw) for item in items):
+    if not any(_is_placed(field_item.raw) for field_item in items):
         items, bits = _in_sequence(items, low_first)
         if bits != Expression(group["bits"]):
             context.report.add(
@@ -228,24 +228,24 @@ def _low(raw: Raw, width: Expression, path: Path, context: Context) -> Expressio
 def _in_sequence(items: Sequence[Item], low_first: bool) -> tuple[list[Item], Expression]:
     """Return the items placed in sending order, and their total width."""
     placed, position = [], ZERO
-    for item in items if low_first else reversed(items):
-        placed.append(replace(item, low=position))
-        position += item.span
+    for field_item in items if low_first else reversed(items):
+        placed.append(replace(field_item, low=position))
+        position += field_item.span
     return placed if low_first else placed[::-1], position
 
 
 def _flat(items: Iterable[Item]) -> Iterable[Item]:
     """Yield the items with groups expanded, each at its place in the layout."""
-    for item in items:
-        inner = item.raw.get("group")
+    for field_item in items:
+        inner = field_item.raw.get("group")
         if inner is None:
-            yield item
+            yield field_item
         else:
-            yield from (replace(field, low=item.low + field.low) for field in inner)
+            yield from (replace(field, low=field_item.low + field.low) for field in inner)
 
 
 def _highest(items: Sequence[Item], site: Site) -> int:
-    return max(site.widest(item.low + item.span) for item in _flat(items)) - 1
+    return max(site.widest(field_item.low + field_item.span) for field_item in _flat(items)) - 1
 
 
 def _sums_up(bits: Expression, total: int, site: Site) -> bool:
@@ -285,28 +285,28 @@ def _fits_with(flat: Sequence[Item], total: int, parameters: Mapping[str, int], 
     """Return True if the fields fit into ``total`` bits with these parameters, otherwise report why not."""
     has_overlap = False
     occupied: list[tuple[range, Item]] = []
-    for item in flat:
-        width, low = item.width.value(parameters), item.low.value(parameters)
-        bits = range(low, low + item.span.value(parameters))
-        problem = _range_problem(item, width, bits, total, _with(parameters, item.width, item.low))
+    for field_item in flat:
+        width, low = field_item.width.value(parameters), field_item.low.value(parameters)
+        bits = range(low, low + field_item.span.value(parameters))
+        problem = _range_problem(field_item, width, bits, total, _with(parameters, field_item.width, field_item.low))
         if problem is not None:
-            site.context.report.add(problem[0], item.path, problem[1])
+            site.context.report.add(problem[0], field_item.path, problem[1])
             return False
         for other_bits, other_item in occupied if width else ():
             if bits.start < other_bits.stop and other_bits.start < bits.stop:
                 shared = _bits(min(bits.stop, other_bits.stop) - 1, max(bits.start, other_bits.start))
-                names = f"'{item.raw.get('name', '')}' and '{other_item.raw.get('name', '')}'"
-                condition = _with(parameters, item.width, item.low)
-                site.context.report.add("bit-overlap", item.path, f"{names} both use {shared}{condition}")
+                names = f"'{field_item.raw.get('name', '')}' and '{other_item.raw.get('name', '')}'"
+                condition = _with(parameters, field_item.width, field_item.low)
+                site.context.report.add("bit-overlap", field_item.path, f"{names} both use {shared}{condition}")
                 has_overlap = True
         if width:
-            occupied.append((bits, item))
+            occupied.append((bits, field_item))
     return not has_overlap
 
 
-def _range_problem(item: Item, width: int, bits: range, total: int, condition: str) -> tuple[str, str] | None:
+def _range_problem(field_item: Item, width: int, bits: range, total: int, condition: str) -> tuple[str, str] | None:
     """Return the rule and the message if a field has an invalid width or is outside the layout."""
-    name, span = item.raw.get("name", ""), bits.stop - bits.start
+    name, span = field_item.raw.get("name", ""), bits.stop - bits.start
     if width < 0 or width > span:
         padding = f", but it is padded to {span}" if width > span else ""
         return "width-mismatch", f"'{name}' has {width} bits{condition}{padding}"
@@ -316,9 +316,9 @@ def _range_problem(item: Item, width: int, bits: range, total: int, condition: s
     return None
 
 
-def _fields(item: Item, site: Site) -> Iterable[Field]:
+def _fields(field_item: Item, site: Site) -> Iterable[Field]:
     """Yield the fields of an item: one, two with its padding, or those of a group."""
-    for part in _flat([item]):
+    for part in _flat([field_item]):
         raw, width = part.raw, part.width
         widest = site.widest(width)
         container = raw.get("padded_to", 0)

@@ -63,8 +63,8 @@ def sound_families(families: Iterable[Family], report: Report) -> list[Family]:
     return [family for family in families if faulty.isdisjoint(family.files)]
 
 
-def _shares_with_any(device: Device, others: Iterable[Device]) -> bool:
-    return any(_share(device, other_device) for other_device in others)
+def _shares_with_any(device: Device, other_devices: Iterable[Device]) -> bool:
+    return any(_share(device, other_device) for other_device in other_devices)
 
 
 def _share(first: Device, second: Device) -> bool:
@@ -99,7 +99,7 @@ def load_families(
             prepare(document)
     contents_after = contents(paths) if cache else {}
     unchanged = [file for file, content in contents_before.items() if contents_after.get(file) == content]
-    stored = {file: entry for file in unchanged if (entry := cached_by_file[file]) is not None}
+    stored = {file: stored_device for file in unchanged if (stored_device := cached_by_file[file]) is not None}
     known_devices = {file: device for file, (device, _) in stored.items()}
     masters = _text_of_masters(documents) if cache else {}
     sound_masters = {file for file, text in masters.items() if cache and cache.get(_SOUND, text)}
@@ -143,8 +143,8 @@ def _with_digest(
     family: Family, content: Sequence[bytes | str], stored: Mapping[str, tuple[Device, str]], cache: Cache
 ) -> Family:
     """Return a family with the content of its files and its digest, and store it if it is new."""
-    entry = stored.get(family.document.file)
-    digest = entry[1] if entry is not None else keep(cache, content, family.device)
+    stored_device = stored.get(family.document.file)
+    digest = stored_device[1] if stored_device is not None else keep(cache, content, family.device)
     return replace(family, content=content, digest=digest)
 
 
@@ -156,17 +156,17 @@ def contents(paths: Sequence[Path]) -> dict[str, list[bytes | str]]:
 def families_of(
     documents: Sequence[Document],
     report: Report,
-    known: Mapping[str, Device] = MappingProxyType({}),
+    known_devices: Mapping[str, Device] = MappingProxyType({}),
     sound: Collection[str] = (),
 ) -> list[Family]:
     """Build the families of documents, sorted by name, and add their problems to ``report``.
 
-    ``known`` contains devices, by the path of their specs, that were built before and had no problems, and ``sound``
-    the paths of descriptions of masters that had none.
+    ``known_devices`` contains devices, by the path of their specs, that were built before and had no problems, and
+    ``sound`` the paths of descriptions of masters that had none.
     """
     overlays = [document for document in documents if is_overlay(document)]
     documents = [document for document in documents if not is_overlay(document)]
-    already_checked = {*known, *sound}
+    already_checked = {*known_devices, *sound}
     checked: list[tuple[Document, dict[str, Any] | None]] = []
     for document in documents:
         is_checked = document.file in already_checked
@@ -178,7 +178,7 @@ def families_of(
         if data is None or "device" not in data:
             continue
         maker = _maker_of(document, data, makers, manufacturer_files, report)
-        device = known.get(document.file) or _built(document, data, maker, report)
+        device = known_devices.get(document.file) or _built(document, data, maker, report)
         if device is None:
             continue
         _compare_with_others(device, [family.device for family in families], document, report)
@@ -255,7 +255,7 @@ def _unknown_manufacturer(name: str) -> Manufacturer:
 
 
 def _check_manufacturer(
-    maker: Manufacturer, others: Iterable[Manufacturer], document: Document, report: Report
+    maker: Manufacturer, other_makers: Iterable[Manufacturer], document: Document, report: Report
 ) -> None:
     """Check that names derived from a manufacturer are unique, and that its package hides no standard module."""
     package = maker.python_package
@@ -268,7 +268,7 @@ def _check_manufacturer(
             path,
             f"'python_package' cannot be '{package}': {user} uses that name; write '{package}_encoders'",
         )
-    for other_maker in others:
+    for other_maker in other_makers:
         if other_maker.name == maker.name:
             continue
         if other_maker.python_package == package:
@@ -294,11 +294,11 @@ def _missing_manufacturers(documents: Sequence[Document], report: Report) -> lis
     return [document for document in read_documents if document is not None]
 
 
-def _compare_with_others(device: Device, others: Sequence[Device], document: Document, report: Report) -> None:
+def _compare_with_others(device: Device, other_devices: Sequence[Device], document: Document, report: Report) -> None:
     """Check that names of families and order codes are unique."""
-    if any(other_device.name == device.name for other_device in others):
+    if any(other_device.name == device.name for other_device in other_devices):
         report.add("duplicate-name", document, ("device",), f"there is another spec for '{device.name}'")
-    codes = {variant.code: other_device for other_device in others for variant in other_device.variants}
+    codes = {variant.code: other_device for other_device in other_devices for variant in other_device.variants}
     for variant in device.variants:
         if variant.code in codes:
             message = f"the order code {variant.code} also belongs to '{codes[variant.code].name}'"

@@ -26,10 +26,10 @@ def check_named_widths(raw: Raw, device: Device, report: DocumentReport) -> None
         return
     if report.document.family:  # An older edition may lack what uses a parameter.
         return
-    used = set(_used_words(raw))
+    used_words = set(_used_words(raw))
     for parameter in device.parameters:
         is_checked = parameter.equals is not None and parameter.name.endswith(_ENDING)
-        if not is_checked or parameter.name in used:
+        if not is_checked or parameter.name in used_words:
             continue
         frames = ((interface, layout) for interface in device.interfaces for layout in interface.layouts)
         problem = next(filter(None, (_difference(device, parameter, *frame) for frame in frames)), "")

@@ -50,8 +50,8 @@ def parameter_sets(
             break
     # An interface that no order code selects has been reported. Its layouts are checked with the parameters of the
     # others.
-    every = [parameters for sets in sets_by_interface.values() for parameters in sets]
-    return MappingProxyType({kind: sets or every for kind, sets in sets_by_interface.items()})
+    all_sets = [parameters for sets in sets_by_interface.values() for parameters in sets]
+    return MappingProxyType({kind: sets or all_sets for kind, sets in sets_by_interface.items()})
 
 
 def _without_definitions(

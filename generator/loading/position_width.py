@@ -39,13 +39,13 @@ def _check_width(device: Device, interface: Interface, layout: Layout, field: Fi
     measurement = device.measurement_of(interface.name)
     assert measurement is not None
     width = field.width.constant
-    needed = {variant.code: _needed_bits(measurement, variant) for variant in device.variants_over(interface.name)}
-    narrow = {code: bits for code, bits in needed.items() if bits is not None and bits < width}
-    if not narrow or any(bits is None or bits > width for bits in needed.values()):
+    needed_bits = {variant.code: _needed_bits(measurement, variant) for variant in device.variants_over(interface.name)}
+    narrow = {code: bits for code, bits in needed_bits.items() if bits is not None and bits < width}
+    if not narrow or any(bits is None or bits > width for bits in needed_bits.values()):
         return
     code, bits = next(iter(narrow.items()))
-    fills_width = width in needed.values()
-    if not fills_width and (width % 8 == 0 or len(set(needed.values())) > 1):
+    fills_width = width in needed_bits.values()
+    if not fills_width and (width % 8 == 0 or len(set(needed_bits.values())) > 1):
         return
     owner: Path = (
         ("field_groups", field.group) if field.group else ("interfaces", interface.name, "layouts", layout.name)

@@ -193,7 +193,7 @@ def _refuse_large_files(place: Named, specs: Mapping[str, str]) -> None:
 
 def _contents(blobs: Iterable[str]) -> dict[str, bytes]:
     """Return the content of each blob. Their sizes have been checked."""
-    printed = _git(["cat-file", "--batch"], blobs, most=2 * _MOST_BYTES)
+    printed = _git(["cat-file", "--batch"], blobs, max_bytes=2 * _MOST_BYTES)
     contents = {}
     start = 0
     while start < len(printed):
@@ -208,11 +208,11 @@ class _Refused(RevisionError):
     """git failed."""
 
 
-def _git(arguments: Sequence[str], lines: Iterable[str] = (), most: int = _MOST_LISTED) -> bytes:
+def _git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int = _MOST_LISTED) -> bytes:
     """Run git with these arguments and lines of input, and return its output.
 
     Raises:
-        RevisionError: There is no git or no repository, or git takes too long or prints more than ``most`` bytes.
+        RevisionError: There is no git or no repository, or git takes too long or prints more than ``max_bytes`` bytes.
         _Refused: git fails.
     """
     environment = {name: value for name, value in os.environ.items() if name != "GIT_LITERAL_PATHSPECS"}
@@ -221,7 +221,7 @@ def _git(arguments: Sequence[str], lines: Iterable[str] = (), most: int = _MOST_
         with TemporaryFile() as input_file, TemporaryFile() as errors:
             input_file.write("".join(f"{line}\n" for line in lines).encode())
             input_file.seek(0)
-            code, printed = _run(command, input_file, errors, environment | _QUIET, most)
+            code, printed = _run(command, input_file, errors, environment | _QUIET, max_bytes)
             errors.seek(0)
             error_text = visible(errors.read(4096).decode(errors="replace").strip().split("\n")[0])
     except RevisionError:
@@ -238,31 +238,31 @@ def _git(arguments: Sequence[str], lines: Iterable[str] = (), most: int = _MOST_
 
 
 def _run(
-    command: Sequence[str], input_file: IO[bytes], errors: IO[bytes], environment: Mapping[str, str], most: int
+    command: Sequence[str], input_file: IO[bytes], errors: IO[bytes], environment: Mapping[str, str], max_bytes: int
 ) -> tuple[int, bytes]:
     """Run a command, and return its exit code and output.
 
     Raises:
-        RevisionError: It takes too long, or prints more than ``most`` bytes.
+        RevisionError: It takes too long, or prints more than ``max_bytes`` bytes.
     """
     with subprocess.Popen(command, stdin=input_file, stdout=subprocess.PIPE, stderr=errors, env=environment) as running:
-        late = Event()
-        timer = Timer(_PATIENCE_S, _stop, (running, late))
+        timed_out = Event()
+        timer = Timer(_PATIENCE_S, _stop, (running, timed_out))
         timer.start()
         try:
-            printed = running.stdout.read(most + 1) if running.stdout else b""
-            if len(printed) > most:
+            printed = running.stdout.read(max_bytes + 1) if running.stdout else b""
+            if len(printed) > max_bytes:
                 running.kill()
             code = running.wait()
         finally:
             timer.cancel()
-    if late.is_set():
+    if timed_out.is_set():
         raise RevisionError(f"git did not answer within {_PATIENCE_S} s")
-    if len(printed) > most:
-        raise RevisionError(f"git lists more than {most // 2**20} MB here; name the folder of the specs")
+    if len(printed) > max_bytes:
+        raise RevisionError(f"git lists more than {max_bytes // 2**20} MB here; name the folder of the specs")
     return code, printed
 
 
-def _stop(running: subprocess.Popen[bytes], late: Event) -> None:
-    late.set()
+def _stop(running: subprocess.Popen[bytes], timed_out: Event) -> None:
+    timed_out.set()
     running.kill()

@@ -66,20 +66,20 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
         The families, or None if all specs must be read, for example because one of them is an overlay.
     """
     try:
-        found = list(_device_files(paths, cache))
+        device_files = list(_device_files(paths, cache))
         name, label = text.strip().lower(), "".join(text.split()).upper()
-        named = [item for item in found if item.name == name]
-        if len(named) > 1:
+        named_files = [device_file for device_file in device_files if device_file.name == name]
+        if len(named_files) > 1:
             return None
-        if named:
-            return (_load(named[0].path, cache)[0],)
+        if named_files:
+            return (_load(named_files[0].path, cache)[0],)
         # If the text shows the beginnings, they have been compared already.
         unsure = {
-            item.path: "" if item.beginnings and all(item.beginnings) else label
-            for item in found
-            if item.can_have(label)
+            device_file.path: "" if device_file.beginnings and all(device_file.beginnings) else label
+            for device_file in device_files
+            if device_file.can_have(label)
         }
-        possible = (_load(path, cache, asked) for path, asked in unsure.items())
+        possible = (_load(path, cache, possible_label) for path, possible_label in unsure.items())
         return tuple(device for devices in possible for device in devices)
     except (OSError, ValueError, TypeError, LookupError, AttributeError, _NotSelectable):
         return None
@@ -89,7 +89,7 @@ def has_family(paths: Sequence[Path], name: str, cache: Cache) -> bool:
     """Return True if one of the specs has a family of this name, without loading it."""
     try:
         # All files are looked at, because the results are stored after the last one.
-        return name in {item.name for item in _device_files(paths, cache)}
+        return name in {device_file.name for device_file in _device_files(paths, cache)}
     except (OSError, ValueError, TypeError, LookupError, AttributeError, _NotSelectable):
         return False
 
@@ -101,11 +101,11 @@ def _device_files(paths: Sequence[Path], cache: Cache) -> Iterator[_Found]:
         OSError: A file cannot be read.
         _NotSelectable: There is a file of another kind that can affect a family, other than its manufacturer's.
     """
-    known = KnownFiles(cache, "glances", list(map(str, paths)))
+    known_files = KnownFiles(cache, "glances", list(map(str, paths)))
 
     def glance(path: Path) -> Mapping[str, Any]:
-        found: Mapping[str, Any] = known.result(str(path), lambda: _glance(path))
-        return found
+        glance_data: Mapping[str, Any] = known_files.result(str(path), lambda: _glance(path))
+        return glance_data
 
     has_maker = functools.cache(lambda folder: (folder / MANUFACTURER).is_file())
     for path in dict.fromkeys(spec_files(paths, lambda path: glance(path)["is_spec"] is not False)):
@@ -116,7 +116,7 @@ def _device_files(paths: Sequence[Path], cache: Cache) -> Iterator[_Found]:
             yield _Found(path, str(name), None if beginnings is None else tuple(map(str, beginnings)))
         elif kind != _MASTER and (kind != _MAKER or path.name != MANUFACTURER):
             raise _NotSelectable
-    known.keep()
+    known_files.keep()
 
 
 def _glance(path: Path) -> dict[str, Any]:
@@ -142,10 +142,10 @@ def _glance(path: Path) -> dict[str, Any]:
 
 def _beginnings(text: bytes) -> tuple[str, ...] | None:
     """Return the beginnings of order codes, in capitals and without spaces, or None if the text does not show them."""
-    found = _PATTERN.findall(text)
-    if not found or len(found) != len(_PATTERN_KEY.findall(text)):
+    patterns = _PATTERN.findall(text)
+    if not patterns or len(patterns) != len(_PATTERN_KEY.findall(text)):
         return None
-    return tuple("".join(item.decode("ascii", "replace").split()).upper() for item in found)
+    return tuple("".join(pattern.decode("ascii", "replace").split()).upper() for pattern in patterns)
 
 
 def _beginnings_of_parts(spec: Path) -> tuple[str, ...]:
@@ -161,10 +161,10 @@ def _beginnings_of_parts(spec: Path) -> tuple[str, ...]:
     problems: list[object] = []
     try:
         data, _ = parse(section[0] if section else "", problems.append, problems.append)
-        found = beginnings(code_grammar(data["order_code"]))
+        prefixes = beginnings(code_grammar(data["order_code"]))
     except (Refused, LookupError, TypeError, ValueError, AttributeError, StopIteration):
         return ("",)
-    return ("",) if problems or "{" in "".join(found) else found
+    return ("",) if problems or "{" in "".join(prefixes) else prefixes
 
 
 def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
@@ -189,9 +189,9 @@ def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
             cache.put("beginnings", content, found_alone)
         if not label.startswith(found_alone):
             return ()
-    found = kept(cache, content)
-    if found is not None:
-        return found[:1]
+    cached_devices = kept(cache, content)
+    if cached_devices is not None:
+        return cached_devices[:1]
     from ..order_codes.labels import beginnings
     from .library import load_library
 

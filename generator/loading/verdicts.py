@@ -29,8 +29,8 @@ def with_verdicts_of_reserved_bits(layout: Layout, raw_fields: Iterable[Raw], si
         return layout
     for index, field in enumerate(raw_fields):
         if "unused" in field and field.get("makes_position") == Verdict.USABLE_WITH_WARNING.value:
-            wrong = f"no flag of '{layout.name}' says whether the position is usable, so the verdict stays unknown"
-            site.report("reserved-verdict", f"{wrong}; leave 'makes_position' out", "fields", index, "makes_position")
+            problem = f"no flag of '{layout.name}' says whether the position is usable, so the verdict stays unknown"
+            site.report("reserved-verdict", f"{problem}; leave 'makes_position' out", "fields", index, "makes_position")
     return replace(layout, fields=tuple(map(_of_unknown, layout.fields)))
 
 
@@ -48,20 +48,27 @@ def check_errata(device: Device, report: DocumentReport) -> None:
         following = set(_following(device, erratum))
         if not following:
             continue
-        wrong = [verdict for verdict in _stated(erratum.used) if verdict not in following]
-        for verdict in wrong[:1]:
-            given = listed((quoted(item.value) for item in Verdict if item in following), "or")
+        wrong_verdicts = [verdict for verdict in _stated(erratum.used) if verdict not in following]
+        for verdict in wrong_verdicts[:1]:
+            decoder_verdicts = listed(
+                (quoted(following_verdict.value) for following_verdict in Verdict if following_verdict in following),
+                "or",
+            )
             text = (
                 f"{quoted('used')} states the verdict {quoted(verdict.value)}, but for the affected bits, decoders give"
             )
-            report.add("erratum-verdict", ("errata", erratum.name, "used"), f"{text} {given}; correct one of the two")
+            report.add(
+                "erratum-verdict",
+                ("errata", erratum.name, "used"),
+                f"{text} {decoder_verdicts}; correct one of the two",
+            )
 
 
 def _stated(text: str) -> Iterator[Verdict]:
     """Yield the verdicts that a text names."""
-    rest = " ".join(text.split())
+    remaining_text = " ".join(text.split())
     for verdict, pattern in _IN_WORDS:
-        rest, count = re.subn(pattern, "", rest)
+        remaining_text, count = re.subn(pattern, "", remaining_text)
         if count:
             yield verdict
 
@@ -71,8 +78,8 @@ def _following(device: Device, erratum: Erratum) -> Iterator[Verdict]:
     for interface in device.interfaces:
         for layout in interface.layouts:
             place = f"interfaces.{interface.name}.{layout.name}"
-            found = [field for field in layout.fields if _is_affected(field, place, erratum)]
-            verdicts = [verdict for field in found for verdict in _verdicts(field)]
+            affected_fields = [field for field in layout.fields if _is_affected(field, place, erratum)]
+            verdicts = [verdict for field in affected_fields for verdict in _verdicts(field)]
             if verdicts:
                 yield from verdicts if layout.tells_validity else map(_at_best_unknown, verdicts)
                 yield Verdict.USABLE if layout.tells_validity else Verdict.UNKNOWN
@@ -80,8 +87,8 @@ def _following(device: Device, erratum: Erratum) -> Iterator[Verdict]:
 
 def _is_affected(field: Field, place: str, erratum: Erratum) -> bool:
     owners = (place, f"field_groups.{field.group}") if field.group else (place,)
-    inside = {f"{owner}.{field.name}" for owner in owners}
-    return any(path in inside or path in owners for path in erratum.affects)
+    field_paths = {f"{owner}.{field.name}" for owner in owners}
+    return any(path in field_paths or path in owners for path in erratum.affects)
 
 
 def _verdicts(field: Field) -> Iterator[Verdict]:

@@ -73,7 +73,11 @@ class Parameter:
 
     def held_value(self, number: int) -> int | None:
         """Return the value for the number in ``read_from``, or None if that is not one of the codes."""
-        return next((item.value for item in self.by_code if item.code == number), None) if self.by_code else number
+        return (
+            next((code_entry.value for code_entry in self.by_code if code_entry.code == number), None)
+            if self.by_code
+            else number
+        )
 
     @property
     def register(self) -> str:
@@ -120,8 +124,8 @@ def choices(alternatives: Sequence[Alternative]) -> Iterator[tuple[tuple[Answer,
 
     Without alternatives there is one combination, which is empty.
     """
-    for answers in product(*(item.answers for item in alternatives)):
-        yield answers, {name: value for one in answers for name, value in one.sets.items()}
+    for answers in product(*(alternative.answers for alternative in alternatives)):
+        yield answers, {name: value for answer in answers for name, value in answer.sets.items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -362,54 +366,56 @@ class Device:
     @cached_property
     def set_parameters(self) -> tuple[Parameter, ...]:
         """Independent parameters: those that an order code sets, a register holds, or an answer with a default sets."""
-        optional = {item.name for item in self.optional_alternatives}
+        optional = {alternative.name for alternative in self.optional_alternatives}
         return tuple(
-            item
-            for item in self.parameters
-            if item.equals is None and (not item.alternative or item.alternative in optional)
+            parameter
+            for parameter in self.parameters
+            if parameter.equals is None and (not parameter.alternative or parameter.alternative in optional)
         )
 
     @property
     def optional_alternatives(self) -> tuple[Alternative, ...]:
         """Questions that the user may answer. Without a choice, their default applies. They decide only verdicts."""
-        return tuple(item for item in self.alternatives if item.default)
+        return tuple(alternative for alternative in self.alternatives if alternative.default)
 
     def verdict_alternatives(self, layout: Layout) -> tuple[Alternative, ...]:
         """Return the questions whose answers decide the verdict on a frame of this layout."""
-        kinds = [item.kind for item in layout.fields if isinstance(item.kind, Flag)]
+        kinds = [field.kind for field in layout.fields if isinstance(field.kind, Flag)]
         parameters = {kind.verdict_parameter for kind in kinds}
-        return tuple(item for item in self.optional_alternatives if item.parameter in parameters)
+        return tuple(alternative for alternative in self.optional_alternatives if alternative.parameter in parameters)
 
     @cached_property
     def definitions(self) -> Mapping[str, Expression]:
         """Expressions of the parameters that follow from others, by name."""
-        return {item.name: item.equals for item in self.parameters if item.equals is not None}
+        return {parameter.name: parameter.equals for parameter in self.parameters if parameter.equals is not None}
 
     def needed_parameters(self, names: Iterable[str]) -> frozenset[str]:
         """Return these parameters, and all parameters from which they are calculated."""
-        found, left = set[str](), list(names)
-        while left:
-            name = left.pop()
-            if name not in found and name in self.definitions:
-                left += self.definitions[name].parameters
-            found.add(name)
-        return frozenset(found)
+        needed_names, pending = set[str](), list(names)
+        while pending:
+            name = pending.pop()
+            if name not in needed_names and name in self.definitions:
+                pending += self.definitions[name].parameters
+            needed_names.add(name)
+        return frozenset(needed_names)
 
     def sample_of(self, layout: Layout) -> Sample | None:
         """Return the sample frame of a layout, or None if none could be made up."""
-        return next((item for item in self.samples if item.layout == layout.name), None)
+        return next((sample for sample in self.samples if sample.layout == layout.name), None)
 
     def alternatives_of(self, layout: Layout) -> tuple[Alternative, ...]:
         """Return the questions that the user must answer before a frame of this layout can be read or written."""
         if not self.alternatives:
             return ()
-        sets = {name for item in layout.fields for name in (*item.low.parameters, *item.width.parameters)}
-        return tuple(item for item in self.alternatives if not sets.isdisjoint(item.answers[0].sets))
+        sets = {name for field in layout.fields for name in (*field.low.parameters, *field.width.parameters)}
+        return tuple(
+            alternative for alternative in self.alternatives if not sets.isdisjoint(alternative.answers[0].sets)
+        )
 
     @cached_property
     def run_time_parameters(self) -> tuple[Parameter, ...]:
         """Parameters that a register holds at run time."""
-        return tuple(item for item in self.parameters if item.read_from)
+        return tuple(parameter for parameter in self.parameters if parameter.read_from)
 
     def layouts(self) -> Iterator[tuple[Interface, Layout]]:
         for interface in self.interfaces:
@@ -417,28 +423,28 @@ class Device:
                 yield interface, layout
 
     def interface(self, name: str) -> Interface:
-        return next(item for item in self.interfaces if item.name == name)
+        return next(interface for interface in self.interfaces if interface.name == name)
 
     def over(self, kind: type[_Kind]) -> _Kind | None:
         """Return the interface of this kind, or None."""
-        return next((item for item in self.interfaces if isinstance(item, kind)), None)
+        return next((interface for interface in self.interfaces if isinstance(interface, kind)), None)
 
     def layout(self, name: str) -> Layout:
         return next(layout for _, layout in self.layouts() if layout.name == name)
 
     def limits(self, register: Register, meant_as: str = "") -> tuple[Expression | None, Expression | None]:
         """Return the lowest and highest value of a register, or of one of its meanings."""
-        meaning = next((item for item in register.meanings if item.name == meant_as), None)
+        meaning = next((meaning for meaning in register.meanings if meaning.name == meant_as), None)
         return (meaning.min, meaning.max) if meaning is not None else (register.min, register.max)
 
     @cached_property
     def identity(self) -> tuple[tuple[Register, Field], ...]:
         """Register fields that identify a device of this family: those with a documented value."""
         return tuple(
-            (register, item)
+            (register, field)
             for register in self.registers
-            for item in register.layout.fields
-            if item.equals is not None
+            for field in register.layout.fields
+            if field.equals is not None
         )
 
     def measurement_of(self, interface: str) -> Measurement | None:
@@ -470,13 +476,15 @@ class Device:
 
     @cached_property
     def _position_names(self) -> dict[str, frozenset[str]]:
-        found = {}
+        position_names = {}
         for interface in self.interfaces:
             measurement = self.measurement_of(interface.name)
-            of = measurement.of if measurement is not None else "position"
+            position_name = measurement.of if measurement is not None else "position"
             joins = (join for layout in interface.layouts for join in layout.joins)
-            found[interface.name] = frozenset({of}.union(*(join.fields for join in joins if join.name == of)))
-        return found
+            position_names[interface.name] = frozenset(
+                {position_name}.union(*(join.fields for join in joins if join.name == position_name))
+            )
+        return position_names
 
     def tells_position(self, interface: str, layout: Layout) -> bool:
         """Return whether frames of this layout send the position, or a part of it, to the master."""
@@ -486,11 +494,11 @@ class Device:
         """Return the range of valid positions in a frame if its field could hold others."""
         # The device holds its layouts, so no other layout can have the identity of one of them.
         if id(layout) not in self._ranges:
-            interface = next((item.name for item, each in self.layouts() if each is layout), "")
+            interface = next((interface.name for interface, candidate in self.layouts() if candidate is layout), "")
             if not interface:
                 return None
             measurement = self.measurement_in(interface, layout) if layout.sender == "encoder" else None
-            sets = [item.parameters for item in self.variants_over(interface)]
+            sets = [variant.parameters for variant in self.variants_over(interface)]
             self._ranges[id(layout)] = narrower_range(measurement, layout, sets) if measurement is not None else None
         return self._ranges[id(layout)]
 
@@ -499,19 +507,19 @@ class Device:
         """Results of ``range_in`` so far, because each frame of many needs one."""
         return {}
 
-    def signed_range(self, item: PlacedField, placed: PlacedLayout) -> tuple[int, int]:
+    def signed_range(self, field: PlacedField, placed: PlacedLayout) -> tuple[int, int]:
         """Return the lowest and the highest valid number of a signed field of a frame."""
-        valid, half = self.range_in(placed.layout), 1 << max(item.width, 1) - 1
-        if valid is None or valid.field.name != item.name:
+        valid, half = self.range_in(placed.layout), 1 << max(field.width, 1) - 1
+        if valid is None or valid.field.name != field.name:
             return -half, half - 1
         return valid.lowest.value(placed.parameters), valid.highest.value(placed.parameters)
 
     def register(self, name: str) -> Register:
-        return next(item for item in self.registers if item.name == name)
+        return next(register for register in self.registers if register.name == name)
 
     def registers_over(self, interface: str) -> tuple[Register, ...]:
         """Return the registers that this interface reaches."""
-        return tuple(item for item in self.registers if item.interface == interface)
+        return tuple(register for register in self.registers if register.interface == interface)
 
     def bank_selector(self, register: Register) -> str:
         """Return the register that selects the bank of this register, or an empty string if there is none."""
@@ -519,24 +527,24 @@ class Device:
         return interface.bank_select if isinstance(interface, Biss) and register.bank is not None else ""
 
     def crc(self, name: str) -> Crc:
-        return next(item for item in self.crcs if item.name == name)
+        return next(crc for crc in self.crcs if crc.name == name)
 
     def crc_of(self, layout: Layout) -> Crc | None:
         """Return the CRC at the end of a layout, or None."""
-        return next((self.crc(item.kind.crc) for item in layout.fields if isinstance(item.kind, CrcValue)), None)
+        return next((self.crc(field.kind.crc) for field in layout.fields if isinstance(field.kind, CrcValue)), None)
 
     def reflects_input(self, crc: Crc) -> bool:
         """Return whether the input of a CRC is reflected. In frames of bits, there are no bytes to reflect."""
-        layouts = [*(layout for _, layout in self.layouts()), *(item.layout for item in self.registers)]
-        covers_bytes = [item.crc_covers_bytes for item in layouts if self.crc_of(item) == crc]
+        layouts = [*(layout for _, layout in self.layouts()), *(register.layout for register in self.registers)]
+        covers_bytes = [layout.crc_covers_bytes for layout in layouts if self.crc_of(layout) == crc]
         return crc.refin and (any(covers_bytes) or not covers_bytes)
 
     def procedure(self, name: str) -> Procedure:
-        return next(item for item in self.procedures if item.name == name)
+        return next(procedure for procedure in self.procedures if procedure.name == name)
 
     def variant(self, code: str) -> Variant:
-        return next(item for item in self.variants if item.code == code)
+        return next(variant for variant in self.variants if variant.code == code)
 
     def variants_over(self, interface: str) -> tuple[Variant, ...]:
         """Return the listed order codes with this interface."""
-        return tuple(item for item in self.variants if item.interface == interface)
+        return tuple(variant for variant in self.variants if variant.interface == interface)

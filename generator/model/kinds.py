@@ -87,8 +87,8 @@ class Flag:
     @property
     def unexplained(self) -> Flag:
         """The same flag for order codes for which the manual does not explain it."""
-        worth = None if self.makes_position is None else Verdict.USABLE_WITH_WARNING
-        return Flag(self.active_low, UNEXPLAINED, makes_position=worth)
+        verdict = None if self.makes_position is None else Verdict.USABLE_WITH_WARNING
+        return Flag(self.active_low, UNEXPLAINED, makes_position=verdict)
 
 
 @dataclass(frozen=True, slots=True)

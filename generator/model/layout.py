@@ -256,16 +256,16 @@ class Layout:
     position_range: LayoutRange | None = None
 
     def field(self, name: str) -> Field:
-        return next(item for item in self.fields if item.name == name)
+        return next(field for field in self.fields if field.name == name)
 
     def names_in(self, name: str) -> tuple[str, ...]:
         """Return the names of the fields of a join, most significant first. For a field, return its own name."""
-        return next((item.fields for item in self.joins if item.name == name), (name,))
+        return next((join.fields for join in self.joins if join.name == name), (name,))
 
     @cached_property
     def member_names(self) -> frozenset[str]:
         """Names of its fields and joins."""
-        return frozenset((*(item.name for item in self.fields), *(item.name for item in self.joins)))
+        return frozenset((*(member.name for member in self.fields), *(member.name for member in self.joins)))
 
     @property
     def carried_as(self) -> str:
@@ -275,23 +275,23 @@ class Layout:
     @property
     def sent_bits(self) -> Expression:
         """Number of bits on the line, without the zeros that fill the first byte."""
-        return self.bits - sum((item.width for item in self.fields if item.fills_byte), Expression(0))
+        return self.bits - sum((field.width for field in self.fields if field.fills_byte), Expression(0))
 
     @property
     def data_fields(self) -> tuple[Field, ...]:
-        return tuple(item for item in self.fields if item.carries_data)
+        return tuple(field for field in self.fields if field.carries_data)
 
     @property
     def spoiling_flags(self) -> tuple[Field, ...]:
         """Flags that make the position in this frame unusable, except those that only combine other flags in it."""
-        here = {item.name for item in self.fields}
+        names_in_frame = {field.name for field in self.fields}
         return tuple(
-            item
-            for item in self.fields
-            if item.implemented
-            and isinstance(item.kind, Flag)
-            and item.kind.makes_position is Verdict.NOT_USABLE
-            and not (item.kind.sums_up and here.issuperset(item.kind.sums_up))
+            field
+            for field in self.fields
+            if field.implemented
+            and isinstance(field.kind, Flag)
+            and field.kind.makes_position is Verdict.NOT_USABLE
+            and not (field.kind.sums_up and names_in_frame.issuperset(field.kind.sums_up))
         )
 
     @property
@@ -301,53 +301,54 @@ class Layout:
         For bytes, that number has one byte for each byte of the frame with unused bits, and every bit keeps its
         position in the byte. For words, or if the order code moves fields, the fields are adjacent.
         """
-        fields = [item for item in self.fields if isinstance(item.kind, Unused)]
-        if self.in_bytes and all(item.low.is_constant and item.width.is_constant for item in fields):
-            fields.sort(key=lambda item: item.low.constant)
-            spans = ((item.low.constant, item.low.constant + item.widest - 1) for item in fields)
-            taken = sorted({byte for low, high in spans for byte in range(low // 8, high // 8 + 1)})
-            places = [8 * taken.index(item.low.constant // 8) + item.low.constant % 8 for item in fields]
+        fields = [field for field in self.fields if isinstance(field.kind, Unused)]
+        if self.in_bytes and all(field.low.is_constant and field.width.is_constant for field in fields):
+            fields.sort(key=lambda field: field.low.constant)
+            spans = ((field.low.constant, field.low.constant + field.widest - 1) for field in fields)
+            unused_bytes = sorted({byte for low, high in spans for byte in range(low // 8, high // 8 + 1)})
+            places = [8 * unused_bytes.index(field.low.constant // 8) + field.low.constant % 8 for field in fields]
         else:
             # In a word, the field sent last is the lowest. In bytes with the low byte first, it is the field sent
             # first.
             fields = fields if self.byte_order == "low_byte_first" else fields[::-1]
-            places = [sum(item.widest for item in fields[:index]) for index in range(len(fields))]
+            places = [sum(field.widest for field in fields[:index]) for index in range(len(fields))]
         return tuple(zip(fields, places, strict=True))
 
     @cached_property
     def has_unused(self) -> bool:
-        return any(isinstance(item.kind, Unused) for item in self.fields)
+        return any(isinstance(field.kind, Unused) for field in self.fields)
 
     @property
     def unused_width(self) -> int:
         """Number of bits in ``unused``."""
-        return max((place + item.widest for item, place in self.unused), default=0)
+        return max((place + field.widest for field, place in self.unused), default=0)
 
     @property
     def status_fields(self) -> tuple[Field, ...]:
         """Bits for error and warning: flags, and unused status bits, which are never active and therefore always 1."""
         return tuple(
-            item
-            for item in self.fields
-            if isinstance(item.kind, Flag) or (isinstance(item.kind, Unused) and item.kind.value and item.widest == 1)
+            field
+            for field in self.fields
+            if isinstance(field.kind, Flag)
+            or (isinstance(field.kind, Unused) and field.kind.value and field.widest == 1)
         )
 
     @cached_property
     def tells_validity(self) -> bool:
         """True if a flag, a named value or a combination says in every frame whether the position is usable."""
-        flags = [item.kind for item in self.fields if isinstance(item.kind, Flag)]
+        flags = [field.kind for field in self.fields if isinstance(field.kind, Flag)]
         flags += [sign.flag.kind for sign in self.signs if isinstance(sign.flag.kind, Flag)]
         return any(flag.makes_position is not Verdict.USABLE and not flag.only_while for flag in flags)
 
     @cached_property
     def signs(self) -> tuple[Sign, ...]:
         """Named values and combinations with a verdict on the position."""
-        values = (_sign_of_value(item, value) for item in self.fields for value in item.values)
-        return (*filter(None, values), *(_sign_of_combination(self, item) for item in self.combinations))
+        values = (_sign_of_value(field, value) for field in self.fields for value in field.values)
+        return (*filter(None, values), *(_sign_of_combination(self, combination) for combination in self.combinations))
 
     @cached_property
     def crc_field(self) -> Field | None:
-        return next((item for item in self.fields if isinstance(item.kind, CrcValue)), None)
+        return next((field for field in self.fields if isinstance(field.kind, CrcValue)), None)
 
     @property
     def crc_covers_bytes(self) -> bool:
@@ -356,18 +357,20 @@ class Layout:
 
     @property
     def has_parity(self) -> bool:
-        return any(isinstance(item.kind, Parity) for item in self.fields)
+        return any(isinstance(field.kind, Parity) for field in self.fields)
 
     def place(self, parameters: Mapping[str, int]) -> PlacedLayout:
         """Return the layout for one order code, without zero-width fields. Flags of other codes are unexplained."""
-        every = (
-            PlacedField(item.held_by(parameters), item.low.value(parameters), item.width.value(parameters))
-            for item in self.fields
+        placed_fields = (
+            PlacedField(field.held_by(parameters), field.low.value(parameters), field.width.value(parameters))
+            for field in self.fields
         )
-        placed = {item.name: item for item in every if item.width > 0}
+        fields_by_name = {field.name: field for field in placed_fields if field.width > 0}
         gray = bool(self.gray_of and (not self.gray_when or parameters.get(self.gray_when)))
-        unused = tuple((placed[item.name], place) for item, place in self.unused if item.name in placed)
-        return PlacedLayout(self, self.bits.value(parameters), tuple(placed.values()), gray, unused, parameters)
+        unused = tuple(
+            (fields_by_name[field.name], place) for field, place in self.unused if field.name in fields_by_name
+        )
+        return PlacedLayout(self, self.bits.value(parameters), tuple(fields_by_name.values()), gray, unused, parameters)
 
 
 @dataclass(frozen=True)
@@ -389,14 +392,14 @@ class PlacedLayout:
         return self.layout.name
 
     def field(self, name: str) -> PlacedField | None:
-        for item in self.fields:  # a generator takes twice as long, and decode - calls this for every line
-            if item.field.name == name:
-                return item
+        for placed_field in self.fields:  # a generator takes twice as long, and decode - calls this for every line
+            if placed_field.field.name == name:
+                return placed_field
         return None
 
     @cached_property
     def crc_field(self) -> PlacedField | None:
-        return next((item for item in self.fields if isinstance(item.field.kind, CrcValue)), None)
+        return next((field for field in self.fields if isinstance(field.field.kind, CrcValue)), None)
 
     @cached_property
     def crc_covers(self) -> tuple[int, int]:
@@ -405,7 +408,7 @@ class PlacedLayout:
         if end is None or not isinstance(end.kind, CrcValue):
             return (0, 0)
         width = end.width.constant
-        run = [item for item in map(self.field, end.kind.of) if item is not None]
+        run = [placed_field for placed_field in map(self.field, end.kind.of) if placed_field is not None]
         return (run[-1].low, run[0].high + 1 - run[-1].low) if run else (width, self.bits - width)
 
     @property
@@ -416,8 +419,10 @@ class PlacedLayout:
 
     def place_of(self, name: str) -> tuple[int, int]:
         """Return lowest bit and width of a field, or of a join of adjacent fields. An absent field has width 0."""
-        parts = [item for item in map(self.field, self.layout.names_in(name)) if item is not None]
-        return (parts[-1].low, sum(item.width for item in parts)) if parts else (0, 0)
+        parts = [
+            placed_field for placed_field in map(self.field, self.layout.names_in(name)) if placed_field is not None
+        ]
+        return (parts[-1].low, sum(part.width for part in parts)) if parts else (0, 0)
 
 
 def _sign_of_value(field: Field, value: Value) -> Sign | None:
@@ -430,10 +435,17 @@ def _sign_of_value(field: Field, value: Value) -> Sign | None:
     return Sign(_flag_of_sign(name, flag, value.printed_name, source=source), ((field.name, value.value),))
 
 
-def _sign_of_combination(layout: Layout, item: Combination) -> Sign:
-    flag = Flag(when_active=item.meaning, makes_position=item.makes_position)
-    field = _flag_of_sign(item.name, flag, item.printed_name, note=item.note, remedy=item.remedy, source=item.source)
-    return Sign(field, tuple(_condition(layout, text) for text in item.when))
+def _sign_of_combination(layout: Layout, combination: Combination) -> Sign:
+    flag = Flag(when_active=combination.meaning, makes_position=combination.makes_position)
+    field = _flag_of_sign(
+        combination.name,
+        flag,
+        combination.printed_name,
+        note=combination.note,
+        remedy=combination.remedy,
+        source=combination.source,
+    )
+    return Sign(field, tuple(_condition(layout, text) for text in combination.when))
 
 
 def _flag_of_sign(
@@ -450,13 +462,13 @@ def _condition(layout: Layout, text: str) -> tuple[str, int]:
     field = layout.field(name)
     if isinstance(field.kind, Flag):
         return name, int(word == "active")
-    return name, next(item.value for item in field.values if item.name == word)
+    return name, next(value.value for value in field.values if value.name == word)
 
 
 def have_lengths(layouts: Sequence[Layout], sender: str) -> bool:
     """Return whether frames of a sender on one channel have different lengths, so that bytes imply no leading zeros."""
-    frames = [item for item in layouts if item.sender == sender]
-    return len({(item.channel, item.bits) for item in frames}) > len({item.channel for item in frames})
+    frames = [layout for layout in layouts if layout.sender == sender]
+    return len({(layout.channel, layout.bits) for layout in frames}) > len({layout.channel for layout in frames})
 
 
 def number_from_bytes(layout: Layout, data: bytes) -> int:

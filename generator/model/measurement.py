@@ -30,7 +30,7 @@ class LayoutRange:
     @property
     def numbers(self) -> tuple[Expression, ...]:
         """The expressions in it."""
-        return tuple(item for item in (self.turns, self.modulus, self.highest) if item is not None)
+        return tuple(expression for expression in (self.turns, self.modulus, self.highest) if expression is not None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,9 @@ class Measurement:
     @property
     def steps(self) -> tuple[Expression, ...]:
         """Expressions that give the length of a count, or none for an angle."""
-        return tuple(item for item in (self.step_um, self.step_nm, self.per_counts) if item is not None)
+        return tuple(
+            expression for expression in (self.step_um, self.step_nm, self.per_counts) if expression is not None
+        )
 
     @property
     def total(self) -> Expression | None:

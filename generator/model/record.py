@@ -66,9 +66,9 @@ def _refuse(self: Any, name: str, *_: object) -> NoReturn:
 def _late_init(kind: Any) -> Callable[..., None]:
     """Return an ``__init__`` that the first object replaces with the compiled one."""
 
-    def init(self: Any, *values: Any, **named: Any) -> None:
+    def init(self: Any, *values: Any, **keyword_values: Any) -> None:
         kind.__init__ = _init_of(kind)
-        kind.__init__(self, *values, **named)
+        kind.__init__(self, *values, **keyword_values)
 
     return init
 

@@ -79,9 +79,9 @@ def find(device: Device, text: str) -> Match:
     for spelling in (as_listed(device.order_code), *device.order_code.also_written):
         match = re.fullmatch(regex(device.order_code, spelling) + AFTER, code, re.IGNORECASE)
         if match is not None:
-            listed = {(item.part, item.text.upper()): item.value for item in spelling.values}
-            found = ((part.name, match[part.name]) for part in device.order_code.parts)
-            parts = {name: listed.get((name, text), text) for name, text in found}
+            value_by_text = {(value.part, value.text.upper()): value.value for value in spelling.values}
+            part_texts = ((part.name, match[part.name]) for part in device.order_code.parts)
+            parts = {name: value_by_text.get((name, text), text) for name, text in part_texts}
             variant, unlisted = _resolve(device, parts, code)
             return Match(variant, unlisted, match["tail_"] or "", match["special_"] is not None, spelling.where)
     raise _explain(device, code)
@@ -94,22 +94,24 @@ def without_blanks(text: str) -> str:
 
 def spelled(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
     """Return the listed values of ``part`` by their texts in this spelling."""
-    own = {item.text: item.value for item in spelling.values if item.part == part.name}
-    return own or {value.text: value.text for value in part.values}
+    own_spellings = {value.text: value.value for value in spelling.values if value.part == part.name}
+    return own_spellings or {value.text: value.text for value in part.values}
 
 
 def beginnings(code: OrderCode) -> tuple[str, ...]:
     """Return the possible prefixes of the family's labels, uppercase and without spaces. "" matches any label."""
-    found = set[str]()
+    prefixes = set[str]()
     for spelling in (as_listed(code), *code.also_written):
         text, *pieces = _BRACES.split(spelling.pattern)
         texts = [text]
         if not text.strip():
-            part = next(item for item in code.parts if item.name == pieces[0])
-            is_open = part.open and part.name not in {item.part for item in spelling.values}
+            part = next(part for part in code.parts if part.name == pieces[0])
+            is_open = part.open and part.name not in {value.part for value in spelling.values}
             texts = [*spelled(part, spelling), *([""] if is_open else [])]
-        found |= {without_blanks(item).upper() for item in texts}
-    return tuple(sorted(item for item in found if not any(item != o and item.startswith(o) for o in found)))
+        prefixes |= {without_blanks(beginning).upper() for beginning in texts}
+    return tuple(
+        sorted(prefix for prefix in prefixes if not any(prefix != o and prefix.startswith(o) for o in prefixes))
+    )
 
 
 def as_listed(order_code: OrderCode) -> Spelling:
@@ -119,15 +121,15 @@ def as_listed(order_code: OrderCode) -> Spelling:
 
 def _resolve(device: Device, parts: Mapping[str, str], code: str) -> tuple[Variant, tuple[str, ...]]:
     """Return the order code with these parts, and the names of parts with unlisted values."""
-    known = {part.name: _listed(part, parts[part.name]) for part in device.order_code.parts}
-    variant = _fitting(device, known)
+    listed_values = {part.name: _listed(part, parts[part.name]) for part in device.order_code.parts}
+    variant = _fitting(device, listed_values)
     if variant is None:
-        raise UnknownOrderCode(_clash(device, code, parts, known), close=True)
-    unlisted = tuple(name for name, value in known.items() if value is None)
+        raise UnknownOrderCode(_clash(device, code, parts, listed_values), close=True)
+    unlisted = tuple(name for name, value in listed_values.items() if value is None)
     if unlisted:
-        shown = {name: value or parts[name] for name, value in known.items()}
-        printed = filled(device.order_code.pattern, shown)
-        variant = Variant(printed, MappingProxyType(shown), variant.interface, variant.parameters)
+        printed_values = {name: value or parts[name] for name, value in listed_values.items()}
+        printed = filled(device.order_code.pattern, printed_values)
+        variant = Variant(printed, MappingProxyType(printed_values), variant.interface, variant.parameters)
     return variant, unlisted
 
 
@@ -135,14 +137,14 @@ def _listed(part: CodePart, text: str) -> str | None:
     return next((value.text for value in part.values if value.text.upper() == text.upper()), None)
 
 
-def _fitting(device: Device, known: Mapping[str, str | None]) -> Variant | None:
+def _fitting(device: Device, listed_values: Mapping[str, str | None]) -> Variant | None:
     """Return the first listed code with these parts, where None stands for an unlisted value."""
-    unlisted = [part for part in device.order_code.parts if known[part.name] is None]
+    unlisted = [part for part in device.order_code.parts if listed_values[part.name] is None]
     for variant in device.variants:
-        if all(value in (None, variant.parts[name]) for name, value in known.items()) and all(
-            known[other] is None or known[other] in allowed
+        if all(value in (None, variant.parts[name]) for name, value in listed_values.items()) and all(
+            listed_values[other_name] is None or listed_values[other_name] in allowed
             for part in unlisted
-            for other, allowed in part.open_only_with.items()
+            for other_name, allowed in part.open_only_with.items()
         ):
             return variant
     return None
@@ -150,9 +152,9 @@ def _fitting(device: Device, known: Mapping[str, str | None]) -> Variant | None:
 
 def regex(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
     """Return a regular expression for the whole code in this spelling. The part ``anything`` can have any text."""
-    own = {item.part for item in spelling.values}
+    spelled_parts = {value.part for value in spelling.values}
     parts = {
-        part.name: _any_of(spelled(part, spelling)) if part.name in own else _alternatives(part)
+        part.name: _any_of(spelled(part, spelling)) if part.name in spelled_parts else _alternatives(part)
         for part in order_code.parts
     }
     if anything:
@@ -172,42 +174,42 @@ def _any_of(texts: Iterable[str]) -> str:
     return "|".join(re.escape(without_blanks(text)) for text in sorted(texts, key=len, reverse=True))
 
 
-def _clash(device: Device, code: str, parts: Mapping[str, str], known: Mapping[str, str | None]) -> str:
+def _clash(device: Device, code: str, parts: Mapping[str, str], listed_values: Mapping[str, str | None]) -> str:
     """Return the message about parts that are valid individually but not in combination, with the parts to change."""
     names = [
         part.name
         for part in device.order_code.parts
-        if any(_fitting(device, {**known, part.name: value.text}) for value in part.values)
+        if any(_fitting(device, {**listed_values, part.name: value.text}) for value in part.values)
     ]
-    listed = " and ".join(f"{name} '{known[name] or parts[name]}'" for name in names) or "its parts"
-    return messages.cannot_be_combined(code, listed, _nearest(device, code))
+    listed_parts = " and ".join(f"{name} '{listed_values[name] or parts[name]}'" for name in names) or "its parts"
+    return messages.cannot_be_combined(code, listed_parts, _nearest(device, code))
 
 
 def _explain(device: Device, code: str) -> UnknownOrderCode:
     """Return the error about ``code``, with the missing or unlisted part, if that is clear, and the nearest codes."""
-    found = []
+    candidates = []
     for part in device.order_code.parts:
         match = re.fullmatch(
             regex(device.order_code, as_listed(device.order_code), part.name) + AFTER, code, re.IGNORECASE
         )
         if match is not None and _has_more_than(match, part, code):
-            others = [other for other in device.order_code.parts if other is not part]
-            found.append(
+            other_parts = [other_part for other_part in device.order_code.parts if other_part is not part]
+            candidates.append(
                 (
-                    sum(_listed(other, match[other.name]) is None for other in others),
+                    sum(_listed(other_part, match[other_part.name]) is None for other_part in other_parts),
                     match[part.name] != "",
                     part,
                     match[part.name],
                 )
             )
-    if not found:
-        wrong = messages.not_of_family(code, device.name.upper(), _nearest(device, code))
-        return UnknownOrderCode(wrong, close=False)
+    if not candidates:
+        problem = messages.not_of_family(code, device.name.upper(), _nearest(device, code))
+        return UnknownOrderCode(problem, close=False)
     # Prefer a part without which all others have listed values, and then a missing part.
-    _, _, part, given = min(found, key=lambda item: item[:2])
+    _, _, part, part_text = min(candidates, key=lambda candidate: candidate[:2])
     valid = ", ".join(value.text for value in part.values)
-    wrong = messages.has_part(part.name, given) if given else messages.has_no_part(part.name)
-    return UnknownOrderCode(messages.wrong_part(code, wrong, valid, _nearest(device, code)), close=True)
+    problem = messages.has_part(part.name, part_text) if part_text else messages.has_no_part(part.name)
+    return UnknownOrderCode(messages.wrong_part(code, problem, valid, _nearest(device, code)), close=True)
 
 
 def _has_more_than(match: re.Match[str], part: CodePart, code: str) -> bool:
@@ -216,8 +218,8 @@ def _has_more_than(match: re.Match[str], part: CodePart, code: str) -> bool:
     A family whose codes consist of one part, such as ``{model}``, would otherwise be close to every label.
     """
     tail = len(match["tail_"] or "") + len(match["special_"] or "")
-    others = code[: match.start(part.name)] + code[match.end(part.name) : len(code) - tail]
-    return match[part.name] == "" or any(map(str.isalnum, others))
+    other_text = code[: match.start(part.name)] + code[match.end(part.name) : len(code) - tail]
+    return match[part.name] == "" or any(map(str.isalnum, other_text))
 
 
 def closest_reason(devices: Iterable[Device], text: str) -> str | None:
@@ -250,5 +252,9 @@ def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> l
     def likeness(code: str) -> float:
         return SequenceMatcher(None, code, "-".join(pieces[: code.count("-") + 1])).ratio()
 
-    found = ((likeness(variant.code), variant.code) for device in devices for variant in device.variants)
-    return [code for ratio, code in sorted(found, key=lambda item: item[0], reverse=True)[:3] if ratio >= least]
+    ranked_codes = ((likeness(variant.code), variant.code) for device in devices for variant in device.variants)
+    return [
+        code
+        for ratio, code in sorted(ranked_codes, key=lambda ranked_code: ranked_code[0], reverse=True)[:3]
+        if ratio >= least
+    ]

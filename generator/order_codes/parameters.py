@@ -14,24 +14,28 @@ def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
     Parameters used only by other interfaces are omitted, unless they are calculated from the parameters kept.
     Parameters that no interface uses are kept, since they are for information.
     """
-    used = {item.name: _used(device, item.name) for item in device.interfaces}
-    elsewhere = set[str]().union(*used.values()) - used[kind]
-    possible = [item for item in device.parameters if item.interface in ("", kind)]
-    kept = {
-        item.name
-        for item in possible
-        if item.name not in elsewhere and (item.equals is None or item.name in used[kind])
+    used_by_interface = {interface.name: _used(device, interface.name) for interface in device.interfaces}
+    elsewhere = set[str]().union(*used_by_interface.values()) - used_by_interface[kind]
+    possible = [parameter for parameter in device.parameters if parameter.interface in ("", kind)]
+    kept_names = {
+        parameter.name
+        for parameter in possible
+        if parameter.name not in elsewhere and (parameter.equals is None or parameter.name in used_by_interface[kind])
     }
     for _ in possible:
-        kept |= {item.name for item in possible if item.equals is not None and kept.issuperset(item.equals.parameters)}
-    return tuple(item for item in device.parameters if item.name in kept)
+        kept_names |= {
+            parameter.name
+            for parameter in possible
+            if parameter.equals is not None and kept_names.issuperset(parameter.equals.parameters)
+        }
+    return tuple(parameter for parameter in device.parameters if parameter.name in kept_names)
 
 
 def run_time_names(device: Device) -> frozenset[str]:
     """Return the parameters that registers hold, and those calculated from them."""
-    held = {item.name for item in device.run_time_parameters}
-    names = (item.name for item in device.parameters)
-    return frozenset(name for name in names if not held.isdisjoint(device.needed_parameters([name])))
+    held_names = {parameter.name for parameter in device.run_time_parameters}
+    names = (parameter.name for parameter in device.parameters)
+    return frozenset(name for name in names if not held_names.isdisjoint(device.needed_parameters([name])))
 
 
 def follows_registers(device: Device, layout: Layout) -> bool:
@@ -41,21 +45,23 @@ def follows_registers(device: Device, layout: Layout) -> bool:
 
 def deciding_parameters(layout: Layout) -> frozenset[str]:
     """Return the parameters that determine the positions, documented values or code of a layout's fields."""
-    names = (name for item in _of_layout(layout) for name in item.parameters)
+    names = (name for expression in _of_layout(layout) for name in expression.parameters)
     return frozenset((layout.gray_when, *names)) - {""}
 
 
 def run_time_widths(device: Device, layout: Layout) -> tuple[str, ...]:
     """Return the register fields, as ``register.field``, that determine the length of a layout."""
     names = device.needed_parameters(layout.bits.parameters)
-    return tuple(dict.fromkeys(item.read_from for item in device.run_time_parameters if item.name in names))
+    return tuple(
+        dict.fromkeys(parameter.read_from for parameter in device.run_time_parameters if parameter.name in names)
+    )
 
 
 def _used(device: Device, kind: str) -> frozenset[str]:
     """Return the parameters used in frames, registers and measurement of an interface, and their dependencies."""
-    found = {name for item in _expressions(device, kind) for name in item.parameters}
-    found |= {layout.gray_when for layout in device.interface(kind).layouts if layout.gray_when}
-    return device.needed_parameters(found)
+    used_names = {name for expression in _expressions(device, kind) for name in expression.parameters}
+    used_names |= {layout.gray_when for layout in device.interface(kind).layouts if layout.gray_when}
+    return device.needed_parameters(used_names)
 
 
 def _expressions(device: Device, kind: str) -> Iterator[Expression]:
@@ -63,7 +69,11 @@ def _expressions(device: Device, kind: str) -> Iterator[Expression]:
         yield from _of_layout(layout)
     for register in device.registers_over(kind):
         yield from _of_layout(register.layout)
-        bounds = [register.min, register.max, *(bound for item in register.meanings for bound in (item.min, item.max))]
+        bounds = [
+            register.min,
+            register.max,
+            *(bound for meaning in register.meanings for bound in (meaning.min, meaning.max)),
+        ]
         yield from (bound for bound in bounds if bound is not None)
     measurement = device.measurement_of(kind)
     if measurement is not None:
@@ -81,11 +91,11 @@ def _of_layout(layout: Layout) -> Iterator[Expression]:
 
 
 def _of_measurement(measurement: Measurement) -> Iterator[Expression]:
-    found = (
+    expressions = (
         measurement.counts_per_turn,
         measurement.turns,
         *measurement.steps,
         measurement.modulus,
         measurement.highest,
     )
-    yield from (item for item in found if item is not None)
+    yield from (expression for expression in expressions if expression is not None)

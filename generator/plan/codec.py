@@ -514,8 +514,8 @@ def _position_checks(device: Device, layout: Layout) -> Iterator[Check]:
 
 def allowed_values(layout: Layout, field: Field) -> tuple[int, ...]:
     """Return the valid values of a selector or a choice, without duplicates. Return none if every value is valid."""
-    named = (value.value for value in field.values)
-    values = dict.fromkeys(layout.selects if field.name == layout.selector else named)
+    named_numbers = (value.value for value in field.values)
+    values = dict.fromkeys(layout.selects if field.name == layout.selector else named_numbers)
     # Each value fits in the bits, so this many values are all that are possible.
     is_full = field.width.is_constant and len(values) == 1 << field.widest
     return () if is_full else tuple(values)

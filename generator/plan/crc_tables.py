@@ -65,9 +65,9 @@ def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
             return 0, 0, 0, ()
         plans = []
         for power in range((bits_left - 1).bit_length()):
-            shift, back = width << power, middle << power
+            shift, second_shift = width << power, middle << power
             if shift < bits_left:
-                next_bits = max(shift, bits_left - shift + back)
+                next_bits = max(shift, bits_left - shift + second_shift)
                 steps, wide, total, powers = cheapest(next_bits)
                 plans.append((steps + 1, wide + (next_bits > 32), total + power, (power, *powers)))
         return min(plans)

@@ -165,23 +165,28 @@ def describe(codec: plan.Codec, reporting: reports.Reporting | None = None) -> D
     """Return the description of a frame or register. ``reporting`` contains the reports and the verdict of a frame."""
     layout, powers = codec.layout, powers_of_two(codec)
     order = "little" if layout.byte_order == "low_byte_first" else "big"
-    sent = [(Place(term.field.low, term.field.width), term.value) for term in codec.terms]
+    sent_values = [(Place(term.field.low, term.field.width), term.value) for term in codec.terms]
     judgement = reporting.judgement if reporting is not None else None
     return Description(
         bits=layout.bits,
         length=codec.length if codec.in_bytes else 0,
         order=order if codec.in_bytes else "",
-        columns=tuple(_column(item, item.name in powers) for item in layout.fields),
+        columns=tuple(_column(field, field.name in powers) for field in layout.fields),
         joins=tuple(map(_join, codec.wholes)),
-        unused=tuple(Unused(one.field.low, one.field.width, one.value, one.place) for one in codec.reserved),
+        unused=tuple(
+            Unused(reserved_bits.field.low, reserved_bits.field.width, reserved_bits.value, reserved_bits.place)
+            for reserved_bits in codec.reserved
+        ),
         checks=tuple(map(_check, codec.checks)),
-        parities=tuple(_parity(place, value) for place, value in sent if isinstance(value, plan.ParityOf)),
+        parities=tuple(_parity(place, value) for place, value in sent_values if isinstance(value, plan.ParityOf)),
         speaks=tuple(_speaks(judgement)) if judgement is not None else (),
         tells=tuple(map(_tells, reporting.told)) if reporting is not None else (),
-        fields=tuple(BitField(item.name, item.low, item.width) for item in layout.fields),
+        fields=tuple(BitField(field.name, field.low, field.width) for field in layout.fields),
         crc=codec.crc,
         gray=codec.gray,
-        fixed=tuple((place, value.number) for place, value in sent if isinstance(value, plan.Fixed) and value.number),
+        fixed=tuple(
+            (place, value.number) for place, value in sent_values if isinstance(value, plan.Fixed) and value.number
+        ),
         otherwise=judgement.otherwise if judgement is not None else None,
     )
 
@@ -199,8 +204,8 @@ def _column(field: Field, is_power: bool) -> Column:
             kind = "not_flag" if low else "flag"
         case Named():
             kind = "choice"
-        case DigitRuns(found):
-            kind, runs = "digits", tuple((Name(run.name), run.divisor, run.modulus) for run in found)
+        case DigitRuns(digit_runs):
+            kind, runs = "digits", tuple((Name(run.name), run.divisor, run.modulus) for run in digit_runs)
         case Characters():
             kind = "text"
         case meaning:
@@ -208,15 +213,15 @@ def _column(field: Field, is_power: bool) -> Column:
     return Column(Name(field.name), field.low, field.width, kind, zero, runs, is_power, field.scale)
 
 
-def _check(item: plan.Check) -> Check:
-    field, fault = item.field, item.fault
-    match item:
+def _check(check: plan.Check) -> Check:
+    field, fault = check.field, check.fault
+    match check:
         case plan.AlwaysIs(value=value):
             return Check(field.low, field.width, fault, (value,))
         case plan.ZerosAbove(padding=padding):
             return Check(padding.low, padding.width, fault, (0,))
-        case plan.ParityIs(of=of, odd=odd, mask=mask):
-            return Check(field.low, field.width, fault, parity_of=_places(of), odd=odd, mask=mask)
+        case plan.ParityIs(of=covered_fields, odd=odd, mask=mask):
+            return Check(field.low, field.width, fault, parity_of=_places(covered_fields), odd=odd, mask=mask)
         case plan.IsOneOf(values=values):
             return Check(field.low, field.width, fault, values)
         case plan.AtMost(limit=limit):
@@ -226,32 +231,32 @@ def _check(item: plan.Check) -> Check:
         case plan.IsBetween(lowest=lowest, highest=highest):
             return Check(field.low, field.width, fault, limit=highest, lowest=lowest)
         case _:
-            assert_never(item)
+            assert_never(check)
 
 
 def _join(whole: plan.Whole) -> Join:
-    return Join(Name(whole.join.name), tuple((Name(item.name), low) for item, low in whole.from_low))
+    return Join(Name(whole.join.name), tuple((Name(field.name), low) for field, low in whole.from_low))
 
 
 def _parity(place: Place, value: plan.ParityOf) -> Check:
     return Check(*place, Fault.CONSTANT, parity_of=_places(value.of), odd=value.odd, mask=value.mask)
 
 
-def _places(of: tuple[Field, ...]) -> tuple[Place, ...]:
-    return tuple(Place(item.low, item.width) for item in of)
+def _places(fields: tuple[Field, ...]) -> tuple[Place, ...]:
+    return tuple(Place(field.low, field.width) for field in fields)
 
 
 def _speaks(judgement: verdicts.Judgement) -> Iterator[Speaks]:
     for verdict, items in judgement.worst_first:
-        for item in items:
-            unless = tuple(Name(part.field.name) for part in item.unless)
-            name, when = Name(item.by.field.name), _when(item.by)
-            yield Speaks(verdict, name, unless, _mask(item.by), item.only, when, item.chosen)
+        for speaker in items:
+            unless = tuple(Name(part.field.name) for part in speaker.unless)
+            name, when = Name(speaker.by.field.name), _when(speaker.by)
+            yield Speaks(verdict, name, unless, _mask(speaker.by), speaker.only, when, speaker.chosen)
 
 
-def _tells(item: reports.Told) -> Tells:
-    name, mask, when = Name(item.by.field.name), _mask(item.by), _when(item.by)
-    return Tells(item.report.name, name, mask, item.only, when, _answered(item.made_of))
+def _tells(told_report: reports.Told) -> Tells:
+    name, mask, when = Name(told_report.by.field.name), _mask(told_report.by), _when(told_report.by)
+    return Tells(told_report.report.name, name, mask, told_report.only, when, _answered(told_report.made_of))
 
 
 def _answered(field: Field) -> Answered | None:
@@ -262,12 +267,12 @@ def _answered(field: Field) -> Answered | None:
             return None
 
 
-def _mask(by: verdicts.Cause) -> int:
+def _mask(cause: verdicts.Cause) -> int:
     """Return the mask of reserved bits in the number made of all of them, or 0 for any other cause."""
-    return by.mask if isinstance(by, plan.Reserved) else 0
+    return cause.mask if isinstance(cause, plan.Reserved) else 0
 
 
-def _when(by: verdicts.Cause) -> tuple[tuple[Name, int], ...]:
+def _when(cause: verdicts.Cause) -> tuple[tuple[Name, int], ...]:
     """Return the fields of a cause that consists of values, each with its value, or nothing for any other cause."""
-    conditions = by.conditions if isinstance(by, verdicts.Match) else ()
+    conditions = cause.conditions if isinstance(cause, verdicts.Match) else ()
     return tuple((Name(part.field.name), value) for part, value in conditions)

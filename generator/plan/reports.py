@@ -74,15 +74,15 @@ def reportings(device: Device) -> Iterator[Reporting]:
     reports = _reports(device)
     for interface, layout in _sent(device):
         codec = codec_of(device, layout)
-        told = tuple(
-            Told(reports[layout.name, item.name], by, only)
-            for by in telling(codec)
-            for item, only in by_code(by.field)
-            if _is_told(item)
+        told_reports = tuple(
+            Told(reports[layout.name, coded_field.name], cause, only)
+            for cause in telling(codec)
+            for coded_field, only in by_code(cause.field)
+            if _is_told(coded_field)
         )
         tells = device.tells_position(interface.name, layout)
-        if told or tells:
-            yield Reporting(interface, codec, told, judgement_of(codec) if tells else None)
+        if told_reports or tells:
+            yield Reporting(interface, codec, told_reports, judgement_of(codec) if tells else None)
 
 
 def _sent(device: Device) -> Iterator[tuple[Interface, Layout]]:
@@ -106,23 +106,25 @@ def _is_told(field: Field) -> bool:
 
 def _reports(device: Device) -> Mapping[tuple[str, str], Report]:
     """Return the reports by frame and field."""
-    found = [
-        (interface.name, layout.name, item, only is not None and not only.holds)
+    reported_fields = [
+        (interface.name, layout.name, coded_field, only is not None and not only.holds)
         for interface, layout in _sent(device)
         for field in (*layout.fields, *(sign.flag for sign in layout.signs))
-        for item, only in by_code(field)
-        if _is_told(item)
+        for coded_field, only in by_code(field)
+        if _is_told(coded_field)
     ]
     # Unexplained flags are last, so that the others keep their numbers.
-    fields = [item[:3] for item in sorted(found, key=lambda item: item[3])]
-    said: dict[str, set[object]] = {}
-    for kind, _, item in fields:
-        for name in (item.name, f"{kind}_{item.name}"):
-            said.setdefault(name, set()).add((item.kind, item.group, item.meaning))
-    made: dict[tuple[str, str], Report] = {}
+    fields = [
+        reported_field[:3] for reported_field in sorted(reported_fields, key=lambda reported_field: reported_field[3])
+    ]
+    properties_by_name: dict[str, set[object]] = {}
+    for kind, _, field in fields:
+        for name in (field.name, f"{kind}_{field.name}"):
+            properties_by_name.setdefault(name, set()).add((field.kind, field.group, field.meaning))
+    reports_by_field: dict[tuple[str, str], Report] = {}
     by_name: dict[str, Report] = {}
-    for kind, frame, item in fields:
-        names = (item.name, f"{kind}_{item.name}")
-        name = next((name for name in names if len(said[name]) == 1), f"{frame}_{item.name}")
-        made[frame, item.name] = by_name.setdefault(name, Report(name, len(by_name), item))
-    return made
+    for kind, frame, field in fields:
+        names = (field.name, f"{kind}_{field.name}")
+        name = next((name for name in names if len(properties_by_name[name]) == 1), f"{frame}_{field.name}")
+        reports_by_field[frame, field.name] = by_name.setdefault(name, Report(name, len(by_name), field))
+    return reports_by_field

@@ -60,7 +60,7 @@ class Speaks:
     @property
     def conditions(self) -> tuple[Only, ...]:
         """Conditions on parameters of the order code."""
-        return tuple(item for item in (self.only, self.chosen) if item is not None)
+        return tuple(condition for condition in (self.only, self.chosen) if condition is not None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,23 +78,23 @@ class Judgement:
     def worst_first(self) -> tuple[tuple[Verdict, tuple[Speaks, ...]], ...]:
         """Return the verdicts with their causes, worst first."""
         levels = ((Verdict.NOT_USABLE, self.not_usable), (Verdict.USABLE_WITH_WARNING, self.with_warning))
-        return tuple(item for item in levels if item[1])
+        return tuple(level for level in levels if level[1])
 
 
 def judgement_of(codec: Codec) -> Judgement:
     """Return the verdict on the position of a frame, with everything that it depends on."""
     parts = {part.field.name: part for part in codec.parts}
     speaking: dict[Verdict, list[Speaks]] = {verdict: [] for verdict in Verdict}
-    for by in telling(codec):
-        match by.field.kind:
+    for cause in telling(codec):
+        match cause.field.kind:
             case Flag():
-                for flag, only in _by_worth(by.field):
-                    others = [parts[name] for name in flag.sums_up if name in parts]
-                    for worth, chosen in _by_answer(flag):
-                        unless = tuple(item for item in others if not _decides(item, worth, parts))
-                        speaking[worth].append(Speaks(by, unless, only, chosen))
+                for flag, only in _by_worth(cause.field):
+                    summed_parts = [parts[name] for name in flag.sums_up if name in parts]
+                    for flag_verdict, chosen in _by_answer(flag):
+                        unless = tuple(part for part in summed_parts if not _decides(part, flag_verdict, parts))
+                        speaking[flag_verdict].append(Speaks(cause, unless, only, chosen))
             case Unused(makes_position=verdict):
-                speaking[verdict].append(Speaks(by, ()))
+                speaking[verdict].append(Speaks(cause, ()))
     tells = codec.layout.tells_validity
     warning = speaking[Verdict.USABLE_WITH_WARNING] if tells else ()
     otherwise = Verdict.USABLE if tells else Verdict.UNKNOWN
@@ -103,9 +103,11 @@ def judgement_of(codec: Codec) -> Judgement:
 
 def _by_worth(field: Field) -> Iterator[tuple[Flag, Only | None]]:
     """Yield the flag for each group of order codes that has a different verdict."""
-    found = [(item.kind, only) for item, only in by_code(field) if isinstance(item.kind, Flag)]
-    alike = len({(kind.makes_position, kind.sums_up, kind.verdict_if_set) for kind, _ in found}) == 1
-    yield from [(found[0][0], None)] if alike else found
+    coded_flags = [
+        (coded_field.kind, only) for coded_field, only in by_code(field) if isinstance(coded_field.kind, Flag)
+    ]
+    alike = len({(kind.makes_position, kind.sums_up, kind.verdict_if_set) for kind, _ in coded_flags}) == 1
+    yield from [(coded_flags[0][0], None)] if alike else coded_flags
 
 
 def _by_answer(flag: Flag) -> Iterator[tuple[Verdict, Only | None]]:
@@ -122,9 +124,11 @@ def _by_answer(flag: Flag) -> Iterator[tuple[Verdict, Only | None]]:
 def _decides(part: Part, verdict: Verdict, parts: Mapping[str, Part]) -> bool:
     """Return whether a flag always leads to ``verdict`` or a worse one."""
     match part.field.kind:
-        case Flag(makes_position=own, sums_up=names, only_while="", verdict_if_set=None) if own is not None:
+        case Flag(makes_position=flag_verdict, sums_up=names, only_while="", verdict_if_set=None) if (
+            flag_verdict is not None
+        ):
             worst_first = list(Verdict)
-            return worst_first.index(own) <= worst_first.index(verdict) and parts.keys().isdisjoint(names)
+            return worst_first.index(flag_verdict) <= worst_first.index(verdict) and parts.keys().isdisjoint(names)
         case _:
             return False
 

@@ -39,7 +39,7 @@ def plausible_rate(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def _report_rate(rate: int, key: str, unit: str, path: tuple[str, ...], report: DocumentReport) -> None:
     prefix, factor = ("M", 1_000_000) if rate < _LIKELY_MEGA else ("k", 1000)
     standard_rates = (standard for standard in _STANDARD_BAUDS if unit == "baud" and standard // 1000 == rate)
-    right = next(standard_rates, rate * factor)
-    wrong = f"'{key}' is {rate} {unit}, which is implausible; if the manual means {rate} {prefix}{unit}"
-    remedy = f"write {right}. If the number is right, say so in a 'note' of the interface"
-    report.add("implausible-rate", path, f"{wrong}, {remedy}")
+    likely_rate = next(standard_rates, rate * factor)
+    problem = f"'{key}' is {rate} {unit}, which is implausible; if the manual means {rate} {prefix}{unit}"
+    remedy = f"write {likely_rate}. If the number is right, say so in a 'note' of the interface"
+    report.add("implausible-rate", path, f"{problem}, {remedy}")

@@ -30,27 +30,34 @@ def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     later_pages: list[tuple[Path, str, int, int]] = []
     for path, value in sources(leaves_of(spec, report)) if contents else ():
         places = [piece.strip() for piece in value.split(";") if not is_placeholder(piece)]
-        pieces = [found for place in places if (found := _CITED.fullmatch(place)) is not None]
-        own, names = _names(spec, path)
+        pieces = [citation for place in places if (citation := _CITED.fullmatch(place)) is not None]
+        own_names, names = _names(spec, path)
         for cited in pieces:
             section = cited["section"]
             if not _is_in_section(section, cited["page"], path, spans, names, report):
                 continue
-            page, begins = int(cited["page"]), _begins(spans[section], own)
-            pages = {int(found["page"] or 0) for found in pieces if found["section"] == section}
-            if page in begins:
+            page, begin_pages = int(cited["page"]), _begins(spans[section], own_names)
+            pages = {int(citation["page"] or 0) for citation in pieces if citation["section"] == section}
+            if page in begin_pages:
                 first_pages += 1
-            elif begins and not pages & begins:
-                later_pages.append((path, section, page, max((item for item in begins if item < page), default=page)))
+            elif begin_pages and not pages & begin_pages:
+                later_pages.append(
+                    (
+                        path,
+                        section,
+                        page,
+                        max((first_page for first_page in begin_pages if first_page < page), default=page),
+                    )
+                )
     if first_pages >= max(_ENOUGH, _SHARE * (first_pages + len(later_pages))):
-        for path, section, page, begin in later_pages:
-            wrong = f"nothing in section {section} begins on page {page}, and other sources cite first pages"
-            report.add("cited-place", path, f"{wrong}; cite p.{begin}, or p.{begin} and p.{page}")
+        for path, section, page, first_page in later_pages:
+            problem = f"nothing in section {section} begins on page {page}, and other sources cite first pages"
+            report.add("cited-place", path, f"{problem}; cite p.{first_page}, or p.{first_page} and p.{page}")
 
 
-def _begins(spans: Mapping[str, tuple[int, int]], own: list[str]) -> set[int]:
+def _begins(spans: Mapping[str, tuple[int, int]], own_names: list[str]) -> set[int]:
     """Return the first page of the entry of an item or, without one, those of its section and of all its entries."""
-    name = next((name for name in own if name in spans), "")
+    name = next((name for name in own_names if name in spans), "")
     if name:
         return {spans[name][0]}
     return {start for start, _ in spans.values()} if spans[""][0] > _FIRST else set()
@@ -61,38 +68,38 @@ def _spans(contents: Mapping[str, Any]) -> dict[str, dict[str, tuple[int, int]]]
 
     The last page is the one on which the next section begins. A page that the contents omit is not checked.
     """
-    rows = [(name, item) for name, item in contents.items() if isinstance(item, dict)]
-    found: dict[str, dict[str, tuple[int, int]]] = {}
-    for at, (name, item) in enumerate(rows):
-        later = [other for other in rows[at + 1 :] if not other[0].startswith(f"{name}.")]
-        end = _page(later[0][1], _END) if later else _END
-        inside = [other for other in rows[at + 1 :] if other[0].startswith(f"{name}.")]
-        start = _page(item, _FIRST)
-        found[name] = {"": (start, end)}
-        entries = [(title, page) for title, page in mapping(item, "entries").items() if isinstance(page, int)]
-        after = _page(inside[0][1], end) if inside else end
+    rows = [(name, section) for name, section in contents.items() if isinstance(section, dict)]
+    page_spans: dict[str, dict[str, tuple[int, int]]] = {}
+    for at, (name, section) in enumerate(rows):
+        later_rows = [row for row in rows[at + 1 :] if not row[0].startswith(f"{name}.")]
+        end = _page(later_rows[0][1], _END) if later_rows else _END
+        inner_rows = [row for row in rows[at + 1 :] if row[0].startswith(f"{name}.")]
+        start = _page(section, _FIRST)
+        page_spans[name] = {"": (start, end)}
+        entries = [(title, page) for title, page in mapping(section, "entries").items() if isinstance(page, int)]
+        after = _page(inner_rows[0][1], end) if inner_rows else end
         for (title, page), (_, following) in pairwise([*entries, ("", after)]):
-            found[name][title.casefold()] = (page, max(page, following))
-    return found
+            page_spans[name][title.casefold()] = (page, max(page, following))
+    return page_spans
 
 
-def _page(item: Mapping[str, Any], otherwise: int) -> int:
-    page = item.get("page", otherwise)
+def _page(section: Mapping[str, Any], otherwise: int) -> int:
+    page = section.get("page", otherwise)
     return page if isinstance(page, int) else otherwise
 
 
 def _names(spec: Spec, path: Path) -> tuple[list[str], list[str]]:
     """Return the printed names of the item with a source, and those of all items around it, the innermost first."""
-    found: list[str] = []
-    own: list[str] = []
+    enclosing_names: list[str] = []
+    own_names: list[str] = []
     node: Any = spec
     for step in path[:-1]:
         node = node[step]
         if isinstance(node, dict):
             printed = (node.get("printed_name"), *mapping(node, "names").values())
-            own = [name.casefold() for name in printed if isinstance(name, str)]
-            found[:0] = own
-    return own, found
+            own_names = [name.casefold() for name in printed if isinstance(name, str)]
+            enclosing_names[:0] = own_names
+    return own_names, enclosing_names
 
 
 def _is_in_section(
@@ -115,7 +122,7 @@ def _is_in_section(
     start, end = spans[section][name]
     if start <= int(page) <= end:
         return True
-    what = f"the entry {quoted(name)} of section {section}" if name else f"section {section}"
+    cited_part = f"the entry {quoted(name)} of section {section}" if name else f"section {section}"
     where = (
         f"on page {start} or later"
         if end == _END
@@ -123,5 +130,5 @@ def _is_in_section(
         if start == end
         else f"on pages {start} to {end}"
     )
-    report.add("cited-place", path, f"{what} is {where} according to the table of contents, not on page {page}")
+    report.add("cited-place", path, f"{cited_part} is {where} according to the table of contents, not on page {page}")
     return False

@@ -21,24 +21,29 @@ _SOURCE = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
 
 def evidence(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the evidence supports the grade, and report what is missing."""
-    found, examples = mapping(spec, "evidence"), by_name(raw, "examples")
-    grade, read = found.get("grade"), mapping(found, "documents")
-    agreeing, vectors = list(found.get("implementations", ())), list(found.get("vectors", ()))
+    stated_evidence, examples = mapping(spec, "evidence"), by_name(raw, "examples")
+    grade, read = stated_evidence.get("grade"), mapping(stated_evidence, "documents")
+    agreeing, vectors = list(stated_evidence.get("implementations", ())), list(stated_evidence.get("vectors", ()))
     for index, key in enumerate(agreeing):
         if key in read or key in agreeing[:index]:
-            wrong = f"{quoted(key)} is listed twice; list each source once, so that it counts once"
-            report.add("evidence-grade", ("evidence", "implementations", index), wrong)
+            problem = f"{quoted(key)} is listed twice; list each source once, so that it counts once"
+            report.add("evidence-grade", ("evidence", "implementations", index), problem)
     for index, name in enumerate(vectors):
         if name in examples and not _discriminates(examples[name]):
-            wrong = f"{quoted(name)} has the same bits throughout, so it cannot show an error; use another example"
-            report.add("evidence-grade", ("evidence", "vectors", index), wrong)
-    known = [examples[name] for name in vectors if name in examples]
-    if grade in _WITH_FRAME and known and len(known) == len(vectors) and not any(map(_is_reading, known)):
-        wrong = f"the grade {quoted(grade)} needs data from an encoder"
+            problem = f"{quoted(name)} has the same bits throughout, so it cannot show an error; use another example"
+            report.add("evidence-grade", ("evidence", "vectors", index), problem)
+    known_examples = [examples[name] for name in vectors if name in examples]
+    if (
+        grade in _WITH_FRAME
+        and known_examples
+        and len(known_examples) == len(vectors)
+        and not any(map(_is_reading, known_examples))
+    ):
+        problem = f"the grade {quoted(grade)} needs data from an encoder"
         remedy = "add a frame 'from: encoder' without 'refused', or a register reading"
-        report.add("evidence-grade", ("evidence", "vectors", 0), f"{wrong}: {remedy}, {_OR} without 'vectors'")
-    for wrong in _missing(grade, read, agreeing, vectors) if grade else ():
-        report.add("evidence-grade", ("evidence", "grade"), f"the grade {quoted(grade)} {wrong}")
+        report.add("evidence-grade", ("evidence", "vectors", 0), f"{problem}: {remedy}, {_OR} without 'vectors'")
+    for problem in _missing(grade, read, agreeing, vectors) if grade else ():
+        report.add("evidence-grade", ("evidence", "grade"), f"the grade {quoted(grade)} {problem}")
     if grade == "quoted" or grade in _CORROBORATED:
         _sources(spec, grade, read, agreeing, report)
 
@@ -75,9 +80,9 @@ def _sources(spec: Spec, grade: str, read: Spec, agreeing: list[str], report: Do
         cited = {key or "manual" for key, _ in pieces}
         agree = grade in _CORROBORATED and len(cited & {*agreeing}) > 1
         if not agree and cited.isdisjoint(read):
-            wrong = f"the grade {quoted(grade)} needs {', or '.join(wanted)} for each fact"
+            problem = f"the grade {quoted(grade)} needs {', or '.join(wanted)} for each fact"
             place = next((place for key, place in pieces if not key), "")
-            report.add("evidence-grade", path, wrong + _remedy(place, mapping(spec, "documents")))
+            report.add("evidence-grade", path, problem + _remedy(place, mapping(spec, "documents")))
 
 
 def _remedy(place: str, documents: Spec) -> str:
@@ -91,8 +96,8 @@ def _remedy(place: str, documents: Spec) -> str:
 
 def _discriminates(example: Spec) -> bool:
     """Return whether the bits of an example differ from one another."""
-    given = example.get("bits") or example.get("bytes") or ""
-    return isinstance(given, str) and len(set(given.split() if " " in given else given)) > 1
+    frame_text = example.get("bits") or example.get("bytes") or ""
+    return isinstance(frame_text, str) and len(set(frame_text.split() if " " in frame_text else frame_text)) > 1
 
 
 def _is_reading(example: Spec) -> bool:

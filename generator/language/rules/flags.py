@@ -27,10 +27,10 @@ def makes_position_missing(spec: Spec, raw: Spec, report: DocumentReport) -> Non
             if "active" in field and "makes_position" not in field and "name" in field:
                 if field["name"] in INTERFACES[fields.interface].flags:
                     continue
-                wrong = f"{quoted(field['name'])} is in a frame that contains the position; set 'makes_position'"
-                wrong += " to the verdict on the position while this flag is active:"
-                right = "not_usable, usable_with_warning or usable"
-                report.add("makes-position-missing", path, f"{wrong} {right}")
+                problem = f"{quoted(field['name'])} is in a frame that contains the position; set 'makes_position'"
+                problem += " to the verdict on the position while this flag is active:"
+                remedy = "not_usable, usable_with_warning or usable"
+                report.add("makes-position-missing", path, f"{problem} {remedy}")
 
 
 def error_usable(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -42,37 +42,39 @@ def error_usable(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             is_error = "active" in field and names_error(name, field)
             if not is_error or field.get("makes_position") != "usable" or "note" in field:
                 continue
-            wrong = f"{quoted(name)} leaves the position usable while it is active; write 'makes_position: not_usable'"
-            right = "or usable_with_warning. If the position is usable, explain it in a 'note' of the flag"
-            report.add("error-usable", (*path, "makes_position"), f"{wrong}, {right}")
+            problem = (
+                f"{quoted(name)} leaves the position usable while it is active; write 'makes_position: not_usable'"
+            )
+            remedy = "or usable_with_warning. If the position is usable, explain it in a 'note' of the flag"
+            report.add("error-usable", (*path, "makes_position"), f"{problem}, {remedy}")
 
 
 def report_usable_values(path: Path, field: Spec, report: DocumentReport) -> None:
     """Report named values that are errors but leave the position usable, unless a note of the field explains it."""
     for name, value in mapping(field, "values").items():
         if names_error(name, value) and value.get("makes_position") == "usable" and "note" not in field:
-            wrong = f"the value {quoted(name)} leaves the position usable; write 'makes_position: not_usable'"
-            right = "or usable_with_warning. If the position is usable, explain it in a 'note' of the field"
-            report.add("error-usable", (*path, "values", name, "makes_position"), f"{wrong}, {right}")
+            problem = f"the value {quoted(name)} leaves the position usable; write 'makes_position: not_usable'"
+            remedy = "or usable_with_warning. If the position is usable, explain it in a 'note' of the field"
+            report.add("error-usable", (*path, "values", name, "makes_position"), f"{problem}, {remedy}")
 
 
-def names_error(name: str, item: Spec) -> bool:
+def names_error(name: str, flag_or_value: Spec) -> bool:
     """Return True if the name of a flag or value, or its name in the manual, says that it is an error."""
-    texts = (name.replace("_", " "), str(item.get("printed_name", "")))
+    texts = (name.replace("_", " "), str(flag_or_value.get("printed_name", "")))
     return any(_ERROR.search(text) and not _NO_ERROR.search(text) for text in texts)
 
 
 def flag_sums(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the flags combined by another one exist."""
-    every = (field for fields in field_lists(raw) for _, field in fields)
-    flags = [field["name"] for field in every if "active" in field and _has_name(field)]
+    all_fields = (field for fields in field_lists(raw) for _, field in fields)
+    flags = [field["name"] for field in all_fields if "active" in field and _has_name(field)]
     for fields in field_lists(spec):
         for path, field in fields:
-            known = [name for name in dict.fromkeys(flags) if name != field.get("name")]
+            other_flags = [name for name in dict.fromkeys(flags) if name != field.get("name")]
             for index, name in enumerate(field.get("sums_up", ())):
-                if name not in known:
-                    wrong = f"there is no other flag {quoted(name)}{suggestion(name, known)}"
-                    report.add("undefined-reference", (*path, "sums_up", index), wrong)
+                if name not in other_flags:
+                    problem = f"there is no other flag {quoted(name)}{suggestion(name, other_flags)}"
+                    report.add("undefined-reference", (*path, "sums_up", index), problem)
 
 
 def alarm_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -81,11 +83,11 @@ def alarm_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         kind = "group" if "group" in alarm else "register"
         owner = by_name(spec, "field_groups" if kind == "group" else "registers").get(alarm.get(kind, ""), {})
         if alarm["name"] in by_name(owner, "fields") and alarm.get("field", alarm["name"]) != alarm["name"]:
-            wrong = (
+            problem = (
                 f"the alarm {quoted(alarm['name'])} has the same name as a flag of {quoted(alarm[kind])}, but describes"
                 f" {quoted(alarm['field'])}; use that flag, or rename the alarm"
             )
-            report.add("alarm-name", (*path, "field"), wrong)
+            report.add("alarm-name", (*path, "field"), problem)
 
 
 def _has_name(field: Spec) -> bool:
@@ -95,9 +97,9 @@ def _has_name(field: Spec) -> bool:
 def position_names(spec: Spec, interface: str) -> set[str]:
     """Return the fields and joins that form the position: the measured ones, otherwise those named ``position``."""
     measurement = mapping(spec, "interfaces", interface, "measurement") or mapping(spec, "measurement")
-    of = measurement.get("of", "position")
+    measured_name = measurement.get("of", "position")
     joins = (mapping(fields.owner, "join") for fields in layouts(spec) if fields.interface == interface)
-    return {of}.union(*(join.get(of, ()) for join in joins))
+    return {measured_name}.union(*(join.get(measured_name, ()) for join in joins))
 
 
 def _with_groups(fields: Fields, spec: Spec) -> Iterator[tuple[Path, Spec]]:

@@ -8,13 +8,13 @@ from .walk import Spec, explained, items, mapping
 
 def revision_in_history(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the history of a manual lists its own revision, unless an erratum explains it."""
-    revisions = [str(entry.get("revision")) for _, entry in items(raw, "manual", "history")]
-    own = mapping(spec, "manual").get("revision")
+    revisions = [str(history_row.get("revision")) for _, history_row in items(raw, "manual", "history")]
+    revision = mapping(spec, "manual").get("revision")
     is_repeated = len(set(revisions)) < len(revisions)  # Reported by another rule.
-    if not revisions or is_repeated or not own or own in revisions:
+    if not revisions or is_repeated or not revision or revision in revisions:
         return
     if explained(report.document, "manual", "history"):
         return
-    wrong = f"the manual has revision {quoted(own)}, but its history lists {', '.join(revisions)}"
+    problem = f"the manual has revision {quoted(revision)}, but its history lists {', '.join(revisions)}"
     remedy = "correct one of the two, or add an erratum that affects manual.history if the manual prints this"
-    report.add("revision-not-in-history", ("manual", "revision"), f"{wrong}; {remedy}")
+    report.add("revision-not-in-history", ("manual", "revision"), f"{problem}; {remedy}")

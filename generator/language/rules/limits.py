@@ -32,8 +32,8 @@ def limit_source(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         cited = {match[1] or "manual" for match in map(_DOCUMENT.match, source.split(";")) if match}
         key = next((key for key in keys if key in limits), "")
         if key and cited.isdisjoint(read):
-            wrong = f"{quoted(key)} needs {documents}, because it is a limit"
-            report.add("limit-source", (*path, key), f"{wrong}; without one, {instead}", at_key=True)
+            problem = f"{quoted(key)} needs {documents}, because it is a limit"
+            report.add("limit-source", (*path, key), f"{problem}; without one, {instead}", at_key=True)
 
 
 def _limits(spec: Spec) -> Iterator[tuple[Path, Spec, str, tuple[tuple[str, ...], str]]]:

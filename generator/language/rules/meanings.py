@@ -36,24 +36,26 @@ def value_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the meaning of an order code value agrees with its settings: code, length and supply."""
     for path, part in items(spec, "order_code", "parts"):
         for text, value in part["values"].items():
-            meaning, here, sets = value.get("meaning", ""), (*path, "values", text), mapping(value, "sets")
-            for name, right in _codes_named(spec, value).items():
-                if value["sets"][name] != right:
-                    word = "Gray" if right else "binary"
-                    wrong = f"the meaning of {quoted(text)} says {word}, so {quoted(name)} must be {right}"
-                    report.add("meaning-mismatch", (*here, "sets", name), wrong)
+            meaning, value_path, sets = value.get("meaning", ""), (*path, "values", text), mapping(value, "sets")
+            for name, expected in _codes_named(spec, value).items():
+                if value["sets"][name] != expected:
+                    word = "Gray" if expected else "binary"
+                    problem = f"the meaning of {quoted(text)} says {word}, so {quoted(name)} must be {expected}"
+                    report.add("meaning-mismatch", (*value_path, "sets", name), problem)
             lengths = _lengths_named(meaning)
             for name, number in sets.items():
                 unit = str(mapping(raw, "parameters", name).get("unit"))
                 if lengths and unit in _NANOMETRES and number * _NANOMETRES[unit] not in lengths:
                     says = next(iter(lengths.values()))
-                    wrong = f"the meaning of {quoted(text)} says {says}, but {quoted(name)} is {number} {unit}"
-                    report.add("meaning-mismatch", (*here, "sets", name), wrong)
-            named, has = supply_named(meaning), mapping(value, "supply")
-            if named and has and named != (has["min_mv"], has["max_mv"]):
-                wrong = f"the meaning of {quoted(text)} says {named[0]} to {named[1]} mV"
+                    problem = f"the meaning of {quoted(text)} says {says}, but {quoted(name)} is {number} {unit}"
+                    report.add("meaning-mismatch", (*value_path, "sets", name), problem)
+            stated_range, supply = supply_named(meaning), mapping(value, "supply")
+            if stated_range and supply and stated_range != (supply["min_mv"], supply["max_mv"]):
+                problem = f"the meaning of {quoted(text)} says {stated_range[0]} to {stated_range[1]} mV"
                 report.add(
-                    "meaning-mismatch", (*here, "supply"), f"{wrong}, but here it is {has['min_mv']} to {has['max_mv']}"
+                    "meaning-mismatch",
+                    (*value_path, "supply"),
+                    f"{problem}, but here it is {supply['min_mv']} to {supply['max_mv']}",
                 )
 
 
@@ -86,13 +88,13 @@ def _codes_named(spec: Spec, value: Spec) -> dict[str, int]:
 
 def supply_named(text: str) -> tuple[int, int] | None:
     """Return the supply range given by a text, in millivolts, or None."""
-    if (two := _TWO_VOLTAGES.fullmatch(text)) is not None:
-        return _millivolts(two[1], 100), _millivolts(two[2], 100)
-    one = _ONE_VOLTAGE.fullmatch(text)
-    if one is None:
+    if (range_match := _TWO_VOLTAGES.fullmatch(text)) is not None:
+        return _millivolts(range_match[1], 100), _millivolts(range_match[2], 100)
+    match = _ONE_VOLTAGE.fullmatch(text)
+    if match is None:
         return None
-    tolerance = Fraction(one[2] or 0)
-    return _millivolts(one[1], 100 - tolerance), _millivolts(one[1], 100 + tolerance)
+    tolerance = Fraction(match[2] or 0)
+    return _millivolts(match[1], 100 - tolerance), _millivolts(match[1], 100 + tolerance)
 
 
 def _millivolts(volts: str, per_cent: Fraction | int) -> int:
@@ -106,17 +108,17 @@ def printed_number(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             for name, value in mapping(field, "values").items():
                 number = _number(value.get("printed_name", ""), constant_width(field))
                 if number is not None and number != value["value"]:
-                    wrong = (
+                    problem = (
                         f"{quoted(name)} is printed as {value['printed_name']}, which is {number}, but 'value' is"
                         f" {value['value']}"
                     )
-                    report.add("printed-number", (*path, "values", name, "value"), wrong)
+                    report.add("printed-number", (*path, "values", name, "value"), problem)
 
 
 def _number(text: str, width: int | None) -> int | None:
     """Return the number in a printed name if it is clearly only a number, otherwise None."""
-    if (found := _IN_QUOTES.fullmatch(text)) is not None:
-        digits = next(group for group in found.groups() if group)
+    if (match := _IN_QUOTES.fullmatch(text)) is not None:
+        digits = next(group for group in match.groups() if group)
         return int(digits, 2) if len(digits) == width else None
     if _WITH_PREFIX.fullmatch(text):
         return int(text, 0)
@@ -128,14 +130,15 @@ def interface_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that an order code value does not select a different interface than its meaning names."""
     for path, part in items(spec, "order_code", "parts"):
         for text, value in part["values"].items():
-            named = {
-                found.upper().replace("RS485", "RS-485") for found in _ANY_INTERFACE.findall(value.get("meaning", ""))
+            names = {
+                interface_name.upper().replace("RS485", "RS-485")
+                for interface_name in _ANY_INTERFACE.findall(value.get("meaning", ""))
             }
             for kind, pattern in _INTERFACES.items():
-                if len(named) == 1 and pattern.search(value["meaning"]) and value.get("interface", kind) != kind:
-                    wrong = (
-                        f"the meaning of {quoted(text)} mentions {named.pop().replace('BISS', 'BiSS')}, but the"
+                if len(names) == 1 and pattern.search(value["meaning"]) and value.get("interface", kind) != kind:
+                    problem = (
+                        f"the meaning of {quoted(text)} mentions {names.pop().replace('BISS', 'BiSS')}, but the"
                         f" value selects {value['interface']}"
                     )
-                    report.add("interface-mismatch", (*path, "values", text, "interface"), wrong)
+                    report.add("interface-mismatch", (*path, "values", text, "interface"), problem)
                     break

@@ -88,7 +88,7 @@ def duplicate_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     _check_unique(_labels(items(spec, "order_code", "parts"), "name"), "a part", report)
     for key, inner, label, word in _INNER_LISTS:
         for path, owner in items(spec, key):
-            entries = [((*path, *inner_path), entry) for inner_path, entry in items(owner, inner)]
+            entries = [((*path, *inner_path), inner_spec) for inner_path, inner_spec in items(owner, inner)]
             _check_unique(_labels(entries, label), word, report)
 
 
@@ -163,7 +163,7 @@ def value_clash(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def _labels(entries: Iterable[tuple[Path, Spec]], label: str) -> Iterator[Named]:
     """Yield the label of each entry with its path."""
-    return (((*path, label), entry[label]) for path, entry in entries)
+    return (((*path, label), spec[label]) for path, spec in entries)
 
 
 def _check_unique(named_values: Iterable[Named], word: str, report: DocumentReport) -> None:

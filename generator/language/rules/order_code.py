@@ -82,10 +82,10 @@ def order_code_pattern(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that pattern and parts agree, and that every code sets each parameter once and selects one interface."""
     if not is_whole(spec, raw):
         return
-    before = len(report)
+    problems_before = len(report)
     _check_pattern(spec, report)
     _check_values(spec, report)
-    if len(report) > before:
+    if len(report) > problems_before:
         return
     codes = _codes(spec)
     if codes is None:

@@ -54,12 +54,12 @@ def parameter_interface(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     parameters = mapping(raw, "parameters")
     for path, interface, text in uses(spec, raw):
         for name in dict.fromkeys(all_parameters(text, parameters)):
-            of = mapping(parameters, name).get("interface")
-            if isinstance(of, str) and of != interface:
+            owner_interface = mapping(parameters, name).get("interface")
+            if isinstance(owner_interface, str) and owner_interface != interface:
                 report.add(
                     "parameter-interface",
                     path,
-                    f"{quoted(name)} is only for {of} (see its 'interface'), but this is {interface}",
+                    f"{quoted(name)} is only for {owner_interface} (see its 'interface'), but this is {interface}",
                 )
                 break
 
@@ -90,29 +90,34 @@ def uses(spec: Spec, raw: Spec | None = None) -> Iterator[tuple[Path, str, int |
         Fields(Has.REGISTER, register, path, interface_of(register)) for path, register in items(spec, "registers")
     )
     for fields in (*layouts(spec), *registers):
-        found = [entry for path, field in expanded(fields, groups) for entry in _of_field(path, field)]
-        found += _of_limits(fields.path, fields.owner)
-        found += _under((*fields.path, "gray"), mapping(fields.owner, "gray"), ("when",))
-        yield from ((path, fields.interface, text) for path, text in found)
+        located_texts = [
+            located_text for path, field in expanded(fields, groups) for located_text in _of_field(path, field)
+        ]
+        located_texts += _of_limits(fields.path, fields.owner)
+        located_texts += _under((*fields.path, "gray"), mapping(fields.owner, "gray"), ("when",))
+        yield from ((path, fields.interface, text) for path, text in located_texts)
     for path, kind, own_range in position_ranges(spec):
         yield from ((path, kind, text) for path, text in _under(path, own_range, _MEASURED))
     for kind, interface in mapping(spec, "interfaces").items():
-        own = "measurement" in interface
-        here: Path = ("interfaces", kind, "measurement") if own else ("measurement",)
-        measurement = mapping(interface if own else spec, "measurement")
-        found = [*_under(here, measurement, _MEASURED), *_of_words(kind, interface)]
-        yield from ((path, kind, text) for path, text in found)
+        has_own_measurement = "measurement" in interface
+        measurement_path: Path = ("interfaces", kind, "measurement") if has_own_measurement else ("measurement",)
+        measurement = mapping(interface if has_own_measurement else spec, "measurement")
+        located_texts = [*_under(measurement_path, measurement, _MEASURED), *_of_words(kind, interface)]
+        yield from ((path, kind, text) for path, text in located_texts)
 
 
-def _under(path: Path, item: Spec, keys: Iterable[str]) -> Iterator[tuple[Path, int | str]]:
-    return (((*path, key), item[key]) for key in keys if key in item)
+def _under(path: Path, spec: Spec, keys: Iterable[str]) -> Iterator[tuple[Path, int | str]]:
+    return (((*path, key), spec[key]) for key in keys if key in spec)
 
 
 def _of_words(kind: str, interface: Spec) -> Iterator[tuple[Path, int | str]]:
     """Yield the lengths of words, of the interface and of its exchanges."""
-    here = ("interfaces", kind)
-    for path, item in ((here, interface), *(((*here, *path), item) for path, item in items(interface, "exchanges"))):
-        yield from _under(path, item, ("word_bits",))
+    interface_path = ("interfaces", kind)
+    for path, owner in (
+        (interface_path, interface),
+        *(((*interface_path, *path), owner) for path, owner in items(interface, "exchanges")),
+    ):
+        yield from _under(path, owner, ("word_bits",))
 
 
 def _of_field(path: Path, field: Spec) -> Iterator[tuple[Path, int | str]]:
@@ -121,18 +126,18 @@ def _of_field(path: Path, field: Spec) -> Iterator[tuple[Path, int | str]]:
 
 
 def _of_limits(path: Path, owner: Spec) -> Iterator[tuple[Path, int | str]]:
-    for below, item in (((), owner), *items(owner, "meanings")):
-        yield from _under((*path, *below), item, ("min", "max"))
+    for below, limited in (((), owner), *items(owner, "meanings")):
+        yield from _under((*path, *below), limited, ("min", "max"))
 
 
 def all_parameters(text: object, parameters: Spec) -> Iterator[str]:
     """Yield the parameters in an expression, and those that define them."""
-    factors, seen = _factors(text), set()
+    factors, visited_names = _factors(text), set()
     # The list grows during the loop: parameters named directly come before those that define them.
     for factor in factors:
         name = factor.parameter
-        if name not in seen and name in parameters:
-            seen.add(name)
+        if name not in visited_names and name in parameters:
+            visited_names.add(name)
             yield name
             factors += _factors(mapping(parameters, name).get("equals"))
 
@@ -152,19 +157,19 @@ _ORIGINS = ("equals", "read_from", "alternative")
 def parameter_origin(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the value of a parameter has one origin, and that codes are those of a register."""
     for name, parameter in mapping(spec, "parameters").items():
-        found = [key for key in _ORIGINS if key in parameter]
-        if len(found) > 1:
-            wrong = f"{listed(map(quoted, found))} each define {quoted(name)}; keep one"
-            report.add("parameter-origin", ("parameters", name, found[1]), wrong, at_key=True)
+        origins = [key for key in _ORIGINS if key in parameter]
+        if len(origins) > 1:
+            problem = f"{listed(map(quoted, origins))} each define {quoted(name)}; keep one"
+            report.add("parameter-origin", ("parameters", name, origins[1]), problem, at_key=True)
         if "by_code" not in parameter:
             continue
         limit = next((key for key in ("min", "max") if key in parameter), "")
         if "read_from" not in parameter:
-            wrong = "'by_code' needs 'read_from', the register field that holds the code"
-            report.add("parameter-origin", ("parameters", name, "by_code"), wrong, at_key=True)
+            problem = "'by_code' needs 'read_from', the register field that holds the code"
+            report.add("parameter-origin", ("parameters", name, "by_code"), problem, at_key=True)
         elif limit:
-            wrong = f"'by_code' already lists the values of {quoted(name)}; leave out {quoted(limit)}"
-            report.add("parameter-origin", ("parameters", name, limit), wrong, at_key=True)
+            problem = f"'by_code' already lists the values of {quoted(name)}; leave out {quoted(limit)}"
+            report.add("parameter-origin", ("parameters", name, limit), problem, at_key=True)
 
 
 def alternative_use(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -178,45 +183,48 @@ def alternative_use(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, text in used:
         name = next((factor.parameter for factor in _factors(text) if factor.parameter in decided), None)
         if name is not None and path[-1] not in _WIDTHS:
-            of = mapping(parameters, name)["alternative"]
-            wrong = (
-                f"{quoted(name)} is set by the alternative {quoted(of)}, so only frames and registers can depend on it"
+            alt = mapping(parameters, name)["alternative"]
+            problem = (
+                f"{quoted(name)} is set by the alternative {quoted(alt)}, so only frames and registers can depend on it"
             )
-            report.add("alternative-use", path, f"{wrong}; use it only in 'bits' or 'low_bit' of a field")
+            report.add("alternative-use", path, f"{problem}; use it only in 'bits' or 'low_bit' of a field")
         elif name is not None and "default" in alternatives.get(mapping(parameters, name)["alternative"], {}):
-            of = mapping(parameters, name)["alternative"]
-            wrong = f"{quoted(name)} is set by the alternative {quoted(of)}, whose default applies without a choice"
-            right = f"use it only in 'makes_position_if' of a flag, or remove 'default' from {quoted(of)}"
-            report.add("alternative-use", path, f"{wrong}; {right}")
+            alt = mapping(parameters, name)["alternative"]
+            problem = f"{quoted(name)} is set by the alternative {quoted(alt)}, whose default applies without a choice"
+            remedy = f"use it only in 'makes_position_if' of a flag, or remove 'default' from {quoted(alt)}"
+            report.add("alternative-use", path, f"{problem}; {remedy}")
 
 
 def units(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that exponents are in bits, and that numbers of a measurement and fields have the right unit."""
     parameters = mapping(raw, "parameters")
 
-    def compare(path: Path, factor: Factor, needed: str, use: str) -> None:
+    def compare(path: Path, factor: Factor, needed_unit: str, use: str) -> None:
         unit = mapping(parameters, factor.parameter).get("unit")
         kind = _KIND_OF.get(str(unit))
-        if kind is not None and kind != needed:
+        if kind is not None and kind != needed_unit:
             report.add(
                 "unit-mismatch",
                 path,
                 f"{quoted(factor.parameter)} is in {unit}, but {use} must be in"
-                f" {'µm' if needed == 'micrometres' else needed}",
+                f" {'µm' if needed_unit == 'micrometres' else needed_unit}",
             )
 
     for fields in field_lists(spec):
         for path, field in fields:
-            unit, of = field.get("unit"), mapping(parameters, str(field.get("equals"))).get("unit")
-            if unit and of and _KIND_OF.get(unit, unit) != _KIND_OF.get(str(of), of):
-                wrong = (
-                    f"{quoted(field['name'])} is in {unit}, but it equals {quoted(field['equals'])}, which is in {of}"
+            unit, peer = field.get("unit"), mapping(parameters, str(field.get("equals"))).get("unit")
+            if unit and peer and _KIND_OF.get(unit, unit) != _KIND_OF.get(str(peer), peer):
+                problem = (
+                    f"{quoted(field['name'])} is in {unit}, but it equals {quoted(field['equals'])}, which is in {peer}"
                 )
-                report.add("unit-mismatch", (*path, "unit"), wrong)
+                report.add("unit-mismatch", (*path, "unit"), problem)
     for path, text in expressions(spec):
         for factor in _factors(text):
-            needed = "bits" if factor.power or path[-1] in _WIDTHS else _MEASURED.get(str(path[-1]), "")
-            if needed:
+            needed_unit = "bits" if factor.power or path[-1] in _WIDTHS else _MEASURED.get(str(path[-1]), "")
+            if needed_unit:
                 compare(
-                    path, factor, needed, f"the exponent in 2^{factor.parameter}" if factor.power else quoted(path[-1])
+                    path,
+                    factor,
+                    needed_unit,
+                    f"the exponent in 2^{factor.parameter}" if factor.power else quoted(path[-1]),
                 )

@@ -27,15 +27,15 @@ def plain_bits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             name = str(field.get("name", ""))
             if _bits(field) != 1 or not _PLAIN.issuperset(field) or _is_fixed(fields, name):
                 continue
-            wrong = f"{quoted(name)} is a plain number, so decoders ignore it"
+            problem = f"{quoted(name)} is a plain number, so decoders ignore it"
             if _PARITY.fullmatch(name) and "gray" not in fields.owner:  # No decoder checks a parity over Gray code.
-                way = "write 'parity_of: [FIELDS]' instead of 'bits: 1', or add a 'note' that it is not a parity bit"
-                report.add("plain-bit", path, f"{wrong}; {way}")
+                remedy = "write 'parity_of: [FIELDS]' instead of 'bits: 1', or add a 'note' that it is not a parity bit"
+                report.add("plain-bit", path, f"{problem}; {remedy}")
             elif _FLAG.fullmatch(name):
-                way = (
+                remedy = (
                     "write 'active: high' or 'active: low' instead of 'bits: 1', or add a 'note' that it is not a flag"
                 )
-                report.add("plain-bit", path, f"{wrong}; {way}")
+                report.add("plain-bit", path, f"{problem}; {remedy}")
 
 
 def _is_received(fields: Fields) -> bool:

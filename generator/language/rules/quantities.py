@@ -191,7 +191,7 @@ def time_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     interfaces = mapping(spec, "interfaces")
     timings = [mapping(owner).get("timings") for owner in (spec, *interfaces.values())]
     named_times = set(_times(timings))
-    timed_items = [item for key in _TIMED for item in items(spec, key)]
+    timed_items = [timed_item for key in _TIMED for timed_item in items(spec, key)]
     times_of_items = [set(_times(timed_item)) for _, timed_item in timed_items]
     items_with = Counter(time for times in times_of_items for time in times)
     for (path, timed_item), item_times in zip(timed_items, times_of_items, strict=True):

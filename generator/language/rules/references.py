@@ -41,9 +41,11 @@ class _Names:
 
     def __init__(self, raw: Spec, report: DocumentReport) -> None:
         self._report = report
-        named = (value_at(raw, path) if path[-1] == "name" else path[-1] for path in report.faults())
+        faulty_names = (value_at(raw, path) if path[-1] == "name" else path[-1] for path in report.faults())
         interfaces = {name for name in mapping(raw, "interfaces") if name not in INTERFACES}
-        self._broken = interfaces | {name for name in named if isinstance(name, str) and not _NAME.fullmatch(name)}
+        self._broken = interfaces | {
+            name for name in faulty_names if isinstance(name, str) and not _NAME.fullmatch(name)
+        }
         self.groups, self.registers = by_name(raw, "field_groups"), by_name(raw, "registers")
         self.procedures, self.parameters = by_name(raw, "procedures"), mapping(raw, "parameters")
         self._known: Mapping[str, Collection[str]] = {
@@ -56,31 +58,37 @@ class _Names:
             "register": self.registers,
         }
 
-    def refer(self, path: Path, kind: str, name: str, known: Collection[str] | None = None) -> None:
-        """Report ``name`` at ``path`` unless it is in ``known``, by default all names of its kind.
+    def refer(self, path: Path, kind: str, name: str, known_names: Collection[str] | None = None) -> None:
+        """Report ``name`` at ``path`` unless it is in ``known_names``, by default all names of its kind.
 
         If one of these names is itself wrong, it is reported already and may be the one that is nearest_choice.
         """
-        choices = self._known[kind] if known is None else known
+        choices = self._known[kind] if known_names is None else known_names
         if name in choices:
             return
         if self._broken.isdisjoint(choices) or nearest_choice(
-            name, [item for item in choices if item not in self._broken]
+            name, [choice for choice in choices if choice not in self._broken]
         ):
-            wrong = f"there is no {kind} {quoted(name)}{suggestion(name, choices)}"
-            self._report.add("undefined-reference", path, wrong)
+            problem = f"there is no {kind} {quoted(name)}{suggestion(name, choices)}"
+            self._report.add("undefined-reference", path, problem)
         else:
             self._report.mark(path)
 
-    def tell(self, path: Path, wrong: str) -> None:
+    def tell(self, path: Path, problem: str) -> None:
         """Report a name that exists but is not sufficient."""
-        self._report.add("undefined-reference", path, wrong)
+        self._report.add("undefined-reference", path, problem)
 
-    def refer_by(self, key: str, path: Path, item: Spec, kind: str, known: Collection[str] | None = None) -> None:
+    def refer_by(
+        self, key: str, path: Path, owner: Spec, kind: str, known_names: Collection[str] | None = None
+    ) -> None:
         """Call ``refer`` for the value of a key: one name, several names, or none."""
-        found = item.get(key, ())
-        for name, place in [(found, ())] if isinstance(found, str) else [(one, (at,)) for at, one in enumerate(found)]:
-            self.refer((*path, key, *place), kind, name, known)
+        references = owner.get(key, ())
+        for name, place in (
+            [(references, ())]
+            if isinstance(references, str)
+            else [(reference, (at,)) for at, reference in enumerate(references)]
+        ):
+            self.refer((*path, key, *place), kind, name, known_names)
 
     def refer_to_bit(self, path: Path, text: str) -> None:
         """Report ``text``, written as ``register.field``, unless both exist."""
@@ -100,17 +108,17 @@ class _Names:
 
 def field_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of fields and layouts: groups, CRCs, sibling fields, data IDs."""
-    known = _Names(raw, report)
+    resolver = _Names(raw, report)
     for fields in field_lists(spec):
-        names = list(field_names(fields, known.groups))
-        joins, gray, here = mapping(fields.owner, "join"), mapping(fields.owner, "gray"), (*fields.path, "gray")
+        names = list(field_names(fields, resolver.groups))
+        joins, gray, gray_path = mapping(fields.owner, "join"), mapping(fields.owner, "gray"), (*fields.path, "gray")
         for path, field in fields:
-            known.refer_by("use", path, field, "field group")
-            known.refer_by("crc", path, field, "CRC")
+            resolver.refer_by("use", path, field, "field group")
+            resolver.refer_by("crc", path, field, "CRC")
             if "parity_of" in field or "crc_of" in field:
                 siblings = [name for name in names if name != field.get("name")]
-                known.refer_by("parity_of", path, field, "other field", [*siblings, *joins])
-                known.refer_by("crc_of", path, field, "other field", siblings)
+                resolver.refer_by("parity_of", path, field, "other field", [*siblings, *joins])
+                resolver.refer_by("crc_of", path, field, "other field", siblings)
             if (
                 "values_of" in field
                 and fields.kind is not Has.GROUP
@@ -121,207 +129,219 @@ def field_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 )
                 report.add("undefined-reference", (*path, "values_of"), message)
             for index, text in enumerate(field.get("explained_by", ())):
-                known.refer_to_bit((*path, "explained_by", index), text)
-        known.refer_by("of", here, gray, "field or joined number", [*names, *joins])
-        known.refer_by("when", here, gray, "parameter")
+                resolver.refer_to_bit((*path, "explained_by", index), text)
+        resolver.refer_by("of", gray_path, gray, "field or joined number", [*names, *joins])
+        resolver.refer_by("when", gray_path, gray, "parameter")
         for name in mapping(fields.owner, "when"):
-            known.refer((*fields.path, "when", name), "field", name, names)
+            resolver.refer((*fields.path, "when", name), "field", name, names)
         for join in joins:
-            known.refer_by(join, (*fields.path, "join"), joins, "field", names)
+            resolver.refer_by(join, (*fields.path, "join"), joins, "field", names)
 
 
 def register_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of registers: their interface, their opener, the field that their limits apply to."""
-    known = _Names(raw, report)
+    resolver = _Names(raw, report)
     for path, register in items(spec, "registers"):
-        known.refer_by("interface", path, register, "interface")
+        resolver.refer_by("interface", path, register, "interface")
         if "interface" not in register and INTERFACE_OF_REGISTERS not in mapping(raw, "interfaces"):
             message = (
                 f"registers belong to {INTERFACE_OF_REGISTERS} by default, "
                 f"but this device has no {INTERFACE_OF_REGISTERS}; add 'interface'"
             )
             report.add("undefined-reference", path, message)
-        _opener((*path, "opened_by"), mapping(register, "opened_by"), known)
+        _opener((*path, "opened_by"), mapping(register, "opened_by"), resolver)
         fields = Fields(Has.REGISTER, register, path, interface_of(register))
-        bounded = [*field_names(fields, known.groups), *mapping(register, "join")]
-        known.refer_by("limits_of", path, register, "field or joined number", bounded)
-        known.refer_by("write_clears", path, register, "register")
+        bounded = [*field_names(fields, resolver.groups), *mapping(register, "join")]
+        resolver.refer_by("limits_of", path, register, "field or joined number", bounded)
+        resolver.refer_by("write_clears", path, register, "register")
         for below, meaning in items(register, "meanings"):
-            _meaning((*path, *below), meaning, known)
+            _meaning((*path, *below), meaning, resolver)
 
 
-def _opener(path: Path, opened: Spec, known: _Names) -> None:
-    known.refer_by("register", path, opened, "register")
+def _opener(path: Path, opened: Spec, resolver: _Names) -> None:
+    resolver.refer_by("register", path, opened, "register")
     name = opened.get("register")
-    if name in known.registers:
-        known.refer_by("field", path, opened, f"field of {quoted(name)} called", known.bits(name))
-        values = known.values(name, opened.get("field"))
-        known.refer_by("value", path, opened, f"value of {quoted(name)} called", values)
-        if "field" not in opened and opened.get("value") in values and len(known.bits(name)) > 1:
-            wrong = f"{quoted(name)} has several fields; add 'field' with the name of the field"
-            known.tell((*path, "value"), f"{wrong} that must hold {quoted(opened['value'])}")
+    if name in resolver.registers:
+        resolver.refer_by("field", path, opened, f"field of {quoted(name)} called", resolver.bits(name))
+        values = resolver.values(name, opened.get("field"))
+        resolver.refer_by("value", path, opened, f"value of {quoted(name)} called", values)
+        if "field" not in opened and opened.get("value") in values and len(resolver.bits(name)) > 1:
+            problem = f"{quoted(name)} has several fields; add 'field' with the name of the field"
+            resolver.tell((*path, "value"), f"{problem} that must hold {quoted(opened['value'])}")
 
 
-def _meaning(path: Path, meaning: Spec, known: _Names) -> None:
+def _meaning(path: Path, meaning: Spec, resolver: _Names) -> None:
     """Check the field that selects the meaning of a register, and its value."""
     when = meaning["when"]
-    known.refer_to_bit((*path, "when"), when)
+    resolver.refer_to_bit((*path, "when"), when)
     name, _, field = when.partition(".")
-    if name in known.registers and field in known.bits(name):
-        known.refer_by("is", path, meaning, f"value of {quoted(when)} called", known.values(name, field))
+    if name in resolver.registers and field in resolver.bits(name):
+        resolver.refer_by("is", path, meaning, f"value of {quoted(when)} called", resolver.values(name, field))
 
 
 def device_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of parameters, hardware inputs, the measurement and BiSS as a whole."""
-    known = _Names(raw, report)
-    for name, parameter in mapping(spec, "parameters").items():
+    resolver = _Names(raw, report)
+    for parameter_name, parameter in mapping(spec, "parameters").items():
         if "read_from" in parameter:
-            known.refer_to_bit(("parameters", name, "read_from"), parameter["read_from"])
-        known.refer_by("interface", ("parameters", name), parameter, "interface")
-    for path, item in items(spec, "inputs"):
+            resolver.refer_to_bit(("parameters", parameter_name, "read_from"), parameter["read_from"])
+        resolver.refer_by("interface", ("parameters", parameter_name), parameter, "interface")
+    for path, hardware_input in items(spec, "inputs"):
         for key in ("inverts", "needs"):
-            if key in item:
-                known.refer_to_bit((*path, key), item[key])
+            if key in hardware_input:
+                resolver.refer_to_bit((*path, key), hardware_input[key])
     for path, measurement in measurements(spec):
-        names = [name for fields in layouts(raw) for name in readable_names(fields, known.groups)]
-        known.refer_by("of", path, measurement, "field or joined number", dict.fromkeys(names))
-        of = measurement.get("of", "")
+        names = [name for fields in layouts(raw) for name in readable_names(fields, resolver.groups)]
+        resolver.refer_by("of", path, measurement, "field or joined number", dict.fromkeys(names))
+        name = measurement.get("of", "")
         replies = (fields for fields in layouts(raw) if fields.owner.get("from") == "encoder")
         measured = (fields for fields in replies if path[0] == "measurement" or fields.interface in path)
-        fields = (field_names(item, known.groups).get(of) for item in measured)
+        fields = (field_names(layout_fields, resolver.groups).get(name) for layout_fields in measured)
         kinds = [next((key for key in KINDS if key in field), "digits") for field in fields if field is not None]
         if kinds and "digits" not in kinds:
-            wrong = (
-                f"{quoted(of)} has {quoted(kinds[0])}, so it is not a number; name the field that holds the position"
+            problem = (
+                f"{quoted(name)} has {quoted(kinds[0])}, so it is not a number; name the field that holds the position"
             )
-            report.add("measurement-shape", (*path, "of"), wrong)
-    here = ("interfaces", Biss.name)
-    known.refer_by("bank_select", here, mapping(spec, *here), "register")
+            report.add("measurement-shape", (*path, "of"), problem)
+    biss_path = ("interfaces", Biss.name)
+    resolver.refer_by("bank_select", biss_path, mapping(spec, *biss_path), "register")
 
 
 def alarm_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of alarms: the flag in a field group or register, and the procedures that clear them."""
-    known = _Names(raw, report)
+    resolver = _Names(raw, report)
     for path, alarm in items(spec, "alarms"):
-        known.refer_by("group", path, alarm, "field group")
-        known.refer_by("register", path, alarm, "register")
+        resolver.refer_by("group", path, alarm, "field group")
+        resolver.refer_by("register", path, alarm, "register")
         if "field" in alarm and "group" not in alarm and "register" not in alarm:
             report.add(
                 "undefined-reference", (*path, "field"), "'field' also needs the 'group' or 'register' of the flag"
             )
-        owner, owners = ("register", known.registers) if "register" in alarm else ("group", known.groups)
+        owner, owners = ("register", resolver.registers) if "register" in alarm else ("group", resolver.groups)
         if alarm.get(owner) in owners:
             flags = by_name(owners[alarm[owner]], "fields")
-            known.refer_by("field", path, alarm, f"field of {quoted(alarm[owner])} called", flags)
-        known.refer_by("cleared_by", path, alarm, "procedure")
+            resolver.refer_by("field", path, alarm, f"field of {quoted(alarm[owner])} called", flags)
+        resolver.refer_by("cleared_by", path, alarm, "procedure")
 
 
 def by_hand_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that manual remedies refer to a characteristic with numbered steps."""
-    known = _Names(raw, report)
-    counted = [name for name, item in by_name(raw, "characteristics").items() if has_steps(f"{item.get('value')}")]
+    resolver = _Names(raw, report)
+    counted = [
+        name
+        for name, characteristic in by_name(raw, "characteristics").items()
+        if has_steps(f"{characteristic.get('value')}")
+    ]
     states = [((*path, *below), state) for path, led in items(spec, "leds") for below, state in items(led, "states")]
-    flags = [item for fields in field_lists(spec) for item in fields]
+    flags = [field for fields in field_lists(spec) for field in fields]
     for path, owner in (*items(spec, "alarms"), *states, *flags):
-        known.refer_by("by_hand", path, owner, "characteristic with numbered steps called", counted)
+        resolver.refer_by("by_hand", path, owner, "characteristic with numbered steps called", counted)
 
 
 def procedure_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of procedures: their interface, registers, values and data IDs."""
-    known = _Names(raw, report)
+    resolver = _Names(raw, report)
     for path, procedure in items(spec, "procedures"):
-        known.refer_by("interface", path, procedure, "interface")
+        resolver.refer_by("interface", path, procedure, "interface")
         for below, argument in items(procedure, "arguments"):
-            of = argument["of"]
-            known.refer_by("of", (*path, *below), argument, "register")
-            if of in known.registers:
-                meanings = by_name(known.registers[of], "meanings")
-                known.refer_by("as", (*path, *below), argument, f"meaning of {quoted(of)} called", meanings)
+            register_name = argument["of"]
+            resolver.refer_by("of", (*path, *below), argument, "register")
+            if register_name in resolver.registers:
+                meanings = by_name(resolver.registers[register_name], "meanings")
+                resolver.refer_by(
+                    "as", (*path, *below), argument, f"meaning of {quoted(register_name)} called", meanings
+                )
         for below, step in items(procedure, "steps"):
-            _step((*path, *below), step, procedure, known)
+            _step((*path, *below), step, procedure, resolver)
             data_ids = by_name(raw, "interfaces", procedure["interface"], "data_ids")
-            known.refer_by("data_id", (*path, *below), step, "data ID", data_ids)
+            resolver.refer_by("data_id", (*path, *below), step, "data ID", data_ids)
 
 
-def _step(path: Path, step: Spec, procedure: Spec, known: _Names) -> None:
+def _step(path: Path, step: Spec, procedure: Spec, resolver: _Names) -> None:
     """Check the register of a step, with its field and its value."""
-    known.refer_by("register", path, step, "register")
+    resolver.refer_by("register", path, step, "register")
     name = step.get("register")
-    if name in known.registers:
-        known.refer_by("field", path, step, f"field of {quoted(name)} called", known.bits(name))
+    if name in resolver.registers:
+        resolver.refer_by("field", path, step, f"field of {quoted(name)} called", resolver.bits(name))
         arguments = [argument["name"] for _, argument in items(procedure, "arguments")]
-        values = [*known.values(name, step.get("field")), *arguments]
-        known.refer_by("value", path, step, f"argument, or value of {quoted(name)}, called", values)
-        is_named = "field" not in step and step.get("value") in known.values(name, None)
-        if is_named and step["value"] not in arguments and has_other_bits(known.registers[name], known.groups):
-            right = f"add 'field' with the name of the field that must hold {quoted(step['value'])}"
-            if known.registers[name].get("access") == "write_only":
-                right = "describe it as one field with all its bits, because it is write_only"
-            known.tell((*path, "value"), f"{quoted(name)} has other bits, too; {right}")
+        values = [*resolver.values(name, step.get("field")), *arguments]
+        resolver.refer_by("value", path, step, f"argument, or value of {quoted(name)}, called", values)
+        is_named = "field" not in step and step.get("value") in resolver.values(name, None)
+        if is_named and step["value"] not in arguments and has_other_bits(resolver.registers[name], resolver.groups):
+            remedy = f"add 'field' with the name of the field that must hold {quoted(step['value'])}"
+            if resolver.registers[name].get("access") == "write_only":
+                remedy = "describe it as one field with all its bits, because it is write_only"
+            resolver.tell((*path, "value"), f"{quoted(name)} has other bits, too; {remedy}")
 
 
 def alternative_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the answers of an alternative set the same parameters, and that these name the alternative."""
-    known, alternatives = _Names(raw, report), by_name(raw, "alternatives")
-    for path, item in items(spec, "alternatives"):
-        _answers(path, item, known, report)
+    resolver, alternatives = _Names(raw, report), by_name(raw, "alternatives")
+    for path, alternative in items(spec, "alternatives"):
+        _answers(path, alternative, resolver, report)
     for name, parameter in mapping(spec, "parameters").items():
         if "alternative" in parameter:
-            of = parameter["alternative"]
-            known.refer_by("alternative", ("parameters", name), parameter, "alternative", alternatives)
-            answers = mapping(alternatives.get(of, {}), "values")
-            if of in alternatives and not any(name in mapping(answers, answer, "sets") for answer in answers):
-                wrong = f"no answer of {quoted(of)} sets {quoted(name)}"
-                report.add("undefined-reference", ("parameters", name, "alternative"), wrong)
+            alternative_name = parameter["alternative"]
+            resolver.refer_by("alternative", ("parameters", name), parameter, "alternative", alternatives)
+            answers = mapping(alternatives.get(alternative_name, {}), "values")
+            if alternative_name in alternatives and not any(
+                name in mapping(answers, answer, "sets") for answer in answers
+            ):
+                problem = f"no answer of {quoted(alternative_name)} sets {quoted(name)}"
+                report.add("undefined-reference", ("parameters", name, "alternative"), problem)
     for path, example in items(spec, "examples"):
         for name, answer in mapping(example, "alternatives").items():
-            here = (*path, "alternatives", name)
-            known.refer(here, "alternative", name, alternatives)
+            answer_path = (*path, "alternatives", name)
+            resolver.refer(answer_path, "alternative", name, alternatives)
             if name in alternatives:
                 answers = mapping(alternatives[name], "values")
-                known.refer(here, f"answer of {quoted(name)} called", answer, answers)
+                resolver.refer(answer_path, f"answer of {quoted(name)} called", answer, answers)
 
 
-def _answers(path: Path, item: Spec, known: _Names, report: DocumentReport) -> None:
+def _answers(path: Path, alternative: Spec, resolver: _Names, report: DocumentReport) -> None:
     """Check that each answer of an alternative sets all its parameters, and no others."""
-    answers, of = item["values"], item["name"]
-    own = [name for name in known.parameters if mapping(known.parameters, name).get("alternative") == of]
-    first = {name: other for other in reversed(answers) for name in answers[other]["sets"]}
+    answers, owner = alternative["values"], alternative["name"]
+    own_parameters = [
+        name for name in resolver.parameters if mapping(resolver.parameters, name).get("alternative") == owner
+    ]
+    first_answer_setting = {name: answer for answer in reversed(answers) for name in answers[answer]["sets"]}
     for answer, sets in ((answer, answers[answer]["sets"]) for answer in answers):
-        here = (*path, "values", answer, "sets")
+        sets_path = (*path, "values", answer, "sets")
         for name in sets:
-            known.refer((*here, name), "parameter", name)
-            if name in known.parameters and name not in own:
-                wrong = f"{quoted(name)} is not a parameter of {quoted(of)}; give it 'alternative: {of}'"
-                report.add("undefined-reference", (*here, name), wrong)
-        for name in own:
-            if name in first and name not in sets:
-                wrong = f"{quoted(answer)} does not set {quoted(name)}, which {quoted(first[name])} sets"
-                report.add("undefined-reference", here, wrong)
+            resolver.refer((*sets_path, name), "parameter", name)
+            if name in resolver.parameters and name not in own_parameters:
+                problem = f"{quoted(name)} is not a parameter of {quoted(owner)}; give it 'alternative: {owner}'"
+                report.add("undefined-reference", (*sets_path, name), problem)
+        for name in own_parameters:
+            if name in first_answer_setting and name not in sets:
+                problem = (
+                    f"{quoted(answer)} does not set {quoted(name)}, which {quoted(first_answer_setting[name])} sets"
+                )
+                report.add("undefined-reference", sets_path, problem)
 
 
 def example_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of examples: their subject, the fields with values, and errata."""
-    known = _Names(raw, report)
+    resolver = _Names(raw, report)
     known_layouts = {
         layout.owner["name"]: layout for layout in layouts(raw) if isinstance(layout.owner.get("name"), str)
     }
     for path, example in items(spec, "examples"):
         for key in ("procedure", "erratum", "register"):
-            known.refer_by(key, path, example, key)
-        known.refer_by("crc", path, example, "CRC")
-        known.refer_by("layout", path, example, "layout", known_layouts)
+            resolver.refer_by(key, path, example, key)
+        resolver.refer_by("crc", path, example, "CRC")
+        resolver.refer_by("layout", path, example, "layout", known_layouts)
         name = example.get("procedure", "")
-        for argument in mapping(example, "arguments") if name in known.procedures else ():
-            arguments = by_name(known.procedures[name], "arguments")
-            known.refer((*path, "arguments", argument), f"argument of {quoted(name)} called", argument, arguments)
-        of = known_layouts.get(example.get("layout"))
-        if of is None and example.get("register") in known.registers:
-            of = Fields(Has.REGISTER, known.registers[example["register"]], (), "")
-        if of is not None:
-            names = readable_names(of, known.groups)
+        for argument in mapping(example, "arguments") if name in resolver.procedures else ():
+            arguments = by_name(resolver.procedures[name], "arguments")
+            resolver.refer((*path, "arguments", argument), f"argument of {quoted(name)} called", argument, arguments)
+        owner_fields = known_layouts.get(example.get("layout"))
+        if owner_fields is None and example.get("register") in resolver.registers:
+            owner_fields = Fields(Has.REGISTER, resolver.registers[example["register"]], (), "")
+        if owner_fields is not None:
+            names = readable_names(owner_fields, resolver.groups)
             for name in mapping(example, "values"):
-                known.refer((*path, "values", name), "field", name, names)
+                resolver.refer((*path, "values", name), "field", name, names)
 
 
 #: Lists that paths leave out: a frame belongs to its interface, and a field to its frame.
@@ -330,23 +350,23 @@ _LISTS = ("layouts", "fields", "combinations")
 
 def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that each path affected by an erratum exists."""
-    known, below = _Names(raw, report), {id(raw): dict(_below(raw))}
+    resolver, steps_by_node = _Names(raw, report), {id(raw): dict(_below(raw))}
     for path, erratum in items(spec, "errata"):
         for index, affected in enumerate(erratum.get("affects", ())):
             steps = affected.split(".")
             short = [*(step for step in steps[:-1] if step not in _LISTS), steps[-1]]
             if len(short) < len(steps):
-                wrong = f"no output would find {quoted(affected)}; write {'.'.join(short)}"
-                report.add("undefined-reference", (*path, "affects", index), wrong)
+                problem = f"no output would find {quoted(affected)}; write {'.'.join(short)}"
+                report.add("undefined-reference", (*path, "affects", index), problem)
                 continue
             node: Any = raw
             for step in steps:
-                found = below.get(id(node)) or below.setdefault(id(node), dict(_below(node)))
-                if step not in found:
+                next_nodes = steps_by_node.get(id(node)) or steps_by_node.setdefault(id(node), dict(_below(node)))
+                if step not in next_nodes:
                     kind = f"place {quoted(affected)} in this spec: there is no"
-                    known.refer((*path, "affects", index), kind, step, found)
+                    resolver.refer((*path, "affects", index), kind, step, next_nodes)
                     break
-                node = found[step]
+                node = next_nodes[step]
 
 
 def _below(node: Any) -> Iterator[tuple[str, Any]]:
@@ -355,7 +375,11 @@ def _below(node: Any) -> Iterator[tuple[str, Any]]:
     For a map these include the names in its lists, as in ``interfaces.biss.word``.
     """
     if isinstance(node, list):
-        yield from ((str(item["name"]), item) for item in node if isinstance(item, dict) and "name" in item)
+        yield from (
+            (str(list_member["name"]), list_member)
+            for list_member in node
+            if isinstance(list_member, dict) and "name" in list_member
+        )
     elif isinstance(node, dict):
         for key, value in node.items():
             if isinstance(value, list):
@@ -367,7 +391,7 @@ def _below(node: Any) -> Iterator[tuple[str, Any]]:
 
 def expressions(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that every expression is valid, and that every parameter in it exists."""
-    known = _Names(raw, report)
+    resolver = _Names(raw, report)
     for path, text in parameters.expressions(spec):
         try:
             names = Expression.parse(text).parameters
@@ -376,63 +400,67 @@ def expressions(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             report.add("bad-expression", path, f"{error}{hint or '; write an expression such as singleturn_bits + 8'}")
             continue
         for name in names:
-            known.refer(path, "parameter", name)
+            resolver.refer(path, "parameter", name)
 
 
 def order_code_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of order code values: parameters, interfaces, other parts and their values."""
-    known, parts = _Names(raw, report), by_name(raw, "order_code", "parts")
+    resolver, parts = _Names(raw, report), by_name(raw, "order_code", "parts")
 
     def refer_to_parts(path: Path, part: Spec, combined: Spec) -> None:
         for name in combined:
-            known.refer((*path, name), "other part", name, [other for other in parts if other != part["name"]])
+            resolver.refer(
+                (*path, name), "other part", name, [other_part for other_part in parts if other_part != part["name"]]
+            )
             if name in parts:
-                known.refer_by(name, path, combined, name, mapping(parts[name], "values"))
+                resolver.refer_by(name, path, combined, name, mapping(parts[name], "values"))
 
     for path, part in items(spec, "order_code", "parts"):
         refer_to_parts((*path, "open_only_with"), part, mapping(part, "open_only_with"))
         for text, value in part["values"].items():
-            here = (*path, "values", text)
+            value_path = (*path, "values", text)
             for name in mapping(value, "sets"):
-                known.refer((*here, "sets", name), "parameter", name)
-            known.refer_by("interface", here, value, "interface")
-            refer_to_parts((*here, "only_with"), part, mapping(value, "only_with"))
+                resolver.refer((*value_path, "sets", name), "parameter", name)
+            resolver.refer_by("interface", value_path, value, "interface")
+            refer_to_parts((*value_path, "only_with"), part, mapping(value, "only_with"))
 
 
 def printed_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that registers, fields and errata named in the manual's list of defaults exist."""
-    known = _Names(raw, report)
+    resolver = _Names(raw, report)
     for path, row in items(spec, "printed_defaults"):
         name = row["register"]
-        known.refer_by("register", path, row, "register")
-        if name in known.registers:
-            known.refer_by("field", path, row, f"field of {quoted(name)} called", known.bits(name))
-        known.refer_by("erratum", path, row, "erratum")
+        resolver.refer_by("register", path, row, "register")
+        if name in resolver.registers:
+            resolver.refer_by("field", path, row, f"field of {quoted(name)} called", resolver.bits(name))
+        resolver.refer_by("erratum", path, row, "erratum")
 
 
 def connector_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the interfaces that a connector is wired for exist."""
-    known = _Names(raw, report)
+    resolver = _Names(raw, report)
     for path, connector in items(spec, "connectors"):
-        known.refer_by("interfaces", path, connector, "interface")
+        resolver.refer_by("interfaces", path, connector, "interface")
 
 
 def unused_crc(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that each CRC is a field of some frame, or has a note."""
-    used = {field.get("crc") for fields in field_lists(raw) for _, field in fields if isinstance(field.get("crc"), str)}
+    used_crcs = {
+        field.get("crc") for fields in field_lists(raw) for _, field in fields if isinstance(field.get("crc"), str)
+    }
     for path, crc in items(spec, "crcs"):
-        if used <= by_name(raw, "crcs").keys() and crc["name"] not in used and "note" not in crc:
-            wrong = f"no frame uses the CRC {quoted(crc['name'])}"
+        if used_crcs <= by_name(raw, "crcs").keys() and crc["name"] not in used_crcs and "note" not in crc:
+            problem = f"no frame uses the CRC {quoted(crc['name'])}"
             field = f"{{name: crc, crc: {crc['name']}}}"
-            right = f"add the field {field} at the end of its frame, or explain in a 'note' what the CRC is for"
-            report.add("unused-crc", (*path, "name"), f"{wrong}; {right}")
+            remedy = f"add the field {field} at the end of its frame, or explain in a 'note' what the CRC is for"
+            report.add("unused-crc", (*path, "name"), f"{problem}; {remedy}")
 
 
 def evidence_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the names of documents, implementations and examples in the evidence."""
-    known, found, documents = _Names(raw, report), mapping(spec, "evidence"), mapping(raw, "documents")
-    languages = [str(item.get("language")) for _, item in items(raw, "manual", "editions")]
-    for key in mapping(found, "documents"):
-        known.refer(("evidence", "documents", key), "document", key, ("manual", *languages, *documents))
-    known.refer_by("implementations", ("evidence",), found, "document", documents)
-    known.refer_by("vectors", ("evidence",), found, "example", by_name(raw, "examples"))
+    resolver, evidence, documents = _Names(raw, report), mapping(spec, "evidence"), mapping(raw, "documents")
+    languages = [str(edition.get("language")) for _, edition in items(raw, "manual", "editions")]
+    for key in mapping(evidence, "documents"):
+        resolver.refer(("evidence", "documents", key), "document", key, ("manual", *languages, *documents))
+    resolver.refer_by("implementations", ("evidence",), evidence, "document", documents)
+    resolver.refer_by("vectors", ("evidence",), evidence, "example", by_name(raw, "examples"))

@@ -27,14 +27,18 @@ def saved_before_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             for _, step in writes
         ]
         for index, (below, save) in enumerate(writes):
-            later = [other for _, other in writes[index + 1 :] if other.get("register") != save.get("register")]
+            later = [
+                later_step
+                for _, later_step in writes[index + 1 :]
+                if later_step.get("register") != save.get("register")
+            ]
             if not is_saved[index] or any(is_saved[index + 1 :]):
                 continue
             unsaved = _first_unsaved(later, arguments, registers)
             if unsaved:
-                wrong = f"this step saves before {quoted(unsaved)} is written, so that value is lost at power-off"
+                problem = f"this step saves before {quoted(unsaved)} is written, so that value is lost at power-off"
                 remedy = "move this step behind the write, or explain the order in a 'note' of the procedure"
-                report.add("saved-too-early", (*path, *below), f"{wrong}; {remedy}")
+                report.add("saved-too-early", (*path, *below), f"{problem}; {remedy}")
 
 
 def _first_unsaved(later: Iterable[Spec], arguments: set[str], registers: dict[str, Spec]) -> str:

@@ -107,33 +107,33 @@ def _check_kind(path: Path, field: Spec, report: DocumentReport) -> None:
     name = quoted(field["name"])
     kinds = [key for key in KINDS if key in field]
     if len(kinds) > 1:
-        wrong = f"{listed(map(quoted, kinds))} exclude each other; keep one of them"
-        report.add("layout-keys", (*path, kinds[1]), wrong, at_key=True)
+        problem = f"{listed(map(quoted, kinds))} exclude each other; keep one of them"
+        report.add("layout-keys", (*path, kinds[1]), problem, at_key=True)
     for key in _OF_NUMBERS:
         if key in field and kinds:
-            wrong = f"{quoted(key)} is only for numbers; {name} has {quoted(kinds[0])}, so it is not a number"
-            report.add("layout-keys", (*path, key), wrong, at_key=True)
+            problem = f"{quoted(key)} is only for numbers; {name} has {quoted(kinds[0])}, so it is not a number"
+            report.add("layout-keys", (*path, key), problem, at_key=True)
     for key in _NOT_SCALED:
         if key in field and "scale" in field:
-            wrong = f"{quoted(key)} and 'scale' exclude each other; keep one of them"
-            report.add("layout-keys", (*path, key), wrong, at_key=True)
+            problem = f"{quoted(key)} and 'scale' exclude each other; keep one of them"
+            report.add("layout-keys", (*path, key), problem, at_key=True)
     for key in _OF_FLAGS:
         if key in field and "active" not in field and not (key == "makes_position" and "unused" in field):
-            wrong = f"{quoted(key)} is only for flags; to make {name} a flag, add 'active: high' or 'active: low'"
+            problem = f"{quoted(key)} is only for flags; to make {name} a flag, add 'active: high' or 'active: low'"
             if key == "makes_position" and "values" in field:
-                way = "write it at a value, as in too_weak: {value: 2, makes_position: usable_with_warning}"
-                wrong = f"{name} has named values, and not each of them has the same effect on the position; {way}"
-            report.add("layout-keys", (*path, key), wrong, at_key=True)
+                remedy = "write it at a value, as in too_weak: {value: 2, makes_position: usable_with_warning}"
+                problem = f"{name} has named values, and not each of them has the same effect on the position; {remedy}"
+            report.add("layout-keys", (*path, key), problem, at_key=True)
     for key in _OF_PARITIES:
         if key in field and "parity_of" not in field:
-            wrong = (
+            problem = (
                 f"{quoted(key)} is only for parity bits; to make {name} a parity bit, add 'parity_of' with the covered"
                 " field"
             )
-            report.add("layout-keys", (*path, key), wrong, at_key=True)
+            report.add("layout-keys", (*path, key), problem, at_key=True)
     if "crc_of" in field and "crc" not in field:
-        wrong = f"'crc_of' is only for CRCs; to make {name} a CRC, add 'crc' with its name"
-        report.add("layout-keys", (*path, "crc_of"), wrong, at_key=True)
+        problem = f"'crc_of' is only for CRCs; to make {name} a CRC, add 'crc' with its name"
+        report.add("layout-keys", (*path, "crc_of"), problem, at_key=True)
     if isinstance(field.get("equals"), int) and "text" in field:
         report.add("layout-keys", (*path, "equals"), f"{name} is text; put the value in quotes")
 
@@ -142,40 +142,40 @@ def _check_others(fields: Fields, path: Path, field: Spec, report: DocumentRepor
     """Check that ``others`` names few values, none that a master writes, and none like a listed value."""
     if "others" not in field:
         return
-    name, values, wrong = quoted(field["name"]), mapping(field, "values"), ""
+    name, values, problem = quoted(field["name"]), mapping(field, "values"), ""
     width = constant_width(field)
     if not values:
-        wrong = f"'others' names the values that 'values' does not list; {name} also needs 'values'"
+        problem = f"'others' names the values that 'values' does not list; {name} also needs 'values'"
     elif width is None or width > _MOST_RESERVED_BITS:
-        wrong = (
+        problem = (
             f"'others' gives every value a name, so 'bits' of {name} must be a number from 1 to {_MOST_RESERVED_BITS}"
         )
     elif fields.owner.get("from") == "master" or fields.owner.get("access", "read_only") != "read_only":
-        wrong = f"{name} is written by a master, which does not write reserved values; leave 'others' out"
-    taken = {f"{RESERVED}_{value}" for value in range(1 << _MOST_RESERVED_BITS)} & {
-        key for key, item in values.items() if key != f"{RESERVED}_{item.get('value')}"
+        problem = f"{name} is written by a master, which does not write reserved values; leave 'others' out"
+    reserved_names = {f"{RESERVED}_{value}" for value in range(1 << _MOST_RESERVED_BITS)} & {
+        key for key, value in values.items() if key != f"{RESERVED}_{value.get('value')}"
     }
-    if not wrong and taken:
-        wrong = f"'others' gives the name {quoted(min(taken))} to another value; rename this one"
-    if wrong:
-        report.add("layout-keys", (*path, "others"), wrong, at_key=True)
+    if not problem and reserved_names:
+        problem = f"'others' gives the name {quoted(min(reserved_names))} to another value; rename this one"
+    if problem:
+        report.add("layout-keys", (*path, "others"), problem, at_key=True)
 
 
 def _check_width(path: Path, field: Spec, report: DocumentReport) -> None:
     """Check that a field has a width, and that its width and place are given once."""
     name = quoted(field["name"])
     if _is_nothing(field.get("bits")):
-        wrong = f"{name} has no bits; a field needs at least one, unless its width depends on a parameter"
-        report.add("layout-keys", (*path, "bits"), wrong)
-    given = [key for key in PLACES if key in field]
-    if len(given) > 1:
-        wrong = (
-            f"{listed(map(quoted, given))} {'both' if len(given) == 2 else 'all'} give the position; keep one of them"
+        problem = f"{name} has no bits; a field needs at least one, unless its width depends on a parameter"
+        report.add("layout-keys", (*path, "bits"), problem)
+    keys = [key for key in PLACES if key in field]
+    if len(keys) > 1:
+        problem = (
+            f"{listed(map(quoted, keys))} {'both' if len(keys) == 2 else 'all'} give the position; keep one of them"
         )
-        report.add("layout-keys", (*path, given[1]), wrong, at_key=True)
+        report.add("layout-keys", (*path, keys[1]), problem, at_key=True)
     elif "bits" in field and ":" in str(field.get("at", "")):
-        wrong = f"the range {quoted(field['at'])} already gives the width; leave 'bits' out"
-        report.add("layout-keys", (*path, "bits"), wrong, at_key=True)
+        problem = f"the range {quoted(field['at'])} already gives the width; leave 'bits' out"
+        report.add("layout-keys", (*path, "bits"), problem, at_key=True)
     elif "bits" not in field and "at" not in field and not any(key in field for key in _WIDTH_FOLLOWS):
         report.add("layout-keys", path, f"{name} has no width; give it 'bits', or 'at' with a range such as 7:6")
 
@@ -192,18 +192,18 @@ def _is_nothing(bits: object) -> bool:
 def _check_placing(fields: Fields, report: DocumentReport) -> None:
     """Check that either all or none of the fields of a layout have positions."""
     listed_fields = list(fields)
-    placed = [(path, field) for path, field in listed_fields if _is_placed(field)]
-    if not placed or len(placed) == len(listed_fields):
+    placed_fields = [(path, field) for path, field in listed_fields if _is_placed(field)]
+    if not placed_fields or len(placed_fields) == len(listed_fields):
         return
     if fields.kind is Has.CONTROL:
         return
     path, field = next((path, field) for path, field in listed_fields if not _is_placed(field))
     name = quoted(field.get("name", field.get("use", "")))
-    other = quoted(placed[0][1].get("name", ""))
+    placed_name = quoted(placed_fields[0][1].get("name", ""))
     report.add(
         "layout-keys",
         path,
-        f"{name} has no position, but {other} has one; "
+        f"{name} has no position, but {placed_name} has one; "
         "give a position ('at', 'top_bit' or 'low_bit') to all fields of a layout or to none",
     )
 
@@ -222,12 +222,12 @@ def _check_carriage(fields: Fields, raw: Spec, report: DocumentReport) -> None:
             fields.path,
             f"{name} is carried as bytes, so it needs 'byte_order': low_byte_first or high_byte_first",
         )
-    if carried_as == "bits" and (wrong := _wrong_order(fields, name)):
-        report.add("layout-keys", (*fields.path, "byte_order"), wrong, at_key=True)
+    if carried_as == "bits" and (problem := _wrong_order(fields, name)):
+        report.add("layout-keys", (*fields.path, "byte_order"), problem, at_key=True)
     if carried_as == "bits" and "when" in layout:
-        wrong = f"'when' only distinguishes frames of bytes, but {name} is carried as bits; leave 'when' out"
-        way = "" if fields.interface == Spi.name else ", or write 'carried_as: bytes'"
-        report.add("layout-keys", (*fields.path, "when"), wrong + way, at_key=True)
+        problem = f"'when' only distinguishes frames of bytes, but {name} is carried as bits; leave 'when' out"
+        remedy = "" if fields.interface == Spi.name else ", or write 'carried_as: bytes'"
+        report.add("layout-keys", (*fields.path, "when"), problem + remedy, at_key=True)
     if "channel" in layout and not INTERFACES[fields.interface].has_channels:
         report.add(
             "layout-keys",
@@ -291,12 +291,12 @@ def step_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def _check_repeated(path: Path, step: Spec, report: DocumentReport) -> None:
     """Check that conditions between the requests of a step are only given for several requests."""
-    between = next((key for key in ("in_succession", "every_at_least_us") if step.get(key)), None)
-    if step["do"] == "send" and between is not None and step.get("times", 1) == 1:
-        found = "sends one" if "times" in step else "has no 'times'"
-        key = quoted(between)
-        wrong = f"{key} applies to several requests, but the step {found}; add 'times', or remove {key}"
-        report.add("step-shape", (*path, between), wrong, at_key=True)
+    condition = next((key for key in ("in_succession", "every_at_least_us") if step.get(key)), None)
+    if step["do"] == "send" and condition is not None and step.get("times", 1) == 1:
+        request_count = "sends one" if "times" in step else "has no 'times'"
+        key = quoted(condition)
+        problem = f"{key} applies to several requests, but the step {request_count}; add 'times', or remove {key}"
+        report.add("step-shape", (*path, condition), problem, at_key=True)
 
 
 def example_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -332,11 +332,13 @@ def example_arguments(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, example in items(spec, "examples"):
         procedure = procedures.get(example.get("procedure", ""))
         if example["kind"] == "procedure" and procedure is not None:
-            given = mapping(example, "arguments")
-            gone = [quoted(name) for name in by_name(procedure, "arguments") if name not in given]
-            if gone:
-                wrong = f"{listed(gone)} {'is' if len(gone) == 1 else 'are'} missing from 'arguments' of the example"
-                report.add("example-shape", path, wrong)
+            given_arguments = mapping(example, "arguments")
+            names = [quoted(name) for name in by_name(procedure, "arguments") if name not in given_arguments]
+            if names:
+                problem = (
+                    f"{listed(names)} {'is' if len(names) == 1 else 'are'} missing from 'arguments' of the example"
+                )
+                report.add("example-shape", path, problem)
 
 
 def measurement_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -344,15 +346,15 @@ def measurement_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     movement = spec.get("movement")
     if movement not in ("rotary", "linear"):
         return
-    needed, foreign = (ANGLE, LENGTH) if movement == "rotary" else (LENGTH, ANGLE)
+    needed_keys, foreign = (ANGLE, LENGTH) if movement == "rotary" else (LENGTH, ANGLE)
     for path, measurement in measurements(spec):
         # A key rejected by the schema was removed. It must not be reported as missing, too.
-        given = measurement.keys()
-        if not given & {needed[0], "step_nm"} and given == mapping(raw, *map(str, path)).keys():
+        stated_keys = measurement.keys()
+        if not stated_keys & {needed_keys[0], "step_nm"} and stated_keys == mapping(raw, *map(str, path)).keys():
             report.add(
                 "measurement-shape",
                 path,
-                f"{quoted(needed[0])} is missing; the measurement of a {movement} encoder needs it",
+                f"{quoted(needed_keys[0])} is missing; the measurement of a {movement} encoder needs it",
                 at_key=True,
             )
         for key in foreign:
@@ -365,9 +367,9 @@ def measurement_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 )
         if movement == "linear":
             _check_step(path, measurement, report)
-        if "highest" in measurement and needed[-1] not in mapping(raw, *map(str, path)):
-            wrong = f"'highest' has no effect without {quoted(needed[-1])}; add it, or leave 'highest' out"
-            report.add("measurement-shape", (*path, "highest"), wrong, at_key=True)
+        if "highest" in measurement and needed_keys[-1] not in mapping(raw, *map(str, path)):
+            problem = f"'highest' has no effect without {quoted(needed_keys[-1])}; add it, or leave 'highest' out"
+            report.add("measurement-shape", (*path, "highest"), problem, at_key=True)
 
 
 def position_range_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -380,11 +382,11 @@ def position_range_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         fields = owners[path[:-1]]
         name = quoted(fields.owner.get("name"))
         if not measurement:
-            wrong = "'position_range' needs a 'measurement', which gives the unit of the position"
-            report.add("measurement-shape", path, f"{wrong}; add it to the interface or the encoder", at_key=True)
+            problem = "'position_range' needs a 'measurement', which gives the unit of the position"
+            report.add("measurement-shape", path, f"{problem}; add it to the interface or the encoder", at_key=True)
         elif fields.owner.get("from") != "encoder" or measurement.get("of") not in readable_names(fields, groups):
-            wrong = f"{name} does not carry the position, {quoted(measurement.get('of'))}, to the master"
-            report.add("measurement-shape", path, f"{wrong}; leave 'position_range' out", at_key=True)
+            problem = f"{name} does not carry the position, {quoted(measurement.get('of'))}, to the master"
+            report.add("measurement-shape", path, f"{problem}; leave 'position_range' out", at_key=True)
         _check_range_keys(path, own_range, measurement, str(movement), report)
 
 
@@ -392,25 +394,25 @@ def _check_range_keys(path: Path, own_range: Spec, measurement: Spec, movement: 
     """Check that the keys of a range belong together."""
     total, foreign = ("turns", "modulus") if movement == "rotary" else ("modulus", "turns")
     if foreign in own_range and movement in ("rotary", "linear"):
-        wrong = f"{quoted(foreign)} does not apply to a {movement} encoder; write {quoted(total)}"
-        report.add("measurement-shape", (*path, foreign), wrong, at_key=True)
+        problem = f"{quoted(foreign)} does not apply to a {movement} encoder; write {quoted(total)}"
+        report.add("measurement-shape", (*path, foreign), problem, at_key=True)
     if "wraps" in own_range:
         for key in [key for key in ("turns", "modulus", "highest") if key in own_range][:1]:
-            wrong = f"{quoted(key)} contradicts 'wraps: false'; leave one of the two out"
-            report.add("measurement-shape", (*path, key), wrong, at_key=True)
+            problem = f"{quoted(key)} contradicts 'wraps: false'; leave one of the two out"
+            report.add("measurement-shape", (*path, key), problem, at_key=True)
     elif "highest" in own_range and not {total, "modulus"} & {*own_range, *measurement}:
-        wrong = f"'highest' has no effect without {quoted(total)}; add it, or leave 'highest' out"
-        report.add("measurement-shape", (*path, "highest"), wrong, at_key=True)
+        problem = f"'highest' has no effect without {quoted(total)}; add it, or leave 'highest' out"
+        report.add("measurement-shape", (*path, "highest"), problem, at_key=True)
 
 
 def _check_step(path: Path, measurement: Spec, report: DocumentReport) -> None:
     """Check that a length has one step, and that ``per_counts`` belongs to a step in nanometres."""
     if "step_um" in measurement and "step_nm" in measurement:
-        wrong = "'step_um' and 'step_nm' exclude each other; keep the one that is a whole number"
-        report.add("measurement-shape", (*path, "step_nm"), wrong, at_key=True)
+        problem = "'step_um' and 'step_nm' exclude each other; keep the one that is a whole number"
+        report.add("measurement-shape", (*path, "step_nm"), problem, at_key=True)
     elif "per_counts" in measurement and "step_nm" not in measurement:
-        wrong = "'per_counts' is only for 'step_nm', the number of nanometres for that many counts"
-        report.add("measurement-shape", (*path, "per_counts"), wrong, at_key=True)
+        problem = "'per_counts' is only for 'step_nm', the number of nanometres for that many counts"
+        report.add("measurement-shape", (*path, "per_counts"), problem, at_key=True)
 
 
 def table_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -425,17 +427,17 @@ def table_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def _check_keys(
     rule: str,
-    what: str,
+    subject: str,
     path: Path,
-    item: Spec,
+    spec: Spec,
     of_kind: _Keys,
     of_all: Collection[str],
     report: DocumentReport,
 ) -> None:
-    needed, optional = of_kind
-    gone = [key for key in needed if key not in item]
-    if gone:
-        report.add(rule, path, missing(gone, what))
-    for key in item:
-        if key not in (*needed, *optional, *of_all):
-            report.add(rule, (*path, key), f"{quoted(key)} does not apply to {what}", at_key=True)
+    needed_keys, optional = of_kind
+    missing_keys = [key for key in needed_keys if key not in spec]
+    if missing_keys:
+        report.add(rule, path, missing(missing_keys, subject))
+    for key in spec:
+        if key not in (*needed_keys, *optional, *of_all):
+            report.add(rule, (*path, key), f"{quoted(key)} does not apply to {subject}", at_key=True)

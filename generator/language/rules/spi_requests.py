@@ -23,7 +23,11 @@ def requests_that_write(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     groups, layouts = by_name(raw, "field_groups"), by_name(spec, *_HERE, "layouts")
     exchanges = [exchange for _, exchange in items(spec, *_HERE, "exchanges")]
     bits = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
-    writes = [item["request"] for item in exchanges if item["purpose"] == "write" and item["request"] in layouts]
+    writes = [
+        exchange["request"]
+        for exchange in exchanges
+        if exchange["purpose"] == "write" and exchange["request"] in layouts
+    ]
     addressed = [name for name in writes if "address" in _free_names(layouts[name], groups)]
     for exchange in exchanges:
         name = exchange["request"]
@@ -32,16 +36,16 @@ def requests_that_write(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         with_constants = (write for write in addressed if set(bits[write]) > {"?"})
         equal = next((write for write in with_constants if _may_be_equal(bits[name], bits[write])), None)
         if equal is not None:
-            wrong = f"{quoted(name)} can be the same word as {quoted(equal)}, so it would write a register"
+            problem = f"{quoted(name)} can be the same word as {quoted(equal)}, so it would write a register"
             remedy = "correct a 'constant' in one of them, or explain it in a 'note' of this layout"
-            report.add("spi-exchange", (*_HERE, "layouts", name), f"{wrong}; {remedy}")
+            report.add("spi-exchange", (*_HERE, "layouts", name), f"{problem}; {remedy}")
 
 
 def _may_be_equal(request: str, write: str) -> bool:
     """Return True if two words have the same length and no constant bit differs."""
     if len(request) != len(write):
         return False
-    return all(bit == other or "?" in (bit, other) for bit, other in zip(request, write, strict=True))
+    return all(bit == write_bit or "?" in (bit, write_bit) for bit, write_bit in zip(request, write, strict=True))
 
 
 def _constant_bits(layout: Spec, groups: dict[str, Spec]) -> str:

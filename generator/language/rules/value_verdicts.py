@@ -24,7 +24,7 @@ from .walk import (
 )
 
 #: Verdicts, worst first.
-_WORST_FIRST = [item.value for item in Verdict]
+_WORST_FIRST = [verdict.value for verdict in Verdict]
 _FLAG_WORDS = ("active", "inactive")
 #: Combinations with their paths.
 Items = Sequence[tuple[Path, Spec]]
@@ -34,22 +34,22 @@ def value_verdicts(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a named value has a verdict only in a frame with a position, and that an error has one there."""
     groups = by_name(raw, "field_groups")
     judged = [fields for fields in layouts(spec) if _has_position(spec, fields, groups)]
-    used = {field.get("use") for fields in judged for _, field in fields}
+    used_groups = {field.get("use") for fields in judged for _, field in fields}
     for fields in field_lists(spec):
-        is_judged = fields.owner.get("name") in used if fields.kind is Has.GROUP else fields in judged
+        is_judged = fields.owner.get("name") in used_groups if fields.kind is Has.GROUP else fields in judged
         selectors = mapping(fields.owner, "when")
         for path, field in fields:
             for name, value in mapping(field, "values").items():
                 place = (*path, "values", name)
                 if "makes_position" in value:
-                    wrong = _no_verdict(fields, field, is_judged, field.get("name") in selectors)
-                    if wrong:
-                        report.add("value-verdict", (*place, "makes_position"), wrong, at_key=True)
+                    problem = _no_verdict(fields, field, is_judged, field.get("name") in selectors)
+                    if problem:
+                        report.add("value-verdict", (*place, "makes_position"), problem, at_key=True)
                 elif is_judged and names_error(name, value):
-                    wrong = f"{quoted(name)} is in a frame that contains the position; set 'makes_position' to the"
-                    wrong += " verdict on the position while the field has this value:"
-                    right = "not_usable, usable_with_warning or usable"
-                    report.add("makes-position-missing", place, f"{wrong} {right}")
+                    problem = f"{quoted(name)} is in a frame that contains the position; set 'makes_position' to the"
+                    problem += " verdict on the position while the field has this value:"
+                    remedy = "not_usable, usable_with_warning or usable"
+                    report.add("makes-position-missing", place, f"{problem} {remedy}")
 
 
 def _no_verdict(fields: Fields, field: Spec, is_judged: bool, is_selector: bool) -> str:
@@ -88,66 +88,74 @@ def combinations(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     groups = by_name(raw, "field_groups")
     for fields in layouts(spec):
         inner = field_names(fields, groups)
-        listed = [((*fields.path, *path), item) for path, item in items(fields.owner, "combinations")]
-        if listed and not _has_position(spec, fields, groups):
-            wrong = f"{_where(fields)}; leave 'combinations' out"
-            report.add("combination", (*fields.path, "combinations"), wrong, at_key=True)
+        listed_combinations = [
+            ((*fields.path, *path), combination) for path, combination in items(fields.owner, "combinations")
+        ]
+        if listed_combinations and not _has_position(spec, fields, groups):
+            problem = f"{_where(fields)}; leave 'combinations' out"
+            report.add("combination", (*fields.path, "combinations"), problem, at_key=True)
             continue
-        for index, (here, item) in enumerate(listed):
-            if _check_conditions(fields, inner, here, item, report):
-                earlier, later = listed[:index], listed[index + 1 :]
-                verdicts = [*_own_verdicts(fields, inner, item), *_verdicts_of_parts(item, earlier, later)]
-                _check_can_decide(here, item, verdicts, report)
+        for index, (combination_path, combination) in enumerate(listed_combinations):
+            if _check_conditions(fields, inner, combination_path, combination, report):
+                earlier_combinations, later_combinations = listed_combinations[:index], listed_combinations[index + 1 :]
+                verdicts = [
+                    *_own_verdicts(fields, inner, combination),
+                    *_verdicts_of_parts(combination, earlier_combinations, later_combinations),
+                ]
+                _check_can_decide(combination_path, combination, verdicts, report)
 
 
 def report_names(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that values with a verdict and combinations have other names than the fields of the frame."""
     groups = by_name(raw, "field_groups")
     for fields in layouts(spec):
-        taken = set(readable_names(fields, groups))
+        used_names = set(readable_names(fields, groups))
         for path, name in _report_names(fields, groups):
-            if name in taken:
-                wrong = (
+            if name in used_names:
+                problem = (
                     f"this frame already has {quoted(name)}, which is also the name of this report; rename one of them"
                 )
-                report.add("duplicate-name", path, wrong)
-            taken.add(name)
+                report.add("duplicate-name", path, problem)
+            used_names.add(name)
 
 
 def _report_names(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path, str]]:
     """Yield the names of the reports of values and combinations, each with its path."""
-    used = {path for path, field in fields if "use" in field}
+    group_paths = {path for path, field in fields if "use" in field}
     for path, field in expanded(fields, groups):
         for name, value in mapping(field, "values").items():
             if isinstance(value, dict) and "makes_position" in value:
-                yield path if path in used else (*path, "values", name), f"{field.get('name')}_{name}"
-    yield from (((*fields.path, *path, "name"), item["name"]) for path, item in items(fields.owner, "combinations"))
+                yield path if path in group_paths else (*path, "values", name), f"{field.get('name')}_{name}"
+    yield from (
+        ((*fields.path, *path, "name"), combination["name"])
+        for path, combination in items(fields.owner, "combinations")
+    )
 
 
 def _check_conditions(
-    fields: Fields, inner: Mapping[str, Spec], here: Path, item: Spec, report: DocumentReport
+    fields: Fields, inner: Mapping[str, Spec], combination_path: Path, combination: Spec, report: DocumentReport
 ) -> bool:
     """Report conditions on fields or values that do not exist or cannot be combined. Return True if there are none."""
-    before = len(report)
-    for name, value in item["when"].items():
-        place = (*here, "when", name)
+    problems_before = len(report)
+    for name, value in combination["when"].items():
+        place = (*combination_path, "when", name)
         if name not in inner:
-            wrong = f"there is no field {quoted(name)} in this frame{suggestion(name, inner)}"
-            report.add("undefined-reference", place, wrong, at_key=True)
+            problem = f"there is no field {quoted(name)} in this frame{suggestion(name, inner)}"
+            report.add("undefined-reference", place, problem, at_key=True)
             continue
-        wrong = _no_condition(fields, name, inner[name])
-        known = _words_of(inner[name])
-        if wrong:
-            report.add("combination", place, wrong, at_key=True)
-        elif value not in known:
-            wrong = f"{quoted(name)} has no value {quoted(value)}{suggestion(value, known)}"
-            report.add("undefined-reference", place, wrong)
-    if len(item["when"]) == 1 and len(report) == before:
-        (name,) = item["when"]
+        problem = _no_condition(fields, name, inner[name])
+        known_values = _words_of(inner[name])
+        if problem:
+            report.add("combination", place, problem, at_key=True)
+        elif value not in known_values:
+            problem = f"{quoted(name)} has no value {quoted(value)}{suggestion(value, known_values)}"
+            report.add("undefined-reference", place, problem)
+    if len(combination["when"]) == 1 and len(report) == problems_before:
+        (name,) = combination["when"]
         owner = f"the flag {quoted(name)}" if "active" in inner[name] else f"the value of {quoted(name)}"
-        wrong = f"{quoted(item['name'])} has only one condition; write 'makes_position' at {owner} instead"
-        report.add("combination", (*here, "when"), wrong)
-    return len(report) == before
+        problem = f"{quoted(combination['name'])} has only one condition; write 'makes_position' at {owner} instead"
+        report.add("combination", (*combination_path, "when"), problem)
+    return len(report) == problems_before
 
 
 def _no_condition(fields: Fields, name: str, field: Spec) -> str:
@@ -167,24 +175,28 @@ def _words_of(field: Spec) -> list[str]:
     """Return the possible values of a field in a condition."""
     if "active" in field:
         return list(_FLAG_WORDS)
-    numbers = {item.get("value") for item in mapping(field, "values").values()}
+    numbers = {value.get("value") for value in mapping(field, "values").values()}
     width = constant_width(field) or 0
-    others = range(1 << width) if "others" in field and width <= 4 else range(0)
-    return [*mapping(field, "values"), *(f"{RESERVED}_{number}" for number in others if number not in numbers)]
+    other_numbers = range(1 << width) if "others" in field and width <= 4 else range(0)
+    return [*mapping(field, "values"), *(f"{RESERVED}_{number}" for number in other_numbers if number not in numbers)]
 
 
-def _check_can_decide(here: Path, item: Spec, verdicts: Iterable[tuple[str, str]], report: DocumentReport) -> None:
+def _check_can_decide(
+    combination_path: Path, combination: Spec, verdicts: Iterable[tuple[str, str]], report: DocumentReport
+) -> None:
     """Report a combination that never decides, since a part of it already has the same verdict or a worse one."""
-    for what, verdict in verdicts:
-        if verdict and _WORST_FIRST.index(verdict) <= _WORST_FIRST.index(item["makes_position"]):
-            wrong = f"{quoted(item['name'])} never decides, since {what} already makes the position {verdict}"
-            report.add("combination", (*here, "makes_position"), f"{wrong}; leave the combination out")
+    for part_text, verdict in verdicts:
+        if verdict and _WORST_FIRST.index(verdict) <= _WORST_FIRST.index(combination["makes_position"]):
+            problem = (
+                f"{quoted(combination['name'])} never decides, since {part_text} already makes the position {verdict}"
+            )
+            report.add("combination", (*combination_path, "makes_position"), f"{problem}; leave the combination out")
             return
 
 
-def _own_verdicts(fields: Fields, inner: Mapping[str, Spec], item: Spec) -> Iterator[tuple[str, str]]:
+def _own_verdicts(fields: Fields, inner: Mapping[str, Spec], combination: Spec) -> Iterator[tuple[str, str]]:
     """Yield the verdict of each flag and value of a combination by itself. It is empty if there is none."""
-    for name, value in item["when"].items():
+    for name, value in combination["when"].items():
         field = inner[name]
         if "active" not in field:
             yield f"{quoted(name)} alone", str(mapping(field, "values", value).get("makes_position", ""))
@@ -193,11 +205,18 @@ def _own_verdicts(fields: Fields, inner: Mapping[str, Spec], item: Spec) -> Iter
             yield f"{quoted(name)} alone", str(field.get("makes_position", default))
 
 
-def _verdicts_of_parts(item: Spec, earlier: Items, later: Items) -> Iterator[tuple[str, str]]:
+def _verdicts_of_parts(
+    combination: Spec, earlier_combinations: Items, later_combinations: Items
+) -> Iterator[tuple[str, str]]:
     """Yield the verdicts of other combinations that always apply when this one does."""
-    for is_earlier, others in ((True, earlier), (False, later)):
-        for _, other in others:
-            is_same = other["when"] == item["when"] and other["makes_position"] == item["makes_position"]
-            is_part = len(other["when"]) > 1 and other["when"].items() <= item["when"].items()
+    for is_earlier, other_combinations in ((True, earlier_combinations), (False, later_combinations)):
+        for _, other_combination in other_combinations:
+            is_same = (
+                other_combination["when"] == combination["when"]
+                and other_combination["makes_position"] == combination["makes_position"]
+            )
+            is_part = (
+                len(other_combination["when"]) > 1 and other_combination["when"].items() <= combination["when"].items()
+            )
             if is_part and (is_earlier or not is_same):
-                yield quoted(other["name"]), other["makes_position"]
+                yield quoted(other_combination["name"]), other_combination["makes_position"]

@@ -41,8 +41,8 @@ def field_count(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for fields in field_lists(spec):
         count = sum(sizes.get(field.get("use", ""), 1) for _, field in fields)
         if count > MAX_FIELDS:
-            wrong = f"'fields' has {count} entries with those of its groups; the limit is {MAX_FIELDS}"
-            report.add("too-long", (*fields.path, "fields"), wrong)
+            problem = f"'fields' has {count} entries with those of its groups; the limit is {MAX_FIELDS}"
+            report.add("too-long", (*fields.path, "fields"), problem)
 
 
 def crc_impossible(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -79,19 +79,19 @@ def value_too_wide(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             if width is None:
                 continue
             numbers: Iterator[tuple[Path, str, int]] = (
-                (("values", name, "value"), f"the value {quoted(name)} is", item["value"])
-                for name, item in mapping(field, "values").items()
+                (("values", name, "value"), f"the value {quoted(name)} is", value["value"])
+                for name, value in mapping(field, "values").items()
             )
-            held = (
+            plain_numbers = (
                 (((key,), f"{quoted(key)} is", field[key]))
                 for key in ("constant", "unused", "default", "equals")
                 if isinstance(field.get(key), int)
             )
-            for below, what, number in (*numbers, *held):
-                stands_for_zero = number == field.get("zero_means") and below != ("constant",)
+            for value_path, subject, number in (*numbers, *plain_numbers):
+                stands_for_zero = number == field.get("zero_means") and value_path != ("constant",)
                 if (number < 0 or number >> width) and not stands_for_zero:
-                    message = f"{what} {number:#x}, which does not fit into {counted(width, 'bit')}"
-                    report.add("value-too-wide", (*path, *below), message)
+                    message = f"{subject} {number:#x}, which does not fit into {counted(width, 'bit')}"
+                    report.add("value-too-wide", (*path, *value_path), message)
 
 
 def register_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -136,16 +136,20 @@ def clock_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             continue
         if "used_hz" not in clock and clock.keys() == mapping(raw, *map(str, path)).keys():
             _report_missing_limit(clock, path, report)
-        used = clock.get("used_hz", [])
-        used = used if isinstance(used, list) else [used]
-        if used != sorted(set(used)):
+        used_clocks = clock.get("used_hz", [])
+        used_clocks = used_clocks if isinstance(used_clocks, list) else [used_clocks]
+        if used_clocks != sorted(set(used_clocks)):
             report.add("clock-range", (*path, "used_hz"), "list the clocks of 'used_hz' once each, in ascending order")
-        rising = [("min_hz", clock.get("min_hz")), *(("used_hz", hz) for hz in used), ("max_hz", clock.get("max_hz"))]
-        known = [(key, hz) for key, hz in rising if hz is not None]
-        for (low_key, low), (high_key, high) in pairwise(known):
+        rising = [
+            ("min_hz", clock.get("min_hz")),
+            *(("used_hz", hz) for hz in used_clocks),
+            ("max_hz", clock.get("max_hz")),
+        ]
+        stated_clocks = [(key, hz) for key, hz in rising if hz is not None]
+        for (low_key, low), (high_key, high) in pairwise(stated_clocks):
             if low > high and low_key != high_key:
-                wrong = f"{quoted(low_key)} ({low}) is above {quoted(high_key)} ({high})"
-                report.add("clock-range", (*path, low_key), wrong)
+                problem = f"{quoted(low_key)} ({low}) is above {quoted(high_key)} ({high})"
+                report.add("clock-range", (*path, low_key), problem)
 
 
 def _report_missing_limit(clock: Spec, path: Path, report: DocumentReport) -> None:
@@ -163,13 +167,13 @@ def cable_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             continue
         for (_, short), (path, long) in pairwise(rows):
             if short["below_hz"] <= long["below_hz"] or short["shorter_than_m"] == long["shorter_than_m"]:
-                wrong = (
+                problem = (
                     f"the clock must be below {long['below_hz']} Hz for cables shorter than {long['shorter_than_m']} m,"
                     f" but below {short['below_hz']} Hz for cables shorter than {short['shorter_than_m']} m; a longer"
                     f" cable needs a slower clock. If this is what the manual says, add an erratum that affects"
                     f" interfaces.{interface}.cable_lengths.below_hz"
                 )
-                report.add("cable-order", ("interfaces", interface, "cable_lengths", *path[3:], "below_hz"), wrong)
+                report.add("cable-order", ("interfaces", interface, "cable_lengths", *path[3:], "below_hz"), problem)
 
 
 def dates(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -177,19 +181,23 @@ def dates(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     manual = mapping(spec, "manual")
     places: list[tuple[Path, Spec]] = [(("manual",), manual)]
     for key in ("editions", "history"):
-        places += ((("manual", *path), item) for path, item in items(manual, key))
-    for path, item in places:
-        if "date" in item and len(item["date"]) > len("2024") and _date(item["date"]) is None:
-            report.add("date", (*path, "date"), f"{quoted(item['date'])} is not a valid date")
-    history = [(path, item) for path, item in places if "history" in path and _date(item.get("date"))]
+        places += ((("manual", *path), edition) for path, edition in items(manual, key))
+    for path, edition in places:
+        if "date" in edition and len(edition["date"]) > len("2024") and _date(edition["date"]) is None:
+            report.add("date", (*path, "date"), f"{quoted(edition['date'])} is not a valid date")
+    history = [(path, revision) for path, revision in places if "history" in path and _date(revision.get("date"))]
     for (_, earlier), (path, later) in pairwise(history):
         if later["date"] < earlier["date"]:
-            wrong = f"revision {later['revision']} is dated {later['date']}, before revision {earlier['revision']}"
-            report.add("date", (*path, "date"), f"{wrong}, dated {earlier['date']}; list the oldest first")
-    own = next((item for _, item in reversed(history) if item["revision"] == manual.get("revision")), None)
-    if own is not None and _date(manual.get("date")) and own["date"] != manual["date"]:
-        wrong = f"revision {manual['revision']} is dated {manual['date']}, but {own['date']} in 'history'"
-        report.add("date", ("manual", "date"), wrong)
+            problem = f"revision {later['revision']} is dated {later['date']}, before revision {earlier['revision']}"
+            report.add("date", (*path, "date"), f"{problem}, dated {earlier['date']}; list the oldest first")
+    current_revision = next(
+        (revision for _, revision in reversed(history) if revision["revision"] == manual.get("revision")), None
+    )
+    if current_revision is not None and _date(manual.get("date")) and current_revision["date"] != manual["date"]:
+        problem = (
+            f"revision {manual['revision']} is dated {manual['date']}, but {current_revision['date']} in 'history'"
+        )
+        report.add("date", ("manual", "date"), problem)
 
 
 def _date(text: object) -> datetime.date | None:
@@ -206,15 +214,15 @@ def supply_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, part in items(spec, "order_code", "parts"):
         for text, value in mapping(part, "values").items():
             if value and "supply" in value:
-                here = (*path, "values", text, "supply")
-                supplies.append((here, value["supply"]))
+                supply_path = (*path, "values", text, "supply")
+                supplies.append((supply_path, value["supply"]))
                 if device:
-                    wrong = "the device already has a 'supply'; keep only one of them"
-                    report.add("supply-range", here, wrong, at_key=True)
+                    problem = "the device already has a 'supply'; keep only one of them"
+                    report.add("supply-range", supply_path, problem, at_key=True)
     for path, supply in supplies:
         if supply["min_mv"] > supply["max_mv"]:
-            wrong = f"'min_mv' ({supply['min_mv']}) is above 'max_mv' ({supply['max_mv']})"
-            report.add("supply-range", (*path, "min_mv"), wrong)
+            problem = f"'min_mv' ({supply['min_mv']}) is above 'max_mv' ({supply['max_mv']})"
+            report.add("supply-range", (*path, "min_mv"), problem)
 
 
 def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -250,9 +258,9 @@ def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for below, printed in items(timeout, "printed") if "max_hz" in clock else ():
         low, high = clock.get("min_hz", 0), clock["max_hz"]
         if not low <= printed["clock_hz"] <= high and not explained(report.document, *map(str, path)):
-            wrong = f"the clock is {low} to {high} Hz, so there is no time-out at {printed['clock_hz']} Hz"
-            right = f"if the manual gives both, add an erratum that affects {'.'.join(map(str, path))}"
-            report.add("timeout-mismatch", (*path, *below, "clock_hz"), f"{wrong}; {right}")
+            problem = f"the clock is {low} to {high} Hz, so there is no time-out at {printed['clock_hz']} Hz"
+            remedy = f"if the manual gives both, add an erratum that affects {'.'.join(map(str, path))}"
+            report.add("timeout-mismatch", (*path, *below, "clock_hz"), f"{problem}; {remedy}")
     if timeout["rule"] == "fixed" or halves is None:
         return
     for below, printed in items(timeout, "printed"):
@@ -266,21 +274,23 @@ def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def bad_source(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that sources are well-formed, and that cited editions and documents are listed."""
     editions = [
-        item["language"] for _, item in items(raw, "manual", "editions") if isinstance(item.get("language"), str)
+        edition["language"]
+        for _, edition in items(raw, "manual", "editions")
+        if isinstance(edition.get("language"), str)
     ]
     documents = mapping(raw, "documents")
-    own = mapping(raw, "manual").get("language")
+    own_language = mapping(raw, "manual").get("language")
     for path, value in sources(leaves_of(spec, report)):
         for piece in value.split(";"):
-            _check_piece(piece.strip(), path, editions, list(documents), own, report)
+            _check_piece(piece.strip(), path, editions, list(documents), own_language, report)
 
 
 def _check_piece(
-    piece: str, path: Path, editions: list[str], documents: list[str], own: object, report: DocumentReport
+    piece: str, path: Path, editions: list[str], documents: list[str], own_language: object, report: DocumentReport
 ) -> None:
     match = _PIECE.fullmatch(piece.replace("\n", " ").removeprefix("TODO "))
     key, place = (match["key"], match["place"].strip()) if match is not None else (None, piece)
-    if key is not None and key == own:
+    if key is not None and key == own_language:
         report.add("bad-source", path, f"{quoted(key)} is the language of the manual itself; leave '{key}:' out")
     elif key is not None and key not in editions and key not in documents:
         hint = suggestion(key, [*editions, *documents])
@@ -288,13 +298,13 @@ def _check_piece(
     elif key in documents and place:
         return  # Public documents have sections of every kind.
     elif not _PLACE.fullmatch(place):
-        shown = quoted(piece) if piece else "empty text"
+        piece_text = quoted(piece) if piece else "empty text"
         forms = (
             "cite a section ('6.4' or 'Cover'), a table ('Table 41'), a page ('p.35'), "
             "or a section or table followed by a page"
         )
         message = (
-            f"{shown} is not a valid source; {forms}. "
+            f"{piece_text} is not a valid source; {forms}. "
             "Separate several sources with semicolons, and prefix those in other documents with the document's key and"
             " a colon"
         )

@@ -37,20 +37,20 @@ def mapping(data: Any, *keys: str) -> Spec:
 
 def items(data: Any, *keys: str) -> Iterator[tuple[Path, Spec]]:
     """Yield the maps in the list found by following ``keys``, each with its path."""
-    found = mapping(data, *keys[:-1]).get(keys[-1])
-    for index, item in enumerate(found if isinstance(found, list) else ()):
-        if isinstance(item, dict):
-            yield (*keys, index), item
+    list_value = mapping(data, *keys[:-1]).get(keys[-1])
+    for index, list_item in enumerate(list_value if isinstance(list_value, list) else ()):
+        if isinstance(list_item, dict):
+            yield (*keys, index), list_item
 
 
 def by_name(data: Any, *keys: str) -> dict[str, Spec]:
     """Return the items of a list by name. If several have the same name, the first one is used."""
-    found: dict[str, Spec] = {}
-    for _, item in items(data, *keys):
-        name = item.get("name")
+    named_items: dict[str, Spec] = {}
+    for _, list_item in items(data, *keys):
+        name = list_item.get("name")
         if isinstance(name, str):
-            found.setdefault(name, item)
-    return found
+            named_items.setdefault(name, list_item)
+    return named_items
 
 
 class Has(Enum):
@@ -213,21 +213,21 @@ def leaves_of(spec: Spec, report: DocumentReport) -> Sequence[tuple[Path, Any]]:
 
 def leaves(data: Any) -> list[tuple[Path, Any]]:
     """Return every text, number and boolean with its path."""
-    found: list[tuple[Path, Any]] = []
-    _add_leaves(data, (), found)
-    return found
+    located_values: list[tuple[Path, Any]] = []
+    _add_leaves(data, (), located_values)
+    return located_values
 
 
-def _add_leaves(node: Any, path: Path, found: list[tuple[Path, Any]]) -> None:
+def _add_leaves(node: Any, path: Path, located_values: list[tuple[Path, Any]]) -> None:
     if isinstance(node, (dict, list)):
-        for step, item in node.items() if isinstance(node, dict) else enumerate(node):
-            _add_leaves(item, (*path, step), found)
+        for step, child in node.items() if isinstance(node, dict) else enumerate(node):
+            _add_leaves(child, (*path, step), located_values)
     else:
-        found.append((path, node))
+        located_values.append((path, node))
 
 
-def sources(found: Iterable[tuple[Path, Any]]) -> Iterator[tuple[Path, str]]:
+def sources(located_values: Iterable[tuple[Path, Any]]) -> Iterator[tuple[Path, str]]:
     """Yield every source among leaves, with its path."""
-    for path, value in found:
+    for path, value in located_values:
         if isinstance(value, str) and (path[-1] == "source" or str(path[-1]).endswith("_source")):
             yield path, value
