@@ -18,17 +18,18 @@ from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from . import look_up
+from . import look_up, which_specs
 from .arguments import held_bytes, parse
 from .parsers import parser_for
+from .settings_targets import refuse_unknown_targets
 from .terminal import Progress, Stop, prepare, problems, release
-from .which_specs import specs_to_judge, specs_to_read
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from ..cache import Cache
     from ..language.problems import Report
+    from .which_specs import Specs
 
 JSON_VERSION = 1
 
@@ -80,6 +81,18 @@ def _cache(chosen: argparse.Namespace) -> Cache:
     from ..cache import Cache, default_folder
 
     return Cache(None if getattr(chosen, "no_cache", False) else default_folder())
+
+
+def _specs_to_judge(named: Sequence[Path], command: str, cache: Cache) -> Specs:
+    specs = which_specs.specs_to_judge(named, command, cache)
+    refuse_unknown_targets(specs.settings)
+    return specs
+
+
+def _specs_to_read(named: Sequence[Path], cache: Cache) -> Specs:
+    specs = which_specs.specs_to_read(named, cache)
+    refuse_unknown_targets(specs.settings)
+    return specs
 
 
 def _print(as_json: bool, data: Callable[[], Mapping[str, Any]], text: Callable[[], str]) -> None:
@@ -172,7 +185,7 @@ def _check(chosen: argparse.Namespace) -> int:
 
     if chosen.write and not chosen.coverage:
         raise Stop("--write needs --coverage", 2)
-    paths = specs_to_judge([*chosen.specs, *chosen.more_specs], "check", _cache(chosen)).paths
+    paths = _specs_to_judge([*chosen.specs, *chosen.more_specs], "check", _cache(chosen)).paths
     if chosen.format in ("github", "sarif") and chosen.coverage:
         raise Stop(f"--format {chosen.format} lists problems only; leave --coverage out", 2)
     chosen.json = chosen.json or chosen.format == "json"
@@ -216,14 +229,14 @@ def _list(chosen: argparse.Namespace) -> int:
 
     from .earlier import earlier
 
-    specs = specs_to_read([*chosen.specs, *chosen.more_specs], _cache(chosen))
+    specs = _specs_to_read([*chosen.specs, *chosen.more_specs], _cache(chosen))
     families = without_repeated(*map(rows_of, specs.groups))
     _print(chosen.json, lambda: as_data(families), lambda: as_text(families))
     return 0
 
 
 def _show(chosen: argparse.Namespace) -> int:
-    specs = specs_to_read(chosen.specs, _cache(chosen))
+    specs = _specs_to_read(chosen.specs, _cache(chosen))
     device, match, paths = look_up.family_or_code(specs, chosen.what, _cache(chosen))
     if chosen.edition is not None:
         from .editions import asked_for
@@ -244,21 +257,21 @@ def _show(chosen: argparse.Namespace) -> int:
 def _reread(chosen: argparse.Namespace) -> int:
     from .reread import run
 
-    chosen.specs = specs_to_judge(chosen.specs, "reread OLD NEW", _cache(chosen)).paths
+    chosen.specs = _specs_to_judge(chosen.specs, "reread OLD NEW", _cache(chosen)).paths
     return run(chosen)
 
 
 def _facts(chosen: argparse.Namespace) -> int:
     from .reread import run_facts
 
-    chosen.specs = specs_to_judge(chosen.specs, "facts FAMILY", _cache(chosen)).paths
+    chosen.specs = _specs_to_judge(chosen.specs, "facts FAMILY", _cache(chosen)).paths
     return run_facts(chosen)
 
 
 def _simulate(chosen: argparse.Namespace) -> int:
     from .simulate import run
 
-    return run(chosen, specs_to_read(chosen.specs, _cache(chosen)), _cache(chosen))
+    return run(chosen, _specs_to_read(chosen.specs, _cache(chosen)), _cache(chosen))
 
 
 def _diff(chosen: argparse.Namespace) -> int:
@@ -287,7 +300,7 @@ def _new(chosen: argparse.Namespace) -> int:
 def _migrate(chosen: argparse.Namespace) -> int:
     from .migrate import run
 
-    return run(specs_to_judge(chosen.specs, "migrate", _cache(chosen)).paths, chosen.check)
+    return run(_specs_to_judge(chosen.specs, "migrate", _cache(chosen)).paths, chosen.check)
 
 
 def _master(chosen: argparse.Namespace) -> int:
@@ -305,7 +318,7 @@ def _decode(chosen: argparse.Namespace) -> int:
     from .choose import answers_of
     from .decode_run import Decoding, Request, frames
 
-    specs = specs_to_read(chosen.specs, _cache(chosen))
+    specs = _specs_to_read(chosen.specs, _cache(chosen))
     device, found, paths = look_up.order_code(specs, chosen.order_code, _cache(chosen))
     match, held = found, held_bytes(chosen.register)
     if chosen.edition is not None:

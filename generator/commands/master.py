@@ -16,6 +16,7 @@ from . import look_up
 from .arguments import held_bytes
 from .choose import answers_of, undecided
 from .editions import asked_for
+from .settings_targets import refuse_unknown_targets
 from .terminal import Stop, problems, refuse_missing
 from .which_specs import specs_to_read
 
@@ -41,8 +42,14 @@ def run(chosen: argparse.Namespace, cache: Cache) -> tuple[int, str | Mapping[st
         hint = suggestion(chosen.master, names) or "; codewheel master lists them"
         raise Stop(f"there is no master '{chosen.master}'{hint}", 2)
     specs = specs_to_read(chosen.specs, cache)
+<<<<<<< HEAD
     device, listed_match, paths = look_up.order_code(specs, chosen.order_code, cache)
     match, register_bytes = listed_match, held_bytes(chosen.register)
+=======
+    refuse_unknown_targets(specs.settings)
+    device, found, paths = look_up.order_code(specs, chosen.order_code, cache)
+    match, held = found, held_bytes(chosen.register)
+>>>>>>> dfix
     if chosen.edition is not None:
         device, match_in_edition, register_bytes = asked_for(
             paths, device, listed_match, chosen.edition, chosen.order_code, register_bytes

@@ -16,6 +16,7 @@ from ..loading.family_files import MANUFACTURER
 from ..loading.shipped import packaged_families
 from . import look_up
 from .generate import command_again
+from .settings_targets import refuse_unknown_targets
 from .terminal import Stop, refuse_missing
 from .which_specs import Specs, find_settings, find_specs, specs_to_judge
 
@@ -77,6 +78,7 @@ def selected(chosen: argparse.Namespace, cache: Cache) -> Selection:
     else:
         specs = specs_to_judge(named, "generate", cache)
         paths, packaged, implied, settings = specs.paths, (), (), specs.settings
+    refuse_unknown_targets(settings)
     _fill_in(chosen, settings)
 
     def command_with(families: Sequence[str]) -> str:

@@ -80,32 +80,11 @@ def find_settings(cache: Cache) -> Configuration | None:
         Stop: There are errors in them. The exit code is 1.
     """
     try:
-        settings = configuration_above(cache)
+        return configuration_above(cache)
     except Faulty as error:
         from ..loading.configuration_file import errors_in
 
         raise problems(errors_in(error.files)) from None
-    if settings is not None and settings.targets:
-        _refuse_unknown_targets(settings)
-    return settings
-
-
-def _refuse_unknown_targets(settings: Configuration) -> None:
-    """Check the names of targets, which only the registry of targets knows.
-
-    Raises:
-        Stop: There is no such target. The exit code is 1.
-    """
-    from ..targets.registry import target_names
-
-    known_names = target_names()
-    for index, name in enumerate(settings.targets):
-        if name not in known_names:
-            from ..language.problems import suggestion
-            from ..loading.configuration_file import error_at
-
-            message = f"there is no target '{name}'{suggestion(name, known_names, 'there are')}"
-            raise problems(error_at(settings.file, ("targets", index), "undefined-reference", message))
 
 
 def specs_to_judge(named: Sequence[Path], command: str, cache: Cache) -> Specs:

@@ -448,7 +448,7 @@ def test_an_output_of_an_earlier_version_is_safe_too(
     code, _, err = run(capsys, "generate", "specs/aa", "--target", target)
     assert (code, tree(generated)) == (1, before)
     assert "Nothing has changed." in err
-    # The same specs as before write the record. Nothing else changes.
+    # The same specs as before write the record. No other file changes.
     code, out, _ = run(capsys, "generate", *TARGETS)
     assert (code, out.splitlines()[-1][-15:]) == (0, "files unchanged")
     assert all("# Families: aa/enc_a bb/enc_b\n" in path.read_text() for path in generated.glob(f"*/{LIST}"))
