@@ -42,14 +42,9 @@ def run(chosen: argparse.Namespace, cache: Cache) -> tuple[int, str | Mapping[st
         hint = suggestion(chosen.master, names) or "; codewheel master lists them"
         raise Stop(f"there is no master '{chosen.master}'{hint}", 2)
     specs = specs_to_read(chosen.specs, cache)
-<<<<<<< HEAD
+    refuse_unknown_targets(specs.settings)
     device, listed_match, paths = look_up.order_code(specs, chosen.order_code, cache)
     match, register_bytes = listed_match, held_bytes(chosen.register)
-=======
-    refuse_unknown_targets(specs.settings)
-    device, found, paths = look_up.order_code(specs, chosen.order_code, cache)
-    match, held = found, held_bytes(chosen.register)
->>>>>>> dfix
     if chosen.edition is not None:
         device, match_in_edition, register_bytes = asked_for(
             paths, device, listed_match, chosen.edition, chosen.order_code, register_bytes

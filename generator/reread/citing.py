@@ -13,6 +13,7 @@ from typing import Any
 
 from ..language.document import Document, Path
 from ..loading.from_mapping import parse_sources
+from ..model import Sources
 from .passages import Passage
 from .sections import WORD, plain
 
@@ -117,19 +118,24 @@ def citing(document: Document) -> list[Citing]:
     return list(_below(document, document.data, (), (), ()))
 
 
+def _cited(source: str) -> Sources:
+    """Return the places that a source cites, without the mark of the template of ``codewheel new``."""
+    return parse_sources(source.replace("TODO ", ""))
+
+
 def _below(
     document: Document, data: Any, path: Path, source: tuple[Any, ...], names: tuple[str, ...]
 ) -> Iterator[Citing]:
     if isinstance(data, dict):
         if isinstance(data.get("source"), str):
-            source = parse_sources(data["source"])
+            source = _cited(data["source"])
         labels = [data.get(key) for key in _LABELS]
         in_languages = data.get("names")
         labels += in_languages.values() if isinstance(in_languages, dict) else ()
         names = (*names, *(label for label in labels if isinstance(label, str)))
         for key, member in data.items():
             own_source = data.get(f"{key}_source")
-            cited = parse_sources(own_source) if isinstance(own_source, str) else source
+            cited = _cited(own_source) if isinstance(own_source, str) else source
             if key not in _NO_FACTS and not str(key).endswith("_source"):
                 yield from _below(document, member, (*path, key), cited, (*names, str(key)))
     elif isinstance(data, list):
