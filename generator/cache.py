@@ -155,9 +155,7 @@ def _versions() -> Iterable[str]:
         place = Path(spec.origin).parent.parent if spec is not None and spec.origin else None
         yield f"{name} {place}"
         if place is not None:
-            yield from sorted(
-                folder_name for folder_name in os.listdir(place) if folder_name.lower().startswith((name, f"py{name}"))
-            )
+            yield from sorted(folder for folder in os.listdir(place) if folder.lower().startswith((name, f"py{name}")))
 
 
 def _spec_of(name: str) -> ModuleSpec | None:

@@ -114,10 +114,8 @@ class Rendering:
                 ours = pool.worked(tell)
                 self._take(batch, ours)
                 if start + _MOST >= len(self._missing):
-                    unfinished = {
-                        name for number, (names, _) in enumerate(batch) if number not in ours for name in names
-                    }
-                    meanwhile({name: parts for name, parts in self._found.items() if name not in unfinished})
+                    waiting = {name for number, (names, _) in enumerate(batch) if number not in ours for name in names}
+                    meanwhile({name: parts for name, parts in self._found.items() if name not in waiting})
                 self._take(batch, pool.waited_for())
         return self._found
 

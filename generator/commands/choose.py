@@ -22,20 +22,18 @@ def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[s
         Stop: This order code has no such alternative or answer, or an alternative has two. The exit code is 2.
     """
     reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
-    known_alternatives = {alternative.name: alternative for alternative in reduced_device.alternatives}
+    alternatives = {alternative.name: alternative for alternative in reduced_device.alternatives}
     answers: dict[str, str] = {}
     for pair in pairs:
         name, _, answer = pair.partition("=")
-        if not known_alternatives:
+        if not alternatives:
             raise Stop(f"{variant.code} has nothing to choose", 2)
-        if name not in known_alternatives:
-            known_options = " or ".join(
-                option for alternative in known_alternatives.values() for option in _options(alternative)
-            )
-            raise Stop(f"{variant.code} has no choice {quoted(visible(name))}; write {known_options}", 2)
-        if answer not in (answer.name for answer in known_alternatives[name].answers):
-            known_options = " or ".join(_options(known_alternatives[name]))
-            raise Stop(f"{quoted(name)} has no answer {quoted(visible(answer))}; write {known_options}", 2)
+        if name not in alternatives:
+            choices = " or ".join(option for alternative in alternatives.values() for option in _options(alternative))
+            raise Stop(f"{variant.code} has no choice {quoted(visible(name))}; write {choices}", 2)
+        if answer not in (answer.name for answer in alternatives[name].answers):
+            choices = " or ".join(_options(alternatives[name]))
+            raise Stop(f"{quoted(name)} has no answer {quoted(visible(answer))}; write {choices}", 2)
         if answers.setdefault(name, answer) != answer:
             raise Stop(f"{quoted(name)} is chosen twice, as {quoted(answers[name])} and as {quoted(answer)}", 2)
     return answers
@@ -57,12 +55,10 @@ def undecided(device: Device, layout: Layout, answers: Container[str], predicate
 
     ``predicate`` is the predicate of the message about the action that needs the answers.
     """
-    open_alternatives = [
-        alternative for alternative in device.alternatives_of(layout) if alternative.name not in answers
-    ]
-    if open_alternatives:
+    unanswered = [alternative for alternative in device.alternatives_of(layout) if alternative.name not in answers]
+    if unanswered:
         questions = " ".join(
-            f"{alternative.meaning}: add {' or '.join(_explained(alternative))}." for alternative in open_alternatives
+            f"{alternative.meaning}: add {' or '.join(_explained(alternative))}." for alternative in unanswered
         )
         return f"{quoted(layout.name)} {predicate} until you decide. {questions}".removesuffix(".")
     return ""

@@ -70,20 +70,16 @@ def _family(specs: Sequence[Path], name: str | None, old: Manual) -> Family:
             raise Stop(f"'{name}' is not a family; known: {', '.join(plain)}", 2)
         return plain[name.lower()]
     cover = {word.casefold() for section in old.sections[:1] for word in section.words}
-    named_families = [
-        family for family in plain.values() if cover >= set(WORD.findall(family.device.manual.title.casefold()))
-    ]
-    if len(named_families) != 1:
+    matches = [family for family in plain.values() if cover >= set(WORD.findall(family.device.manual.title.casefold()))]
+    if len(matches) != 1:
         problem = (
-            "its first page names none of the families"
-            if not named_families
-            else "its first page names several families"
+            "its first page names none of the families" if not matches else "its first page names several families"
         )
         known_names = ", ".join(plain)
         raise Stop(
             f"cannot tell which family this manual describes: {problem}; add --family NAME, one of {known_names}", 2
         )
-    return named_families[0]
+    return matches[0]
 
 
 def _without_number(family: Family) -> Mapping[int, str]:

@@ -96,13 +96,9 @@ def _parameters(device: Device, variant: Variant) -> list[str]:
     shown_parameters = parameters_of(device, variant.interface)
     at_run_time = run_time_names(device)
     fixed = [
-        device_parameter
-        for device_parameter in shown_parameters
-        if device_parameter.name not in at_run_time and not device_parameter.alternative
+        parameter for parameter in shown_parameters if parameter.name not in at_run_time and not parameter.alternative
     ]
-    held_parameters = [
-        device_parameter for device_parameter in shown_parameters if device_parameter.name in at_run_time
-    ]
+    held_parameters = [parameter for parameter in shown_parameters if parameter.name in at_run_time]
     lines = ["", "Parameters", *_values(device, fixed, variant)] if fixed else []
     if held_parameters:
         lines += ["", f"Held in registers ({initial(device)})", *_values(device, held_parameters, variant)]

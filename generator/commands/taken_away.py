@@ -49,10 +49,8 @@ def offers(olds: Sequence[Family], news: Sequence[Family], changes: Sequence[Cha
         old = old_families.get(family.device.name)
         if old is None or old.device.manual.revision == family.device.manual.revision:
             continue
-        renamed_names = {
-            old_name for name, old_name in renamed if name == family.device.name and isinstance(old_name, str)
-        }
-        if entries := list(_entries(old, family, renamed_names)):
+        old_names = {old_name for name, old_name in renamed if name == family.device.name and isinstance(old_name, str)}
+        if entries := list(_entries(old, family, old_names)):
             yield "\n".join(_offer(old, family, entries))
 
 

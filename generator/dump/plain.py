@@ -84,10 +84,8 @@ def variant_dump(device: Device, match: Match) -> Item:
 
 def _own_parameters(device: Device, variant: Variant) -> dict[str, int]:
     """Return the parameters of an order code, without those that belong to another interface."""
-    foreign_names = {
-        parameter.name for parameter in device.parameters if parameter.interface not in ("", variant.interface)
-    }
-    return {name: value for name, value in variant.parameters.items() if name not in foreign_names}
+    foreign = {parameter.name for parameter in device.parameters if parameter.interface not in ("", variant.interface)}
+    return {name: value for name, value in variant.parameters.items() if name not in foreign}
 
 
 @dataclass(frozen=True)

@@ -179,11 +179,7 @@ def code_grammar(raw: Raw) -> OrderCode:
 
 
 def _spelling(raw: Raw) -> Spelling:
-    texts = (
-        (part, *text_and_value)
-        for part, part_values in raw.get("values", {}).items()
-        for text_and_value in part_values.items()
-    )
+    texts = ((part, *pair) for part, part_values in raw.get("values", {}).items() for pair in part_values.items())
     return record(Spelling, raw, values=tuple(SpelledValue(part, text, value) for part, text, value in texts))
 
 

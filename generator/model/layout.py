@@ -365,12 +365,10 @@ class Layout:
             PlacedField(field.held_by(parameters), field.low.value(parameters), field.width.value(parameters))
             for field in self.fields
         )
-        fields_by_name = {field.name: field for field in placed_fields if field.width > 0}
+        by_name = {field.name: field for field in placed_fields if field.width > 0}
         gray = bool(self.gray_of and (not self.gray_when or parameters.get(self.gray_when)))
-        unused = tuple(
-            (fields_by_name[field.name], place) for field, place in self.unused if field.name in fields_by_name
-        )
-        return PlacedLayout(self, self.bits.value(parameters), tuple(fields_by_name.values()), gray, unused, parameters)
+        unused = tuple((by_name[field.name], place) for field, place in self.unused if field.name in by_name)
+        return PlacedLayout(self, self.bits.value(parameters), tuple(by_name.values()), gray, unused, parameters)
 
 
 @dataclass(frozen=True)
@@ -408,7 +406,7 @@ class PlacedLayout:
         if end is None or not isinstance(end.kind, CrcValue):
             return (0, 0)
         width = end.width.constant
-        run = [placed_field for placed_field in map(self.field, end.kind.of) if placed_field is not None]
+        run = [field for field in map(self.field, end.kind.of) if field is not None]
         return (run[-1].low, run[0].high + 1 - run[-1].low) if run else (width, self.bits - width)
 
     @property
@@ -419,9 +417,7 @@ class PlacedLayout:
 
     def place_of(self, name: str) -> tuple[int, int]:
         """Return lowest bit and width of a field, or of a join of adjacent fields. An absent field has width 0."""
-        parts = [
-            placed_field for placed_field in map(self.field, self.layout.names_in(name)) if placed_field is not None
-        ]
+        parts = [field for field in map(self.field, self.layout.names_in(name)) if field is not None]
         return (parts[-1].low, sum(part.width for part in parts)) if parts else (0, 0)
 
 

@@ -30,7 +30,7 @@ class LayoutRange:
     @property
     def numbers(self) -> tuple[Expression, ...]:
         """The expressions in it."""
-        return tuple(expression for expression in (self.turns, self.modulus, self.highest) if expression is not None)
+        return tuple(number for number in (self.turns, self.modulus, self.highest) if number is not None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,9 +59,7 @@ class Measurement:
     @property
     def steps(self) -> tuple[Expression, ...]:
         """Expressions that give the length of a count, or none for an angle."""
-        return tuple(
-            expression for expression in (self.step_um, self.step_nm, self.per_counts) if expression is not None
-        )
+        return tuple(step for step in (self.step_um, self.step_nm, self.per_counts) if step is not None)
 
     @property
     def total(self) -> Expression | None:

@@ -252,9 +252,5 @@ def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> l
     def likeness(code: str) -> float:
         return SequenceMatcher(None, code, "-".join(pieces[: code.count("-") + 1])).ratio()
 
-    ranked_codes = ((likeness(variant.code), variant.code) for device in devices for variant in device.variants)
-    return [
-        code
-        for ratio, code in sorted(ranked_codes, key=lambda ranked_code: ranked_code[0], reverse=True)[:3]
-        if ratio >= least
-    ]
+    ranking = ((likeness(variant.code), variant.code) for device in devices for variant in device.variants)
+    return [code for ratio, code in sorted(ranking, key=lambda ranked: ranked[0], reverse=True)[:3] if ratio >= least]

@@ -42,13 +42,11 @@ def received(device: Device, interface: Interface) -> Iterator[Received]:
     register_parameters = {parameter.name for parameter in device.set_parameters if parameter.register}
     around = _bits_around(interface)
     for layout in interface.layouts:
-        needed_parameters = device.needed_parameters(layout.bits.parameters)
+        needed_names = device.needed_parameters(layout.bits.parameters)
         if layout.sender != "encoder" or around is None:
             continue
-        deciding = [
-            choice for choice in device.alternatives if not needed_parameters.isdisjoint(choice.answers[0].sets)
-        ]
-        moves = bool(needed_parameters & register_parameters)
+        deciding = [choice for choice in device.alternatives if not needed_names.isdisjoint(choice.answers[0].sets)]
+        moves = bool(needed_names & register_parameters)
         for variant, (answers, sets) in product(device.variants_over(interface.name), choices(deciding)):
             bits = layout.sent_bits.value({**variant.parameters, **sets})
             size = (around + (layout.widest if moves else bits) + 7) // 8

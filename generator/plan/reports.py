@@ -114,9 +114,7 @@ def _reports(device: Device) -> Mapping[tuple[str, str], Report]:
         if _is_told(coded_field)
     ]
     # Unexplained flags are last, so that the others keep their numbers.
-    fields = [
-        reported_field[:3] for reported_field in sorted(reported_fields, key=lambda reported_field: reported_field[3])
-    ]
+    fields = [row[:3] for row in sorted(reported_fields, key=lambda row: row[3])]
     properties_by_name: dict[str, set[object]] = {}
     for kind, _, field in fields:
         for name in (field.name, f"{kind}_{field.name}"):

@@ -103,9 +103,7 @@ def judgement_of(codec: Codec) -> Judgement:
 
 def _by_worth(field: Field) -> Iterator[tuple[Flag, Only | None]]:
     """Yield the flag for each group of order codes that has a different verdict."""
-    coded_flags = [
-        (coded_field.kind, only) for coded_field, only in by_code(field) if isinstance(coded_field.kind, Flag)
-    ]
+    coded_flags = [(coded.kind, only) for coded, only in by_code(field) if isinstance(coded.kind, Flag)]
     alike = len({(kind.makes_position, kind.sums_up, kind.verdict_if_set) for kind, _ in coded_flags}) == 1
     yield from [(coded_flags[0][0], None)] if alike else coded_flags
 

@@ -90,9 +90,7 @@ def uses(spec: Spec, raw: Spec | None = None) -> Iterator[tuple[Path, str, int |
         Fields(Has.REGISTER, register, path, interface_of(register)) for path, register in items(spec, "registers")
     )
     for fields in (*layouts(spec), *registers):
-        located_texts = [
-            located_text for path, field in expanded(fields, groups) for located_text in _of_field(path, field)
-        ]
+        located_texts = [use for path, field in expanded(fields, groups) for use in _of_field(path, field)]
         located_texts += _of_limits(fields.path, fields.owner)
         located_texts += _under((*fields.path, "gray"), mapping(fields.owner, "gray"), ("when",))
         yield from ((path, fields.interface, text) for path, text in located_texts)

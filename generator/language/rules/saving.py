@@ -27,11 +27,7 @@ def saved_before_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             for _, step in writes
         ]
         for index, (below, save) in enumerate(writes):
-            later = [
-                later_step
-                for _, later_step in writes[index + 1 :]
-                if later_step.get("register") != save.get("register")
-            ]
+            later = [step for _, step in writes[index + 1 :] if step.get("register") != save.get("register")]
             if not is_saved[index] or any(is_saved[index + 1 :]):
                 continue
             unsaved = _first_unsaved(later, arguments, registers)

@@ -88,16 +88,14 @@ def combinations(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     groups = by_name(raw, "field_groups")
     for fields in layouts(spec):
         inner = field_names(fields, groups)
-        listed_combinations = [
-            ((*fields.path, *path), combination) for path, combination in items(fields.owner, "combinations")
-        ]
-        if listed_combinations and not _has_position(spec, fields, groups):
+        entries = [((*fields.path, *path), combination) for path, combination in items(fields.owner, "combinations")]
+        if entries and not _has_position(spec, fields, groups):
             problem = f"{_where(fields)}; leave 'combinations' out"
             report.add("combination", (*fields.path, "combinations"), problem, at_key=True)
             continue
-        for index, (combination_path, combination) in enumerate(listed_combinations):
+        for index, (combination_path, combination) in enumerate(entries):
             if _check_conditions(fields, inner, combination_path, combination, report):
-                earlier_combinations, later_combinations = listed_combinations[:index], listed_combinations[index + 1 :]
+                earlier_combinations, later_combinations = entries[:index], entries[index + 1 :]
                 verdicts = [
                     *_own_verdicts(fields, inner, combination),
                     *_verdicts_of_parts(combination, earlier_combinations, later_combinations),

@@ -9,9 +9,7 @@ from .walk import Fields, Has, Spec, by_name, field_lists, items, mapping
 
 def default_answers(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a default is the first answer, and that the answers set one parameter, to 0 or 1, that a flag uses."""
-    used_parameters = {
-        name for fields in field_lists(spec) for _, field in fields for name in mapping(field, "makes_position_if")
-    }
+    used = {name for fields in field_lists(spec) for _, field in fields for name in mapping(field, "makes_position_if")}
     for path, alternative in items(spec, "alternatives"):
         if "default" not in alternative:
             continue
@@ -23,7 +21,7 @@ def default_answers(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             continue
         _check_settings(path, alternative, report)
         parameter = next(iter(mapping(answers, first_answer, "sets")))
-        if parameter not in used_parameters:
+        if parameter not in used:
             problem = f"no flag has {quoted(parameter)} in 'makes_position_if', so the answer changes nothing"
             report.add("alternative-default", (*path, "default"), f"{problem}; add it to a flag, or remove 'default'")
 
