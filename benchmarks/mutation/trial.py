@@ -100,7 +100,7 @@ class Trial:
     def verdict(self, mutant: Mutant) -> Verdict:
         """Return the verdict of ``check`` on a mutant and, if the mutant passes, its effect."""
         document = self._document(mutant)
-        changed = replace(document, data=mutated(document, mutant), kept={})
+        changed = replace(document, data=mutated(document, mutant), kept_indices={})
         try:
             if any(document is item for item in self.second_readings):
                 return self._of_second(document, changed)

@@ -142,7 +142,8 @@ def build_class(kind: Any, item: Item) -> Any:
 
 
 def _verdict(item: Item) -> Item:
-    return {"makes_position": model.Verdict(item["makes_position"]) if item["makes_position"] else None}
+    names = [name for name in ("makes_position", "verdict_if_set") if name in item]
+    return {name: model.Verdict(item[name]) if item[name] else None for name in names}
 
 
 def _field(item: Item) -> Item:

@@ -70,7 +70,9 @@ def test_its_commands(site: Path, tmp_path: Path) -> None:
 def test_help_and_wrong_options(site: Path, tmp_path: Path) -> None:
     shown = " ".join(run(site, tmp_path, "generate", "--help")[1].split())
     assert "plc tables of registers for a PLC --option plc.separator=comma|semicolon: separator" in shown
-    code, _, err = run(site, tmp_path, "generate", "--target", "plc", "--option", "plc.separator=tab")
+    code, _, err = run(
+        site, tmp_path, "generate", "--packaged", "icmu", "--target", "plc", "--option", "plc.separator=tab"
+    )
     assert (code, err) == (2, "codewheel: 'plc.separator' cannot be 'tab'; it can be: comma, semicolon\n")
 
 

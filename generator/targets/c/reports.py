@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from ...language.problems import Path
-from ...model import Device, Flag, Layout, Verdict, cite
+from ...model import Device, Layout, Verdict, cite
 from ...plan.codec import Part, Reserved
 from ...plan.reports import Report, Reporting, reportings, reports_of
+from ...plan.values import Active
 from ...plan.verdicts import Cause, Match, Only, Speaks
 from ...say.name import title
 from ...say.report import alarm_of, meaning, remedy, source
@@ -79,7 +80,7 @@ class FrameReports:
             return
         for part, value in by.conditions:
             name = _flag(part)
-            if isinstance(part.field.kind, Flag):
+            if isinstance(part.meaning, Active):
                 yield Name(name if value else f"!{name}")
             else:
                 constant = self._choices[self.reporting.codec.layout.name, part.field.name].names[value]

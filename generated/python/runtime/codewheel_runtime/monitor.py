@@ -92,7 +92,7 @@ class _Screen:
         self._frame, now = frame, monotonic()
         position = frame.usable_position
         if position is not None:
-            self._count = self._unwrapped(type(frame), position)
+            self._count = self._unwrapped(frame.__class__, position)
         self._recent.append((now, None if position is None else self._count))
         while self._recent and now - self._recent[0][0] > _SPAN_S:
             self._recent.popleft()

@@ -6,10 +6,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from enum import IntEnum
 from fractions import Fraction
-from functools import reduce
 from importlib import import_module
 from math import tau
-from operator import and_
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal, overload
 
@@ -32,8 +30,10 @@ _UNITS: Final = ("counts", *_OF_A_TURN, *_OF_A_LENGTH)
 
 def all_match(columns: Any, when: Iterable[tuple[str, int]]) -> Any:
     """Return an array that is True where all these columns have the values next to them."""
-    found = [columns[name] == value for name, value in when]
-    return reduce(and_, found)
+    matches: Any = True
+    for name, value in when:
+        matches = matches & (columns[name] == value)
+    return matches
 
 
 class ErrorKind(IntEnum):
