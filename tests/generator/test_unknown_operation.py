@@ -52,7 +52,6 @@ ASKING = {
         ("examples", "asking"),
         ("examples", "is_signed"),
         ("registers", "_with_masks"),
-        ("reports", "_active"),
         ("structs", "_check_supported"),
         ("structs", "member"),
     },

@@ -129,7 +129,7 @@ def agree_with_the_model(case: Case, table: Any, made: list[int]) -> None:
         raw = {item.name: item for item in said.fields}
         for name, column in columns.items():
             # A field that an order code lacks is 0 in a column, and missing in the model.
-            expected = plain(raw[name], column[place]) if name in raw else 0
+            expected = plain(raw[name], column[place], numbers_of(case, name)) if name in raw else 0
             assert column[place] == expected, (case.layout.name, name, hex(number))
         told = findings(device, case.variant, said)
         # Reports with the same words differ only in their names, which the model takes from the field.
@@ -143,11 +143,17 @@ def model_names(case: Case) -> list[str]:
     return [*(item.name for item in case.layout.fields), *(item.name for item in case.layout.joins), codec.UNUSED]
 
 
-def plain(field: codec.DecodedField, column: object) -> object:
+def numbers_of(case: Case, name: str) -> dict[str, int]:
+    """Return the numbers of the named values of a field. In Gray code, the bits sent are other numbers."""
+    fields = (field for field in case.placed.layout.fields if field.name == name)
+    return {value.name: value.value for field in fields for value in field.values}
+
+
+def plain(field: codec.DecodedField, column: object, numbers: dict[str, int]) -> object:
     """Return the value of a field in a column: a choice by its number, text as bytes without trailing zeros."""
     if isinstance(column, bytes) and isinstance(field.value, str):
         return field.value.encode("ascii", "replace").rstrip(b"\0") if field.value.isascii() else column
-    return field.raw if isinstance(field.value, str) else field.value
+    return numbers.get(field.value, field.raw) if isinstance(field.value, str) else field.value
 
 
 def test_lengths_are_a_column_too(families: dict[str, Family]) -> None:

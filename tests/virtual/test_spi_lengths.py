@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.virtual import SpiLine, VirtualEncoder
+from python_path import import_anew
 from working_tools import require
 
 pytestmark = pytest.mark.slow
@@ -146,7 +147,7 @@ def test_words_of_64_bits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     line.receive(2 * autosar(ASK))
     assert line.send() == bytes(8) + autosar(REPLY)
     monkeypatch.syspath_prepend(str(out / "python"))
-    package = importlib.import_module("long_encoders")
+    package = import_anew("long_encoders", monkeypatch)
     pipeline = package.lookup("LONG").pipeline()
     assert pipeline.ask(package.long.Ask()).to_bytes(8, "big") == autosar(ASK)
     assert package.lookup("LONG").decode(int.from_bytes(autosar(REPLY), "big")).position == 0xFEDCBA987654

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.virtual import SpiLine, VirtualEncoder
+from python_path import import_anew
 from working_tools import require
 
 pytestmark = pytest.mark.slow
@@ -34,7 +35,8 @@ def packages(outputs: Path) -> Iterator[dict[str, Any]]:
     names = ("cui_encoders", "magntek_encoders")
     folders = [str(outputs / "python" / name) for name in names]
     sys.path[:0] = folders
-    yield {name: importlib.import_module(name) for name in names}
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        yield {name: import_anew(name, monkeypatch) for name in names}
     for folder in folders:
         sys.path.remove(folder)
 
