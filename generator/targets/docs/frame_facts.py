@@ -53,8 +53,13 @@ def questions(device: Device, layout: Layout) -> Iterator[str]:
         yield f"This frame depends on an {question} with the answers {answers}."
 
 
-def frame_facts(family: Device, layout: Layout, variant: Variant) -> Iterator[tuple[str, str]]:
-    """Yield the CRC, the polarity of the flags and the verdict on the position, each in one line."""
+def frame_facts(
+    family: Device, layout: Layout, variant: Variant, choices: Sequence[str] = ()
+) -> Iterator[tuple[str, str]]:
+    """Yield the CRC, the polarity of the flags and the verdict on the position, each in one line.
+
+    ``choices`` are the names of the alternatives on the page, to which the verdicts link.
+    """
     checked = family.crc_of(layout)
     yield "CRC", crc_line(family, checked) if checked is not None else "none"
     by_level: dict[str, list[tuple[str, str]]] = {}
@@ -79,7 +84,8 @@ def frame_facts(family: Device, layout: Layout, variant: Variant) -> Iterator[tu
     if judgement is not None:
         line = verdict_line(judgement, variant, checked is not None)
         yield "Position", line
-        for alternative in family.verdict_alternatives(layout):
+        alternatives = family.verdict_alternatives(layout)
+        for alternative in (alternative for alternative in alternatives if alternative.name in choices):
             for answer in alternative.answers[1:]:
                 chosen = with_answers(family, variant, {alternative.name: answer.name})
                 other_line = verdict_line(judgement, chosen, checked is not None)

@@ -222,6 +222,7 @@ def lead(note: str) -> str:
 
 def _frame(alike: Alike, layout: Layout, pictures: Pictures) -> Section:
     checked = alike.family.crc_of(layout)
+    choices = [alternative.name for alternative in alike.here.alternatives]
     return {
         "title": title(layout),
         "name": layout.name,
@@ -230,7 +231,7 @@ def _frame(alike: Alike, layout: Layout, pictures: Pictures) -> Section:
         "narrow": pictures[f"layout-{layout.name}"],
         "narrower": wide_pictures.SCREEN - 1,
         "questions": list(frame_facts.questions(alike.here, layout)),
-        "facts": list(frame_facts.frame_facts(alike.family, layout, alike.variants[0])),
+        "facts": list(frame_facts.frame_facts(alike.family, layout, alike.variants[0], choices)),
         "crc_path": [f"crcs.{checked.name}"] if checked is not None else [],
     }
 
