@@ -109,7 +109,7 @@ class Batch:
         text = records if isinstance(records, bytes) else b"".join(records)
         size = self.record if operation == DECODE else codec.size
         values = [variant.parameters.get(name, 0) for name in self._parameters]
-        values += [answer_of(item, variant) for item in self.device.alternatives]
+        values += [answer_of(item, variant) for item in self.device.alternatives if not item.default]
         return struct.pack(f"<BHH{len(values)}Q", operation, codec.number, len(text) // size, *values) + text
 
     def frame(self, placed: PlacedLayout, wire: bytes) -> bytes:

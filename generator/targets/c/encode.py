@@ -48,7 +48,7 @@ class Encoder:
         return Cast("uint32_t", self.given(field)) if self.struct.enumeration(field) else self.given(field)
 
     def joined(self, whole: Whole) -> Expr:
-        return self.reader.joined(whole, self._bits_of_member)
+        return self.reader.joined(whole, self._bits_in_whole)
 
     def total(self, field: Field) -> Expr:
         """Return the number that a field's runs of digits form."""
@@ -88,6 +88,11 @@ class Encoder:
         """Return True if none of its bits is ever set."""
         is_derived = op.field.name in self.plan.constants or op.field.name in self._parities
         return is_derived and op.value == Fixed(0)
+
+    def _bits_in_whole(self, field: Field) -> Expr:
+        """Return the bits of a member as an unsigned number. Some compilers give an enumeration a sign."""
+        bits = self._bits_of_member(field)
+        return Cast(unsigned(field.widest), bits) if isinstance(meaning_of(field), Named) else bits
 
     def _bits_of_member(self, field: Field) -> Expr:
         if field.name in self._reserved:
