@@ -88,7 +88,9 @@ class Reader:
         """Return the fields of a join as one number of the join's type."""
         first, *lower_fields = whole.fields
         kind = unsigned(whole.widest)
-        number: Expr = Cast(kind, name_of(first))
+        # Several operands below 32 bits would make the result signed.
+        is_promoted = len(lower_fields) > 1 and size_of(whole.widest) < 32
+        number: Expr = Cast("uint32_t" if is_promoted else kind, name_of(first))
         for field in lower_fields:
             number = Operation("|", (left(number, self.scope.of(field.width)), name_of(field)))
         return Cast(kind, number) if lower_fields and size_of(whole.widest) < 32 else number
