@@ -429,6 +429,17 @@ def test_positions_mean_what_the_model_says(family: Family) -> None:
     check(run, pairs)
 
 
+def test_each_reply_has_its_own_distance(programs: Mapping[str, Run]) -> None:
+    """SMA21 7.3.3: 48 bits in two's complement never wrap around. The identification has the range of the position."""
+    lines = [
+        "SMA21-JP1-0001 measure wide_position_reply_position_difference 10000000 0",
+        "SMA21-JP1-0001 measure wide_position_reply_position_difference 0 10000000",
+        "SMA21-JP1-0001 measure identification_reply_modulus",
+        "SMA21-JP1-0001 measure identification_reply_position_difference 1 16777215",
+    ]
+    assert programs["sma21"](lines) == ["0 10000000", "0 -10000000", f"0 {1 << 24}", "0 2"]
+
+
 def test_a_turn_has_two_to_the_n_counts(programs: Mapping[str, Run]) -> None:
     lines = [
         "AMM5A17/1BG1 measure degrees 65536",
