@@ -36,7 +36,7 @@ class Selection:
         options: Options of targets. With ``--packaged``, one of them can limit C to order codes.
         packaged: The packaged specs among ``paths``.
         is_narrowed: True if that option follows from ``--packaged``.
-        command_with: Returns the command that also reads the families with these names, such as ``lika/amm5``.
+        command_with: Returns the command that also reads the families with these names, such as ``maker/my_encoder``.
     """
 
     paths: tuple[Path, ...]
@@ -111,7 +111,7 @@ def _command_with(
 
 
 def _is_packaged(family: str) -> bool:
-    """Return True if a family, such as ``lika/amm5``, is among the packaged specs."""
+    """Return True if a family, such as ``maker/my_encoder``, is among the packaged specs."""
     manufacturer, _, name = family.partition("/")
     return any(folder.name == manufacturer and (folder / f"{name}.yaml").is_file() for folder in packaged_families())
 

@@ -131,7 +131,7 @@ def test_a_spec_of_the_user_comes_before_a_packaged_one(capsys: pytest.CaptureFi
     )
     assert out.count("sma21  ") == out.count("amm5  ") == 1
     (here / "lika/sma21.yaml").write_text(text.replace("title: ", "titel: ", 1), encoding="utf-8")
-    assert run(capsys, "show", "sma21")[0] == 1, "the packaged spec does not stand in for one with a problem"
+    assert run(capsys, "show", "sma21")[0] == 1, "the packaged spec does not replace one with a problem"
 
 
 def test_in_this_repository_the_edited_files_are_read(
