@@ -132,6 +132,8 @@ class Index:
         if _OF_PROJECT.match(page.rpartition("generated/docs/")[2] if family else page):
             return ["project", family, ""]
         name = page.rpartition("/")[2]
+        if name.startswith("questions-"):
+            return ["question", "", ""]
         if family and re.search(r"(errata|masters|manual)$", name):
             return ["masters" if name.endswith("masters") else "aside", family, ""]
         is_interface = bool(family) and name in encoders.interfaces_of(family)

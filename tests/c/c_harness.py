@@ -294,6 +294,10 @@ def source(view: DeviceView) -> str:
     for item in view.alternatives:
         text = text.replace(_MARK, f"static {item.type} {item.type}_taken;\n{_MARK}")
         takes += _ANSWER.replace("@alternative@", item.item.name).replace("@type@", item.type)
+    members = {parameter.name for parameter in view.device.parameters if parameter.interface == view.interface.interface.name}
+    for alternative in view.device.alternatives:
+        if alternative.default and alternative.parameter in members:
+            takes += _MEMBER.replace("@parameter@", alternative.parameter)
     text = text.replace(_MARK, "")
     resets = "".join(f"        {item.type}_taken = ({item.type})0;\n" for item in view.alternatives)
     return text + _MAIN.replace("@prefix@", prefix).replace("@branches@", "".join(branches)).replace(
@@ -618,6 +622,12 @@ static void print_steps(cw_result result, const cw_step *steps, size_t count)
 
 _ANSWER = r"""            if (strncmp(state, "@alternative@=", sizeof "@alternative@=" - 1U) == 0) {
                 @type@_taken = (@type@)held[0];
+                taken = 0;
+            }
+"""
+
+_MEMBER = r"""            if (strncmp(state, "@parameter@=", sizeof "@parameter@=" - 1U) == 0) {
+                variant.@parameter@ = held[0];
                 taken = 0;
             }
 """

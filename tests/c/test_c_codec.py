@@ -110,12 +110,18 @@ def run_time_variants(device: Device) -> list[Variant]:
 def answered(device: Device) -> Iterator[Variant]:
     """Return some order codes with other answers to the open questions of the manual. Others have the first answers."""
     for alternative in device.alternatives:
-        kinds = {item.name for item, layout in device.layouts() if alternative in device.alternatives_of(layout)}
+        if alternative.default:
+            kinds = {item.interface for item in device.parameters if item.name == alternative.parameter}
+        else:
+            kinds = {item.name for item, layout in device.layouts() if alternative in device.alternatives_of(layout)}
         variants = [item for item in device.variants if item.interface in kinds]
         for index, answer in enumerate(alternative.answers):
+            state = f"{alternative.name}={index:02X}"
+            if alternative.default:
+                state = f"{alternative.parameter}={answer.sets[alternative.parameter]:02X}"
             for variant in variants[-2:]:
-                code = f"{variant.code};{alternative.name}={index:02X}"
-                yield replace(with_answers(device, variant, {alternative.name: answer.name}), code=code)
+                chosen = with_answers(device, variant, {alternative.name: answer.name})
+                yield replace(chosen, code=f"{variant.code};{state}")
 
 
 def register_bytes(device: Device, register: Register, random_: random.Random) -> bytes:

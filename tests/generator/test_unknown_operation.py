@@ -48,6 +48,7 @@ ASKING = {
         ("about", "about_member"),
         ("decode", "taken"),
         ("device", "_is_read_twice"),
+        ("encode", "_bits_in_whole"),
         ("enumerations", "__init__"),
         ("examples", "asking"),
         ("examples", "is_signed"),

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
 
-from codewheel.model import Alternative, Device, Variant
+from codewheel.model import Alternative, Device, Variant, choices
 from codewheel.model.expressions import Expression
 
 #: All kinds of undefined behaviour that the checker knows, except overflow of floating point.
@@ -151,10 +151,16 @@ class Variants:
             item for item in device.variants if item.interface == interface or not interface
         ] or device.variants
         held = {item.name: item for item in device.run_time_parameters}
-        asked = tuple(item for item in device.alternatives if not set(names).isdisjoint(item.answers[0].sets))
+        answered_by = [item for item in device.alternatives if not set(names).isdisjoint(item.answers[0].sets)]
+        asked = tuple(item for item in answered_by if not item.default)
         answered = {name for item in asked for name in item.answers[0].sets}
         fixed = [item for item in names if item not in definitions and item not in held and item not in answered]
-        found = {tuple(item.parameters[name] for name in fixed) for item in variants}
+        optional = [item for item in answered_by if item.default]
+        found = {
+            tuple({**item.parameters, **chosen}[name] for name in fixed)
+            for item in variants
+            for _, chosen in choices(optional)
+        }
         ranges = {
             name: (held[name].min or 0, held[name].largest if (most := held[name].max) is None else most)
             for name in names

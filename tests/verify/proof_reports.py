@@ -64,7 +64,11 @@ def _verdict(codec: Codec) -> str:
         for item, worth in _speaking(codec):
             names = item.kind.sums_up if isinstance(item.kind, Flag) else ()
             others = "".join(f" && !{_speaks(codec, by_name[name])}" for name in names if name in by_name)
-            saying += [f"({_explained(item)}{_speaks(codec, item)}{others})"] if worth is verdict else []
+            saying += [
+                f"({_explained(item)}{answered}{_speaks(codec, item)}{others})"
+                for answered, answered_worth in _by_answer(item, worth)
+                if answered_worth is verdict
+            ]
             if _explained(item) and verdict is Verdict.USABLE_WITH_WARNING:
                 saying.append(f"(!({_explained(item)}1) && {_speaks(codec, item)})")
         if saying and (tells or verdict is Verdict.NOT_USABLE):
@@ -94,6 +98,15 @@ def _explained(field: Field) -> str:
     """Return the condition on the order code under which the manual explains the flag."""
     limited = isinstance(field.kind, Flag) and field.kind.only_while
     return f"variant.{field.kind.only_while} != 0 && " if limited else ""  # type: ignore[union-attr]
+
+
+def _by_answer(field: Field, verdict: Verdict | None) -> Iterator[tuple[str, Verdict | None]]:
+    """Yield each verdict of an active flag with the condition on the user's answer under which it holds."""
+    if isinstance(field.kind, Flag) and field.kind.verdict_parameter:
+        yield f"variant.{field.kind.verdict_parameter} == 0 && ", verdict
+        yield f"variant.{field.kind.verdict_parameter} != 0 && ", field.kind.verdict_if_set
+    else:
+        yield "", verdict
 
 
 def _by_code(field: Field) -> Iterator[tuple[bool, str]]:

@@ -39,7 +39,7 @@
 
   /** Words of a question that say nothing about its subject. */
   const FILLERS = new Set(("a an the is are do does did can could should must i my me it its of on in at for with and or how what which "
-    + "where when why not no there this that many much need get have has says say max maximum min minimum").split(" "));
+    + "where when why not no never always there this that many much need get have has says say max maximum min minimum").split(" "));
 
   const superscripts = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 
@@ -225,10 +225,12 @@
     const counts = countsOf(section.text);
     let sum = 0;
     let isTitle = words.length > 1;
+    // The title of a question has the words of the people who ask it.
+    const titleWords = section.page.kind === "question" ? "all" : isOwn ? "own" : "titles";
     for (const { word, synonyms } of words) {
       const score = Math.max(
         section.titleWords.has(word) ? 14 : 0,
-        synonyms.some(({ titles, own }) => hasOne(section.titleWords, isOwn ? own : titles)) ? 9 : 0,
+        synonyms.some((concept) => hasOne(section.titleWords, concept[titleWords])) ? 9 : 0,
         counts.has(word) ? 3 + Math.min(2, Math.log2(counts.get(word))) : 0,
         synonyms.some(({ all }) => hasOne(counts, all)) ? 2 : 0,
         word.length > 2 && [...section.titleWords].some((title) => title.startsWith(word)) ? 5 : 0,
@@ -246,7 +248,7 @@
   const isNamedMaster = (section, words) => section.page.kind === "masters" && !interfaces.has(nameOf(section.title))
     && words.every(({ word }) => section.titleWords.has(word));
 
-  const WEIGHTS = { code: 1, interface: 1, family: 0.95, general: 0.8, aside: 0.35, masters: 0.4, project: 0.2 };
+  const WEIGHTS = { question: 0.9, code: 1, interface: 1, family: 0.95, general: 0.8, aside: 0.35, masters: 0.4, project: 0.2 };
 
   /** The sections that answer the words, best first; pages of other order codes are left out. */
   function found(words, page, typed) {
