@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 
 from ...model import (
@@ -48,6 +49,7 @@ class Sending:
     facts: tuple[str, ...]
     requests: tuple[Row, ...]
     commands: tuple[Row, ...]
+    command_errata: str
     other_value: str
 
 
@@ -66,7 +68,9 @@ def sending(
     if inputs:
         facts.append(f"Inputs: {', '.join(inputs)}.")
     other_value = _other_value(family.register(preset.name), variant) if preset is not None else ""
-    return Sending(tuple(facts), requests, commands, other_value)
+    shared_registers = _shared_registers(device)
+    command_errata = errata_at(*shared_registers, exactly=shared_registers) if shared_registers else ""
+    return Sending(tuple(facts), requests, commands, command_errata, other_value)
 
 
 def _facts(device: Device, interface: Interface, possible: Commands, has_rows: bool, has_preset: bool) -> Iterator[str]:
@@ -209,18 +213,36 @@ def _frame_of(interface: Rs485, sender: str, data_id: int) -> Layout | None:
     return next((layout for layout in interface.layouts if layout.sender == sender and data_id in layout.selects), None)
 
 
+def _writing_procedures(device: Device) -> list[Procedure]:
+    return [
+        procedure
+        for procedure in device.procedures
+        if any(isinstance(step, (WriteStep, ModifyStep)) for step in procedure.steps)
+    ]
+
+
 def _commands(device: Device, variant: Variant, errata_at: Callable[..., str]) -> Iterator[Row]:
-    """Yield rows of task and bytes to send, with the errata that change them, for procedures that write something."""
-    for procedure in device.procedures:
-        if any(isinstance(step, (WriteStep, ModifyStep)) for step in procedure.steps):
-            bytes_to_write = joined((_sent(device, step, variant) for step in procedure.steps), ", ")
-            errors = errata_at(*_places_of_bytes(procedure), exactly=_registers_written(procedure))
-            yield link(text(procedure.title), f"#procedure-{procedure.name}"), joined([bytes_to_write, errors], ". ")
+    """Yield rows of task and bytes to send, for procedures that write something.
+
+    A row has the errata that change its bytes, other than those of ``_shared_registers``, which stand below the rows.
+    """
+    shared_registers = _shared_registers(device)
+    for procedure in _writing_procedures(device):
+        bytes_to_write = joined((_sent(device, step, variant) for step in procedure.steps), ", ")
+        own_places = [place for place in _register_places(procedure) if place not in shared_registers]
+        own_registers = [place for place in _registers_written(procedure) if place not in shared_registers]
+        errors = errata_at(f"procedures.{procedure.name}", *own_places, exactly=own_registers)
+        yield link(text(procedure.title), f"#procedure-{procedure.name}"), joined([bytes_to_write, errors], ". ")
 
 
-def _places_of_bytes(procedure: Procedure) -> Iterator[str]:
-    """Yield the paths in the spec of everything that decides which bytes a procedure writes."""
-    yield f"procedures.{procedure.name}"
+def _shared_registers(device: Device) -> list[str]:
+    """Return the paths of registers, and of fields of registers, that several procedures write."""
+    writers = Counter(place for procedure in _writing_procedures(device) for place in set(_register_places(procedure)))
+    return [place for place, count in writers.items() if count > 1]
+
+
+def _register_places(procedure: Procedure) -> Iterator[str]:
+    """Yield the paths in the spec of the registers and fields that a procedure writes."""
     for step in procedure.steps:
         if isinstance(step, WriteStep):
             yield f"registers.{step.register}"

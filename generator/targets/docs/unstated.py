@@ -12,17 +12,19 @@ from ...say.text import BY_NAME, listed, said
 
 
 def unstated(family: Device, interface: Interface, subjects: Mapping[str, Subject]) -> Iterator[str]:
-    """Yield a sentence about the facts that the manual does not state, and links for those that a text may have.
+    """Yield the facts that the manual does not state, and links for those that a text may have, in one line.
 
     ``family`` has the texts about all order codes, because a text about others may be valid for this one too.
     """
     silent = [label for label, subject in subjects.items() if not mentions(family, interface, subject)]
-    if silent:
-        yield f"{_capitalized(silent)}: the {document(family)} does not say."
+    sentences = [f"{_capitalized(silent)}: the {document(family)} does not say."] if silent else []
     mentioned = [label for label in subjects if label not in silent]
     if mentioned:
         places = [link("times", "#timings"), link("characteristics", "hardware.md#characteristics")]
-        yield f"{_capitalized(mentioned)}: see {' and '.join(places if family.characteristics else places[:1])}."
+        shown_places = places if family.characteristics else places[:1]
+        sentences.append(f"{_capitalized(mentioned)}: see {' and '.join(shown_places)}.")
+    if sentences:
+        yield " ".join(sentences)
 
 
 def no_leds(family: Device, device: Device, interface: Interface) -> str:
