@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterator
 
 from ...model import (
@@ -68,8 +67,7 @@ def sending(
     if inputs:
         facts.append(f"Inputs: {', '.join(inputs)}.")
     other_value = _other_value(family.register(preset.name), variant) if preset is not None else ""
-    shared_registers = _shared_registers(device)
-    command_errata = errata_at(*shared_registers, exactly=shared_registers) if shared_registers else ""
+    command_errata = _command_errata(device, errata_at)
     return Sending(tuple(facts), requests, commands, command_errata, other_value)
 
 
@@ -224,34 +222,30 @@ def _writing_procedures(device: Device) -> list[Procedure]:
 def _commands(device: Device, variant: Variant, errata_at: Callable[..., str]) -> Iterator[Row]:
     """Yield rows of task and bytes to send, for procedures that write something.
 
-    A row has the errata that change its bytes, other than those of ``_shared_registers``, which stand below the rows.
+    Errata about a single bit are next to it. ``_command_errata`` has the others.
     """
-    shared_registers = _shared_registers(device)
     for procedure in _writing_procedures(device):
         bytes_to_write = joined((_sent(device, step, variant) for step in procedure.steps), ", ")
-        own_places = [place for place in _register_places(procedure) if place not in shared_registers]
-        own_registers = [place for place in _registers_written(procedure) if place not in shared_registers]
-        errors = errata_at(f"procedures.{procedure.name}", *own_places, exactly=own_registers)
-        yield link(text(procedure.title), f"#procedure-{procedure.name}"), joined([bytes_to_write, errors], ". ")
+        bits_set = [f"registers.{step.register}.{step.field}" for step in _modifications(procedure)]
+        bit_errata = errata_at(exactly=bits_set) if bits_set else ""
+        yield link(text(procedure.title), f"#procedure-{procedure.name}"), joined([bytes_to_write, bit_errata], ". ")
 
 
-def _shared_registers(device: Device) -> list[str]:
-    """Return the paths of registers, and of fields of registers, that several procedures write."""
-    writers = Counter(place for procedure in _writing_procedures(device) for place in set(_register_places(procedure)))
-    return [place for place, count in writers.items() if count > 1]
+def _command_errata(device: Device, errata_at: Callable[..., str]) -> str:
+    """Return the errata about procedures that write something, and about the registers that they write."""
+    procedures = _writing_procedures(device)
+    registers = [
+        f"registers.{step.register}"
+        for procedure in procedures
+        for step in procedure.steps
+        if isinstance(step, WriteStep)
+    ]
+    places = dict.fromkeys((*(f"procedures.{procedure.name}" for procedure in procedures), *registers))
+    return errata_at(*places, exactly=registers) if places else ""
 
 
-def _register_places(procedure: Procedure) -> Iterator[str]:
-    """Yield the paths in the spec of the registers and fields that a procedure writes."""
-    for step in procedure.steps:
-        if isinstance(step, WriteStep):
-            yield f"registers.{step.register}"
-        elif isinstance(step, ModifyStep):
-            yield f"registers.{step.register}.{step.field}"
-
-
-def _registers_written(procedure: Procedure) -> list[str]:
-    return [f"registers.{step.register}" for step in procedure.steps if isinstance(step, (WriteStep, ModifyStep))]
+def _modifications(procedure: Procedure) -> Iterator[ModifyStep]:
+    return (step for step in procedure.steps if isinstance(step, ModifyStep))
 
 
 def _sent(device: Device, step: Step, variant: Variant) -> str:

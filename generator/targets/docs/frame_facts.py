@@ -88,11 +88,10 @@ def frame_facts(
         for alternative in (alternative for alternative in alternatives if alternative.name in choices):
             for answer in alternative.answers[1:]:
                 chosen = with_answers(family, variant, {alternative.name: answer.name})
-                other_line = verdict_line(judgement, chosen, checked is not None)
-                if other_line != line:
-                    choice = link("your choice", f"#alternative-{alternative.name}")
-                    about = f"({choice} instead of {code(alternative.default)})"
-                    yield f"Position, with {code(answer.name)}", f"{other_line} {about}"
+                changed_verdicts = _changed_verdicts(judgement, variant, chosen)
+                if changed_verdicts:
+                    with_answer = link(f"with {code(answer.name)}", f"#alternative-{alternative.name}")
+                    yield f"Position, {with_answer}", f"as above, but {'; '.join(changed_verdicts)}"
 
 
 def _signed(family: Device, placed_field: PlacedField, placed: PlacedLayout) -> str:
@@ -131,15 +130,32 @@ def crc_line(family: Device, crc: Crc) -> str:
 
 def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
     """Return the rule for the verdict on the position of an order code."""
-    parts = []
-    for verdict, causes in judgement.worst_first:
-        applying = [cause for cause in causes if all(_applies(only, variant) for only in cause.conditions)]
-        if applying:
-            parts.append(f"{_VERDICT[verdict]} if {', or if '.join(_causes(applying))}")
+    applying = _applying_causes(judgement, variant)
+    parts = [f"{_VERDICT[verdict]} if {', or if '.join(_causes(causes))}" for verdict, causes in applying.items()]
     if not parts:
         return STYLE.phrase(said(WORTH[judgement.otherwise]))
     correct = ", if the CRC is correct," if has_crc else ""
     return "; ".join([*parts, f"otherwise{correct} {_VERDICT[judgement.otherwise]}"])
+
+
+def _applying_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, list[Speaks]]:
+    """Return the causes of each verdict that apply to an order code, the worst verdict first."""
+    applying: dict[Verdict, list[Speaks]] = {}
+    for verdict, causes in judgement.worst_first:
+        applying[verdict] = [cause for cause in causes if all(_applies(only, variant) for only in cause.conditions)]
+    return {verdict: causes for verdict, causes in applying.items() if causes}
+
+
+def _changed_verdicts(judgement: Judgement, variant: Variant, chosen: Variant) -> list[str]:
+    """Return the verdicts that have a cause for ``chosen``, an order code with an answer, that ``variant`` lacks."""
+    usual = _applying_causes(judgement, variant)
+    changes = []
+    for verdict, causes in _applying_causes(judgement, chosen).items():
+        usual_fields = [cause.by for cause in usual.get(verdict, ())]
+        added = [cause for cause in causes if cause.by not in usual_fields]
+        if added:
+            changes.append(f"{_VERDICT[verdict]} if {', or if '.join(_causes(added))}")
+    return changes
 
 
 def _causes(causes: Sequence[Speaks]) -> Iterator[str]:

@@ -152,7 +152,7 @@ class Codes:
 def _position(device: Device, interface: str, measured: Measurement) -> str:
     """Return the unit and range of the position, and the ranges that single frames have."""
     frame_ranges = [
-        f"in {code(name)} it {STYLE.phrase(position_range(frame_range))}"
+        f"{code(name)} {STYLE.phrase(position_range(frame_range))}"
         if not frame_range.wraps
         else f"in {code(name)}: {STYLE.phrase(position_range(frame_range))}"
         for name, frame_range in own_ranges(device, interface)
@@ -174,7 +174,7 @@ def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage
         "lead": lead(interface.note) if isinstance(interface, Biss) else "",
         "position": _position(device, interface.name, measured) if measured is not None else "",
         "evidence": grade(device),
-        "wiring": pin_tables.wiring(device),
+        "wiring": pin_tables.wiring(device, alike.codes),
         "supply": pin_tables.supply(device, alike.variants),
         "speed": clock_and_cable.speed(alike.family, device, interface, alike.frame),
         "frame": _frame(alike, alike.frame, {**pictures, **alike.pictures}) if alike.frame is not None else None,

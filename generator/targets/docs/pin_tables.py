@@ -10,6 +10,7 @@ from ...model import (
     Device,
     Variant,
 )
+from ...model.only import fits
 from ...model.record import dataclass
 from ...say.markdown import anchor, cited, code, text
 from ...say.words import sentence, volts
@@ -32,14 +33,16 @@ class Wiring:
     errata: tuple[str, ...]
 
 
-def wiring(device: Device) -> Wiring:
+def wiring(device: Device, order_codes: Sequence[str]) -> Wiring:
     """Return one table with the contacts of every connector and cable for each signal."""
-    columns = _columns(device.connectors)
-    signals = dict.fromkeys(_signal(contact) for connector in device.connectors for contact in connector.contacts)
+    columns = _columns(device.connectors, order_codes)
+    signals = dict.fromkeys(
+        _signal(contact, order_codes) for connector in device.connectors for contact in connector.contacts
+    )
     kinds = ["Wire" if column[0].kind == "cable" else "Pin" for column in columns]
     names = _short_names([column[0].title for column in columns])
     head = [kind if kinds.count(kind) == 1 else name for kind, name in zip(kinds, names, strict=True)]
-    rows = [(*(_contacts(column, signal) for column in columns), text(signal)) for signal in signals]
+    rows = [(*(_contacts(column, signal, order_codes) for column in columns), text(signal)) for signal in signals]
     about = [f"{name}: {', or '.join(map(_named, column))}" for name, column in zip(head, columns, strict=True)]
     sentences = [connector.note.rstrip(".").split(". ") for connector in device.connectors]
     notes = [
@@ -51,12 +54,12 @@ def wiring(device: Device) -> Wiring:
     return Wiring((*head, "Signal"), tuple(rows), tuple(about), tuple(notes), errata)
 
 
-def _columns(connectors: Sequence[Connector]) -> list[list[Connector]]:
+def _columns(connectors: Sequence[Connector], order_codes: Sequence[str]) -> list[list[Connector]]:
     """Group connectors of one kind that have the same contacts for most signals of the one with fewer."""
     columns: list[list[Connector]] = []
     for connector in connectors:
         for column in columns:
-            own_contacts, column_contacts = _by_signal(connector), _by_signal(column[0])
+            own_contacts, column_contacts = _by_signal(connector, order_codes), _by_signal(column[0], order_codes)
             matches = sum(own_contacts.get(signal) == contacts for signal, contacts in column_contacts.items())
             if connector.kind == column[0].kind and 2 * matches > min(len(own_contacts), len(column_contacts)):
                 column.append(connector)
@@ -66,21 +69,26 @@ def _columns(connectors: Sequence[Connector]) -> list[list[Connector]]:
     return columns
 
 
-def _by_signal(connector: Connector) -> dict[str, list[str]]:
+def _by_signal(connector: Connector, order_codes: Sequence[str]) -> dict[str, list[str]]:
     contacts_by_signal: dict[str, list[str]] = {}
     for contact in connector.contacts:
-        contacts_by_signal.setdefault(_signal(contact), []).append(contact.contact)
+        contacts_by_signal.setdefault(_signal(contact, order_codes), []).append(contact.contact)
     return contacts_by_signal
 
 
-def _signal(contact: Contact) -> str:
-    """Return the signal of a contact, with the order codes that have it unless these are all."""
-    return f"{contact.signal} (only {contact.only})" if contact.only else contact.signal
+def _signal(contact: Contact, order_codes: Sequence[str]) -> str:
+    """Return the signal of a contact, and whether only some of these order codes have it, or none."""
+    if not contact.only:
+        return contact.signal
+    only = [
+        pattern for pattern in contact.only.split(", ") if any(fits(pattern, order_code) for order_code in order_codes)
+    ]
+    return f"{contact.signal} (only {', '.join(only)})" if only else f"{contact.signal} (not this order code)"
 
 
-def _contacts(column: Sequence[Connector], signal: str) -> str:
+def _contacts(column: Sequence[Connector], signal: str, order_codes: Sequence[str]) -> str:
     """Return the contacts of a signal, marked with the name of their connector if they differ."""
-    signal_contacts = [_in_short(_by_signal(connector).get(signal, [])) for connector in column]
+    signal_contacts = [_in_short(_by_signal(connector, order_codes).get(signal, [])) for connector in column]
     names = _short_names([connector.title for connector in column])
     marked = [f"{contacts} ({name})" for contacts, name in zip(signal_contacts, names, strict=True) if contacts]
     return text(signal_contacts[0] if len(set(signal_contacts)) == 1 else ", ".join(marked))
