@@ -100,7 +100,7 @@ def _baud(family: Device, device: Device, interface: Rs485) -> Speed:
     rate = STYLE.phrase(next(iter(settings(device, interface))))
     facts = (
         f"{rate} ({cited(port.source)}).",
-        f"Duration on the line, with {bits} bits per byte: {times}.",
+        f"Duration ({bits} bits per byte): {times}.",
         *unstated(family, interface, {"reply time": Subject.REPLY_TIME, "cable length": Subject.CABLE}),
     )
     return Speed("Baud rate and times", facts)

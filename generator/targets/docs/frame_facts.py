@@ -90,8 +90,8 @@ def frame_facts(
                 chosen = with_answers(family, variant, {alternative.name: answer.name})
                 changed_verdicts = _changed_verdicts(judgement, variant, chosen)
                 if changed_verdicts:
-                    with_answer = link(f"with {code(answer.name)}", f"#alternative-{alternative.name}")
-                    yield f"Position, {with_answer}", f"as above, but {'; '.join(changed_verdicts)}"
+                    with_answer = link(f"With {code(answer.name)}", f"#alternative-{alternative.name}")
+                    yield with_answer, "; ".join(changed_verdicts)
 
 
 def _signed(family: Device, placed_field: PlacedField, placed: PlacedLayout) -> str:

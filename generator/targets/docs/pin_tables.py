@@ -42,7 +42,7 @@ def wiring(device: Device, order_codes: Sequence[str]) -> Wiring:
     kinds = ["Wire" if column[0].kind == "cable" else "Pin" for column in columns]
     names = _short_names([column[0].title for column in columns])
     head = [kind if kinds.count(kind) == 1 else name for kind, name in zip(kinds, names, strict=True)]
-    rows = [(*(_contacts(column, signal, order_codes) for column in columns), text(signal)) for signal in signals]
+    rows = [(*(_contacts(column, signal, order_codes) for column in columns), signal) for signal in signals]
     about = [f"{name}: {', or '.join(map(_named, column))}" for name, column in zip(head, columns, strict=True)]
     sentences = [connector.note.rstrip(".").split(". ") for connector in device.connectors]
     notes = [
@@ -77,13 +77,13 @@ def _by_signal(connector: Connector, order_codes: Sequence[str]) -> dict[str, li
 
 
 def _signal(contact: Contact, order_codes: Sequence[str]) -> str:
-    """Return the signal of a contact, and whether only some of these order codes have it, or none."""
+    """Return the signal of a contact in Markdown, and which of these order codes have it unless all do."""
     if not contact.only:
-        return contact.signal
-    only = [
+        return text(contact.signal)
+    patterns = [
         pattern for pattern in contact.only.split(", ") if any(fits(pattern, order_code) for order_code in order_codes)
     ]
-    return f"{contact.signal} (only {', '.join(only)})" if only else f"{contact.signal} (not this order code)"
+    return f"{text(contact.signal)} <small>(only {text(', '.join(patterns))})</small>"
 
 
 def _contacts(column: Sequence[Connector], signal: str, order_codes: Sequence[str]) -> str:
