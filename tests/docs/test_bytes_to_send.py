@@ -68,7 +68,8 @@ def test_an_input_contradicts_that_there_is_no_preset(pages: Mapping[str, str]) 
         ("amm5", "- Reply time and cable length: the manual does not say."),
         (
             "sma21",
-            "- Reply time: the manual does not say. Cable length: see [times](#timings) and [characteristics](hardware.md#characteristics).",
+            "- Reply time: the manual does not say. Cable length: see [times](#timings) and "
+            "[characteristics](hardware.md#characteristics).",
         ),
     ],
 )
