@@ -268,7 +268,7 @@ leds:
     for shown in (
         "Pause between two words: at least 20 µs (only with EXAMPLE-X)",
         "Pause between two words: at least 90 µs (only with EXAMPLE-Y)",
-        "| 2 | Spare (only EXAMPLE-Y) |",
+        "| 2 | Spare <small>(only EXAMPLE-Y)</small> |",
         "| at least 90 µs (only with EXAMPLE-Y) |",
         "| red | Error. Only with `EXAMPLE-Y`. |",
     ):
