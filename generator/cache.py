@@ -59,6 +59,9 @@ class Cache:
         self._folder = folder
         self._written: tuple[int, int] | None = None
 
+    def __bool__(self) -> bool:
+        return self._folder is not None
+
     def get(self, kind: str, content: Iterable[bytes | str]) -> Any:
         """Return the data that ``put`` stored for the same kind and content, or None."""
         if self._folder is None:
@@ -88,6 +91,10 @@ class Cache:
         if count >= MAX_ENTRIES // 16 or total + size >= MAX_SIZE // 16:
             _keep_limits(folder)
             self._written = (0, 0)
+
+
+#: A cache that stores nothing.
+NO_CACHE = Cache(None)
 
 
 def key_of(kind: str, content: Iterable[bytes | str]) -> str:
