@@ -34,8 +34,7 @@ class FamilyParts:
             TargetError: The target cannot express something, or fails.
             TemplateFault: A user's template has an error.
         """
-        defaults = {option.name: option.default for option in target.options}
-        if target.name in BUILT_IN and options == defaults and library.own_templates is None:
+        if target.name in BUILT_IN and options == target.defaults and library.own_templates is None:
             library = replace(library, stored_part=partial(self._part, target.name))
         return files_of(target, library, options)
 

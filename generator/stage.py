@@ -110,9 +110,9 @@ class Stage:
             return
         for root, folders, names in os.walk(self.target_folder, onerror=_raise):
             relative_folder = Path(root).relative_to(self.target_folder)
-            start = "" if relative_folder == Path() else f"{relative_folder.as_posix()}/"
+            prefix = "" if relative_folder == Path() else f"{relative_folder.as_posix()}/"
             for name in (*names, *(name for name in folders if os.path.islink(os.path.join(root, name)))):
-                path = start + name
+                path = prefix + name
                 if path not in ours and not os.path.lexists(self.new / path):
                     self._make(relative_folder)
                     _link_or_copy(os.path.join(root, name), self.new / path)
@@ -211,7 +211,8 @@ def _files_in(folder: Path) -> Iterator[str]:
     """Yield the path of each file in a folder, as text, because making a ``Path`` takes longer than walking."""
     for root, _, names in os.walk(folder):
         relative_folder = Path(root).relative_to(folder)
-        yield from names if relative_folder == Path() else (f"{relative_folder.as_posix()}/{name}" for name in names)
+        prefix = "" if relative_folder == Path() else f"{relative_folder.as_posix()}/"
+        yield from (prefix + name for name in names)
 
 
 def _is_later(saved_file: Path, target_file: Path) -> bool:

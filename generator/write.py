@@ -43,10 +43,10 @@ def changes(folder: Path, target: str, files: Mapping[str, str]) -> list[Change]
         WriteError: A path is outside the target's folder, or the folder cannot be read.
     """
     _refuse_bad_paths(folder, target, files)
-    file_changes = [
-        Change(path, "unchanged" if read_file(folder / path) == text.encode() else "written")
-        for path, text in files.items()
-    ]
+    file_changes: list[Change] = []
+    for path, text in files.items():
+        is_unchanged = read_file(folder / path) == text.encode()
+        file_changes.append(Change(path, "unchanged" if is_unchanged else "written"))
     obsolete_paths = (path for path in _listed_paths(folder, target) if path not in files)
     file_changes += [Change(path, "removed") for path in obsolete_paths if (folder / path).is_file()]
     return sorted(file_changes, key=lambda change: change.path)
@@ -143,9 +143,8 @@ def write(
         problem = f"another run of codewheel has been writing to {folder} for {PATIENCE_S:.0f} s"
         raise WriteError(f"{problem}; nothing has changed; try again when it has ended") from None
     except OSError as error:
-        raise WriteError(
-            f"cannot write {error.filename or folder}: {error.strerror or error}; nothing has changed"
-        ) from None
+        problem = f"cannot write {error.filename or folder}: {error.strerror or error}"
+        raise WriteError(f"{problem}; nothing has changed") from None
 
 
 def _written(
@@ -162,11 +161,10 @@ def _written(
     guard(changes_by_target)
     if any(map(_has_changes, changes_by_target.values())):
         gate()
-    targets_to_write = {
-        name: files
-        for name, files in targets.items()
-        if _needs_writing(folder, name, files, changes_by_target[name], families)
-    }
+    targets_to_write: dict[str, Mapping[str, str]] = {}
+    for target, files in targets.items():
+        if _needs_writing(folder, target, files, changes_by_target[target], families):
+            targets_to_write[target] = files
     _refuse_what_is_in_the_way(folder, targets_to_write, changes_by_target, force)
     _exchange_folders(folder, targets_to_write, changes_by_target, families)
     return [change for target_changes in changes_by_target.values() for change in target_changes]

@@ -32,6 +32,5 @@ def _files(devices: Sequence[Device], parts: FamilyParts) -> Mapping[str, str]:
     files: dict[str, str] = {}
     for name in BUILT_IN:
         target = load_target(name)
-        options = {option.name: option.default for option in target.options}
-        files |= parts.files_of(target, library, options)
+        files |= parts.files_of(target, library, target.defaults)
     return files

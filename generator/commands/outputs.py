@@ -62,7 +62,7 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
         Stop: A setting is malformed, or its target does not run. The exit code is 2.
     """
     targets_by_name = {target.name: target for target in targets}
-    options = {target.name: {option.name: option.default for option in target.options} for target in targets}
+    options = {target.name: dict(target.defaults) for target in targets}
     for setting in settings:
         place, equals, value = setting.partition("=")
         name, dot, option = place.partition(".")

@@ -93,11 +93,11 @@ def load_families(
             prepare(document)
     contents_after = contents(paths) if cache else {}
     unchanged = {file: content for file, content in contents_before.items() if contents_after.get(file) == content}
-    known_devices = {file: device for file in unchanged if (device := stored_devices[file]) is not None}
-    families = families_of(documents, report, known_devices)
+    cached_devices = {file: device for file in unchanged if (device := stored_devices[file]) is not None}
+    families = families_of(documents, report, cached_devices)
     if prepare is not None:
         return families, report
-    return [_with_content(family, unchanged, known_devices, report, cache) for family in families], report
+    return [_with_content(family, unchanged, cached_devices, report, cache) for family in families], report
 
 
 def _documents(paths: Sequence[Path], report: Report) -> list[Document]:
@@ -106,22 +106,22 @@ def _documents(paths: Sequence[Path], report: Report) -> list[Document]:
     if documents and all(map(is_overlay, documents)):  # They apply to the specs that ship with the tool.
         documents += read_specs(_packaged_specs_for(documents), report)
     documents += _missing_manufacturers(documents, report)
-    given_paths = {Path(document.file).resolve() for document in documents}
-    overlays = (path for path in overlays_beside(documents) if path.resolve() not in given_paths)
+    read_paths = {Path(document.file).resolve() for document in documents}
+    overlays = (path for path in overlays_beside(documents) if path.resolve() not in read_paths)
     return documents + read_specs(overlays, report)
 
 
 def _packaged_specs_for(overlays: Sequence[Document]) -> list[Path]:
     """Return the packaged specs that overlays change, or all of them if an overlay names no packaged family."""
-    specs = {spec.stem: spec for folder in packaged_families() for spec in spec_files([folder])}
+    specs = {spec.stem: spec for spec in spec_files(packaged_families())}
     names = {str(overlay.data.get("of")) for overlay in overlays}
     return [specs[name] for name in sorted(names)] if names <= specs.keys() else packaged_families()
 
 
 def _is_storable(family: Family) -> bool:
     """Return True if a family depends on no other files than those of the key of its entry."""
-    known_files = set(map(str, family_files(Path(family.document.file))))
-    return family.plain is None and not family.device.base and family.files <= known_files
+    paths = set(map(str, family_files(Path(family.document.file))))
+    return family.plain is None and not family.device.base and family.files <= paths
 
 
 def is_clean(family: Family, report: Report) -> bool:
@@ -133,7 +133,7 @@ def is_clean(family: Family, report: Report) -> bool:
 def _with_content(
     family: Family,
     contents_of_files: Mapping[str, Sequence[bytes | str]],
-    known_devices: Mapping[str, Device],
+    cached_devices: Mapping[str, Device],
     report: Report,
     cache: Cache,
 ) -> Family:
@@ -141,7 +141,7 @@ def _with_content(
     file = family.document.file
     if file not in contents_of_files or not _is_storable(family) or not is_clean(family, report):
         return family
-    if file not in known_devices:
+    if file not in cached_devices:
         store_device(cache, contents_of_files[file], family.device)
     return replace(family, content=contents_of_files[file])
 
@@ -154,17 +154,17 @@ def contents(paths: Sequence[Path]) -> dict[str, list[bytes | str]]:
 def families_of(
     documents: Sequence[Document],
     report: Report,
-    known_devices: Mapping[str, Device] = MappingProxyType({}),
+    cached_devices: Mapping[str, Device] = MappingProxyType({}),
 ) -> list[Family]:
     """Build the families of documents, sorted by name, and add their problems to ``report``.
 
-    ``known_devices`` contains devices, by the path of their specs, that were built before and had no problems.
+    ``cached_devices`` contains devices, by the path of their specs, that were built before and had no problems.
     """
     overlays = [document for document in documents if is_overlay(document)]
     documents = [document for document in documents if not is_overlay(document)]
     checked: list[tuple[Document, dict[str, Any] | None]] = []
     for document in documents:
-        is_checked = document.file in known_devices
+        is_checked = document.file in cached_devices
         checked.append((document, document.data if is_checked else check_document(document, report)))
     makers = _makers(checked, report)
     manufacturer_files = [document for document in documents if "device" not in document.data]
@@ -173,7 +173,7 @@ def families_of(
         if data is None or "device" not in data:
             continue
         maker = _maker_of(document, data, makers, manufacturer_files, report)
-        device = known_devices.get(document.file) or _built(document, data, maker, report)
+        device = cached_devices.get(document.file) or _built(document, data, maker, report)
         if device is None:
             continue
         _compare_with_others(device, [family.device for family in families], document, report)
@@ -281,10 +281,10 @@ def _check_manufacturer(
 
 def _missing_manufacturers(documents: Sequence[Document], report: Report) -> list[Document]:
     """Read the manufacturer files next to device files that were given without them."""
-    given_paths = {Path(document.file).resolve() for document in documents}
+    read_paths = {Path(document.file).resolve() for document in documents}
     folders = sorted({Path(document.file).parent for document in documents if "device" in document.data})
     paths = [folder / "manufacturer.yaml" for folder in folders]
-    missing_paths = [path for path in paths if path.resolve() not in given_paths and path.is_file()]
+    missing_paths = [path for path in paths if path.resolve() not in read_paths and path.is_file()]
     read_documents = (read_document(path, report) for path in missing_paths)
     return [document for document in read_documents if document is not None]
 

@@ -169,7 +169,7 @@ def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
     if any(".overlay." in path.name for path in files):
         raise _NotSelectable
     content = content_of(files)
-    if label and not label.startswith(_known_beginnings(spec, content, cache)):
+    if label and not label.startswith(_cached_beginnings(spec, content, cache)):
         return ()
     device = stored_device(cache, content)
     if device is not None:
@@ -185,7 +185,7 @@ def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
     return devices
 
 
-def _known_beginnings(spec: Path, content: Sequence[bytes | str], cache: Cache) -> tuple[str, ...]:
+def _cached_beginnings(spec: Path, content: Sequence[bytes | str], cache: Cache) -> tuple[str, ...]:
     """Return the beginnings of order codes of a spec with this content, from the cache if they are in it."""
     stored = cache.get(_BEGINNINGS, content)
     if stored is not None:

@@ -164,6 +164,11 @@ class Target:
     templates: Templates | None = None
     family: PartOf | None = None
 
+    @property
+    def defaults(self) -> Options:
+        """The default of each option, by its name."""
+        return {option.name: option.default for option in self.options}
+
     def __post_init__(self) -> None:
         for name in (self.name, *(option.name for option in self.options)):
             if not _NAME.fullmatch(name):
