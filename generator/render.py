@@ -92,7 +92,8 @@ def unused_templates(
 
     shipped_paths: set[str] = set()
     for target, templates in rendered.items():
-        shipped_paths |= {f"{target}/{name}" for name in templates.names} if templates else set()
+        names = templates.names if templates else ()
+        shipped_paths |= {f"{target}/{name}" for name in names}
     own_paths = [path.relative_to(own_folder) for path in sorted(own_folder.rglob(f"*{SUFFIX}"))]
     visible_paths = [path for path in own_paths if "/." not in f"/{path.as_posix()}"]
     if not visible_paths:

@@ -42,7 +42,7 @@ def changes(folder: Path, target: str, files: Mapping[str, str]) -> list[Change]
     Raises:
         WriteError: A path is outside the target's folder, or the folder cannot be read.
     """
-    _refuse_bad_paths(folder, target, files)
+    _refuse_bad_paths(folder, {target: files})
     file_changes: list[Change] = []
     for path, text in files.items():
         is_unchanged = read_file(folder / path) == text.encode()
@@ -128,8 +128,7 @@ def write(
         WriteError: A foreign file is in the way, another run does not end, or a file cannot be written. In that case
             nothing has changed, or the message lists the targets that could not be restored.
     """
-    for target, files in targets.items():
-        _refuse_bad_paths(folder, target, files)
+    _refuse_bad_paths(folder, targets)
     is_new = not os.path.lexists(folder)
     try:
         with locked(folder, waiting):
@@ -161,10 +160,10 @@ def _written(
     guard(changes_by_target)
     if any(map(_has_changes, changes_by_target.values())):
         gate()
-    targets_to_write: dict[str, Mapping[str, str]] = {}
+    targets_to_write = dict(targets)
     for target, files in targets.items():
-        if _needs_writing(folder, target, files, changes_by_target[target], families):
-            targets_to_write[target] = files
+        if not _needs_writing(folder, target, files, changes_by_target[target], families):
+            del targets_to_write[target]
     _refuse_what_is_in_the_way(folder, targets_to_write, changes_by_target, force)
     _exchange_folders(folder, targets_to_write, changes_by_target, families)
     return [change for target_changes in changes_by_target.values() for change in target_changes]
@@ -240,18 +239,19 @@ def left_stages(folder: Path) -> list[Change]:
     return [Change(stage.folder.name, "removed") for stage in stages_in(folder)]
 
 
-def _refuse_bad_paths(folder: Path, target: str, files: Mapping[str, str]) -> None:
-    for path in files:
-        if not is_safe(path) or path.split("/")[0] != target:
-            raise WriteError(
-                f"the target '{target}' uses the path '{path}', which is not inside its folder '{target}/'"
-            )
-    target_folder = folder / target
-    if target_folder.is_symlink():
-        raise WriteError(f"{target_folder} is a link; output is written to real folders only")
-    for path_of_folder in (folder, target_folder):
-        if _kind_of(path_of_folder) == "file":
-            raise WriteError(f"{path_of_folder} is a file, but must be a folder; nothing has changed")
+def _refuse_bad_paths(folder: Path, targets: Mapping[str, Iterable[str]]) -> None:
+    """Refuse paths outside the folder of their target, and folders that are links or files."""
+    for target, paths in targets.items():
+        for path in paths:
+            if not is_safe(path) or path.split("/")[0] != target:
+                problem = f"the target '{target}' uses the path '{path}', which is not inside its folder '{target}/'"
+                raise WriteError(problem)
+        target_folder = folder / target
+        if target_folder.is_symlink():
+            raise WriteError(f"{target_folder} is a link; output is written to real folders only")
+        for path_of_folder in (folder, target_folder):
+            if _kind_of(path_of_folder) == "file":
+                raise WriteError(f"{path_of_folder} is a file, but must be a folder; nothing has changed")
 
 
 def _refuse_what_is_in_the_way(

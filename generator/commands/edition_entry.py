@@ -116,9 +116,7 @@ def _order_code_changes(
         new_labels += _new_labels(place, removed_option, old_data, new_data)
     for place in new_labels:
         yield {"remove": place, "why": f"Edition {new_revision} has this label for it", "source": source}
-    new_codes = {
-        variant.code for variant in new.device.variants if any(_selects(variant, label) for label in new_labels)
-    }
+    new_codes = {variant.code for variant in new.device.variants if _selects_any(variant, new_labels)}
     old_examples = {example["name"] for example in old_data.get("examples", ())}
     for example in new_data.get("examples", ()):
         if example["name"] not in old_examples and example.get("order_code") in new_codes:
@@ -132,10 +130,13 @@ def _source(data: Any, place: str, removed_node: Any) -> str:
     """Return the source of a removed node if that is a document other than the manual, else the table of revisions."""
     source, node = "", data
     for step in steps_of(place):
-        children = {label_of(child): child for child in node} if isinstance(node, list) else node
-        node = children.get(step, {}) if isinstance(children, dict) else {}
-        source = node.get("source", source) if isinstance(node, dict) else source
-    source = removed_node.get("source", source) if isinstance(removed_node, dict) else source
+        if isinstance(node, list):
+            node = {label_of(child): child for child in node}
+        node = node.get(step, {}) if isinstance(node, dict) else {}
+        if isinstance(node, dict):
+            source = node.get("source", source)
+    if isinstance(removed_node, dict):
+        source = removed_node.get("source", source)
     return source if ":" in source else "Document release"
 
 
@@ -156,9 +157,10 @@ def _selection(option: Mapping[str, Any]) -> Mapping[str, Any]:
     return selects or {"meaning": option.get("meaning")}
 
 
-def _selects(variant: Variant, place: str) -> bool:
-    option = _OPTION.fullmatch(place)
-    return option is not None and variant.parts.get(option["part"]) == option["label"]
+def _selects_any(variant: Variant, option_places: Iterable[str]) -> bool:
+    """Return True if an order code has one of these options."""
+    options = [option for place in option_places if (option := _OPTION.fullmatch(place))]
+    return any(variant.parts.get(option["part"]) == option["label"] for option in options)
 
 
 def _changed_references(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:

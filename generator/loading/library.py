@@ -114,8 +114,10 @@ def _documents(paths: Sequence[Path], report: Report) -> list[Document]:
 def _packaged_specs_for(overlays: Sequence[Document]) -> list[Path]:
     """Return the packaged specs that overlays change, or all of them if an overlay names no packaged family."""
     specs = {spec.stem: spec for spec in spec_files(packaged_families())}
-    names = {str(overlay.data.get("of")) for overlay in overlays}
-    return [specs[name] for name in sorted(names)] if names <= specs.keys() else packaged_families()
+    names = sorted({str(overlay.data.get("of")) for overlay in overlays})
+    if not set(names) <= specs.keys():
+        return packaged_families()
+    return [specs[name] for name in names]
 
 
 def _is_storable(family: Family) -> bool:
