@@ -471,10 +471,12 @@ def _filled_if_known(text: str, record: Record) -> str:
 
 
 def _filled(text: str, record: Record) -> str:
-    values = {**record.words, **record.numbers} if "{" in text else {}
+    """Return the text with the items in braces filled in."""
+    if "{" not in text:
+        return text
     if record.step is not None:
         text = text.replace("{step_um}", decimal(record.step))
-    for name, value in values.items():
+    for name, value in {**record.words, **record.numbers}.items():
         text = text.replace(f"{{{name}}}", "unknown" if value is None else str(value))
     return text
 
