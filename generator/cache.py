@@ -15,7 +15,7 @@ import os
 import stat
 import sys
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,12 +29,12 @@ MAX_SIZE = 256 * 2**20
 #: Highest number of entries.
 MAX_ENTRIES = 4096
 #: Age in seconds from which an unfinished file is the remains of a killed process.
-_LEFT_OVER = 3600
+_ABANDONED_S = 3600
 _UNFINISHED = ".new-"
 #: Size of the hash in hexadecimal digits.
 _HASH = 64
 #: Packages of this tool that a checkout has in folders of their own.
-_PARTS = ("templates", "runtime")
+_OWN_PACKAGES = ("templates", "runtime")
 #: Packages outside the standard library on which results depend.
 _PACKAGES = ("yaml", "jsonschema", "jinja2", "lxml", "markupsafe")
 
@@ -44,11 +44,12 @@ def default_folder() -> Path | None:
 
     It is ``codewheel`` in ``$XDG_CACHE_HOME``, by default in ``~/.cache``, and on Windows in ``%LOCALAPPDATA%``.
     """
-    place = os.environ.get("XDG_CACHE_HOME") or (os.environ.get("LOCALAPPDATA", "") if os.name == "nt" else "")
+    windows_folder = os.environ.get("LOCALAPPDATA", "") if os.name == "nt" else ""
+    parent = os.environ.get("XDG_CACHE_HOME") or windows_folder
     with suppress(RuntimeError):
-        base = Path(place) if place else Path.home() / ".cache"
-        if base.is_absolute():
-            return base / "codewheel"
+        path = Path(parent) if parent else Path.home() / ".cache"
+        if path.is_absolute():
+            return path / "codewheel"
     return None
 
 
@@ -58,6 +59,9 @@ class Cache:
     def __init__(self, folder: Path | None) -> None:
         self._folder = folder
         self._written: tuple[int, int] | None = None
+
+    def __bool__(self) -> bool:
+        return self._folder is not None
 
     def get(self, kind: str, content: Iterable[bytes | str]) -> Any:
         """Return the data that ``put`` stored for the same kind and content, or None."""
@@ -86,8 +90,12 @@ class Cache:
         count, total = self._written or (MAX_ENTRIES, 0)
         self._written = (count + 1, total + size)
         if count >= MAX_ENTRIES // 16 or total + size >= MAX_SIZE // 16:
-            _keep_limits(folder)
+            _remove_oldest(folder)
             self._written = (0, 0)
+
+
+#: A cache that stores nothing.
+NO_CACHE = Cache(None)
 
 
 def key_of(kind: str, content: Iterable[bytes | str]) -> str:
@@ -121,7 +129,7 @@ def _tool() -> str:
     same as before.
     """
     digest = hashlib.sha256(f"{sys.implementation.name} {sys.version} {sys.platform}".encode())
-    for folder in (Path(__file__).parent, *_parts()):
+    for folder in (Path(__file__).parent, *_package_folders()):
         for path, status in _files(folder):
             stamp = f"{path}\0{status.st_size} {status.st_mtime_ns} {status.st_ctime_ns}\n"
             digest.update(stamp.encode("utf-8", "surrogateescape"))
@@ -130,32 +138,33 @@ def _tool() -> str:
     return digest.hexdigest()
 
 
-def _parts() -> Iterable[Path]:
+def _package_folders() -> Iterator[Path]:
     """Yield the folders of this tool's packages that may be outside the folder of this module."""
-    for name in _PARTS:
+    for name in _OWN_PACKAGES:
         spec = _spec_of(f"{__package__}.{name}")
         yield from map(Path, (spec.submodule_search_locations or ()) if spec is not None else ())
 
 
-def _files(folder: Path | str) -> Iterable[tuple[str, os.stat_result]]:
+def _files(folder: Path | str) -> Iterator[tuple[str, os.stat_result]]:
     with os.scandir(folder) as listing:
-        entries = sorted(listing, key=lambda folder_entry: folder_entry.name)
-    for folder_entry in entries:
-        if folder_entry.is_dir():
-            if folder_entry.name != "__pycache__":
-                yield from _files(folder_entry.path)
-        elif not folder_entry.name.endswith(".pyc"):
-            yield folder_entry.path, folder_entry.stat()
+        entries = sorted(listing, key=lambda path: path.name)
+    for path in entries:
+        if path.is_dir():
+            if path.name != "__pycache__":
+                yield from _files(path.path)
+        elif not path.name.endswith(".pyc"):
+            yield path.path, path.stat()
 
 
-def _versions() -> Iterable[str]:
+def _versions() -> Iterator[str]:
     """Yield the versions of the packages that the tool uses, as their folders are named, without importing them."""
     for name in _PACKAGES:
         spec = _spec_of(name)
-        place = Path(spec.origin).parent.parent if spec is not None and spec.origin else None
-        yield f"{name} {place}"
-        if place is not None:
-            yield from sorted(folder for folder in os.listdir(place) if folder.lower().startswith((name, f"py{name}")))
+        site_folder = Path(spec.origin).parent.parent if spec is not None and spec.origin else None
+        yield f"{name} {site_folder}"
+        if site_folder is not None:
+            folder_names = sorted(os.listdir(site_folder))
+            yield from (folder for folder in folder_names if folder.lower().startswith((name, f"py{name}")))
 
 
 def _spec_of(name: str) -> ModuleSpec | None:
@@ -190,36 +199,39 @@ def _read(folder: Path, key: str) -> Any:
 
 def _write(folder: Path, key: str, content: bytes) -> None:
     """Write an entry at once, so that no process reads part of it."""
-    place = folder / f"{_UNFINISHED}{os.getpid()}-{key[:16]}-{time.monotonic_ns()}"
-    handle = os.open(place, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o600)
+    unfinished = folder / f"{_UNFINISHED}{os.getpid()}-{key[:16]}-{time.monotonic_ns()}"
+    handle = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o600)
     try:
         with open(handle, "wb") as file:
             file.write(content)
-        os.replace(place, folder / key)
+        os.replace(unfinished, folder / key)
     except BaseException:
         with suppress(OSError):
-            os.unlink(place)
+            os.unlink(unfinished)
         raise
 
 
-def _keep_limits(folder: Path) -> None:
+def _remove_oldest(folder: Path) -> None:
     """Remove unfinished files and, if a limit is exceeded, the oldest entries until half of it is used."""
-    entries: list[tuple[float, int, str]] = []
-    with os.scandir(folder) as listing:
-        for folder_entry in listing:
-            with suppress(OSError):
-                status = folder_entry.stat(follow_symlinks=False)
-                if len(folder_entry.name) == _HASH:
-                    entries.append((status.st_mtime, status.st_size, folder_entry.path))
-                elif folder_entry.name.startswith(_UNFINISHED) and status.st_mtime < time.time() - _LEFT_OVER:
-                    os.unlink(folder_entry.path)
-    size = sum(cache_entry[1] for cache_entry in entries)
-    if len(entries) <= MAX_ENTRIES and size <= MAX_SIZE:
+    entries = sorted(_entries_in(folder))
+    count, total_size = len(entries), sum(size for _, size, _ in entries)
+    if count <= MAX_ENTRIES and total_size <= MAX_SIZE:
         return
-    remaining = len(entries)
-    for _, of_entry, path in sorted(entries):
-        if remaining <= MAX_ENTRIES // 2 and size <= MAX_SIZE // 2:
+    for _, size, path in entries:
+        if count <= MAX_ENTRIES // 2 and total_size <= MAX_SIZE // 2:
             break
         with suppress(OSError):
             os.unlink(path)
-        remaining, size = remaining - 1, size - of_entry
+        count, total_size = count - 1, total_size - size
+
+
+def _entries_in(folder: Path) -> Iterator[tuple[float, int, str]]:
+    """Yield the time, the size and the path of each entry, and remove what killed processes left unfinished."""
+    with os.scandir(folder) as listing:
+        for file in listing:
+            with suppress(OSError):
+                status = file.stat(follow_symlinks=False)
+                if len(file.name) == _HASH:
+                    yield status.st_mtime, status.st_size, file.path
+                elif file.name.startswith(_UNFINISHED) and status.st_mtime < time.time() - _ABANDONED_S:
+                    os.unlink(file.path)

@@ -21,7 +21,7 @@ from jinja2 import (
     TemplateSyntaxError,
 )
 
-from .compiled import CompiledTemplates
+from .compiled_templates import CompiledTemplates
 from .say.lines import plain, wrapped
 from .template_fault import SUFFIX, TemplateFault
 

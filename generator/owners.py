@@ -14,8 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .output_list import WriteError, families_in
 from .say.numbers import counted, first_of
-from .write import Change, WriteError, families_in
+from .write import Change
 
 if TYPE_CHECKING:
     from .model import Device
@@ -70,15 +71,16 @@ class Guard:
         unread: set[str] = set()
         files: list[str] = []
         unknown_files: list[str] = []
-        for target, found in changes.items():
+        for target, target_changes in changes.items():
             recorded = families_in(self.folder / target)
             if recorded:
                 missing = set(recorded) - families_read
                 names = {word for name in missing for word in name.split("/")} - self._names()
-                files += [change.path for change in found if change.what == "removed" and _has_name(change.path, names)]
+                removed = [change.path for change in target_changes if change.what == "removed"]
+                files += [path for path in removed if _has_name(path, names)]
             else:
-                missing = self._families_in_the_page(found)
-                unknown_files += self._files_without_record(found)
+                missing = self._families_in_the_page(target_changes)
+                unknown_files += self._files_without_record(target_changes)
             unread |= missing
         if unread:
             raise WriteError(self._message(sorted(unread), sorted([*files, *unknown_files])))
@@ -93,15 +95,16 @@ class Guard:
 
     def _files_without_record(self, changes: Iterable[Change]) -> list[str]:
         """Return the files to remove whose names contain no family that was read. An earlier version wrote them."""
-        known_names = {device.name for device in self.devices} | _SHARED
+        family_names = {device.name for device in self.devices} | _SHARED
         removed = [change.path for change in changes if change.what == "removed"]
-        return [path for path in removed if not _has_name(path, known_names)]
+        return [path for path in removed if not _has_name(path, family_names)]
 
     def _names(self) -> set[str]:
         """Return the names of the families read, of their manufacturers, and of their packages."""
-        makers = {device.manufacturer for device in self.devices}
-        names = {device.name for device in self.devices}
-        return names | {maker.name for maker in makers} | {maker.python_package for maker in makers}
+        names: set[str] = set()
+        for device in self.devices:
+            names |= {device.name, device.manufacturer.name, device.manufacturer.python_package}
+        return names
 
     def _message(self, families: Sequence[str], files: Sequence[str]) -> str:
         examples = f" ({self._examples(files)})" if files else ""
@@ -122,8 +125,8 @@ class Guard:
         return "" if self.is_comparison else " Nothing has changed."
 
     def _examples(self, files: Sequence[str]) -> str:
-        shown = first_of([(self.folder / path).as_posix() for path in files], _MOST_SHOWN)
-        return f"{counted(len(files), 'file')}: {shown}"
+        paths = [(self.folder / path).as_posix() for path in files]
+        return f"{counted(len(files), 'file')}: {first_of(paths, _MOST_SHOWN)}"
 
     def _refuse_specs_inside(self, targets: Iterable[str]) -> None:
         """Refuse to write a folder that contains a spec, because no later run would search it for specs.
@@ -132,12 +135,12 @@ class Guard:
             WriteError: There is such a spec.
         """
         for target in targets:
-            place = os.path.join(os.path.realpath(self.folder / target), "")
+            target_folder = os.path.join(os.path.realpath(self.folder / target), "")
             for file in self.files:
-                if os.path.realpath(file).startswith(place):
-                    wrong = f"the spec {file} is in {(self.folder / target).as_posix()}, which generate writes"
+                if os.path.realpath(file).startswith(target_folder):
+                    problem = f"the spec {file} is in {(self.folder / target).as_posix()}, which generate writes"
                     state = "" if self.is_comparison else "; nothing has changed"
-                    raise WriteError(f"{wrong}{state}; choose another output folder with -o")
+                    raise WriteError(f"{problem}{state}; choose another output folder with -o")
 
 
 def _has_name(path: str, names: Collection[str]) -> bool:

@@ -74,7 +74,7 @@ class Templates:
 
 def tests_for(*classes: object) -> dict[str, type]:
     """Return a test for each of these classes and members of unions, such as ``zeros_above`` for ``ZerosAbove``."""
-    leaf_classes = [leaf_class for given_class in classes for leaf_class in get_args(given_class) or (given_class,)]
+    leaf_classes = [leaf_class for union in classes for leaf_class in get_args(union) or (union,)]
     return {_CAPITAL.sub("_", leaf_class.__name__).lower(): leaf_class for leaf_class in leaf_classes}
 
 
@@ -84,23 +84,27 @@ def unused_templates(
     """Yield a line for each of the user's templates that had no effect. Call this after rendering.
 
     Args:
-        own: The user's folder, which has a folder for each target.
+        own_folder: The user's folder, which has a folder for each target.
         rendered: The templates of the targets that ran, keyed by the name of the target.
-        others: The names of targets that did not run, whose folders are ignored.
+        other_targets: The names of targets that did not run, whose folders are ignored.
     """
     from .environments import own_loader
 
-    ours = {f"{name}/{file}" for name, templates in rendered.items() if templates for file in templates.names}
-    own_files = [path.relative_to(own_folder) for path in sorted(own_folder.rglob(f"*{SUFFIX}"))]
-    visible = [path for path in own_files if not any(part.startswith(".") for part in path.parts)]
-    if not visible:
-        example = f"; the path of a template in it looks like {min(ours)}" if ours else ""
+    shipped_paths: set[str] = set()
+    for target, templates in rendered.items():
+        names = templates.names if templates else ()
+        shipped_paths |= {f"{target}/{name}" for name in names}
+    own_paths = [path.relative_to(own_folder) for path in sorted(own_folder.rglob(f"*{SUFFIX}"))]
+    visible_paths = [path for path in own_paths if "/." not in f"/{path.as_posix()}"]
+    if not visible_paths:
+        example = f"; the path of a template in it looks like {min(shipped_paths)}" if shipped_paths else ""
         yield f"the folder {own_folder.as_posix()} has no templates{example}"
-    for path in visible:
+    for path in visible_paths:
         folder, name = path.parts[0], path.as_posix()
-        if name in ours or (folder not in rendered and folder in other_targets):
+        if name in shipped_paths or (folder not in rendered and folder in other_targets):
             continue
         if folder not in rendered or Path(*path.parts[1:]).as_posix() not in own_loader(own_folder / folder).used:
-            misplaced = [our_path for our_path in ours if our_path.endswith(f"/{path.name}")]
-            hint = f"; did you mean '{misplaced[0]}'?" if len(misplaced) == 1 else suggestion(name, ours)
+            similar_paths = [shipped for shipped in shipped_paths if shipped.endswith(f"/{path.name}")]
+            is_clear = len(similar_paths) == 1
+            hint = f"; did you mean '{similar_paths[0]}'?" if is_clear else suggestion(name, shipped_paths)
             yield f"no output uses {(own_folder / path).as_posix()}{hint}"

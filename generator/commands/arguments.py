@@ -150,3 +150,8 @@ def complete(parser: Parser, name: str) -> None:
     parser.epilog = "\n".join([*text, *lines])
     parser.description = textwrap.fill(parser.description or "", _WIDTH)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
+
+
+def add_cache_option(parser: argparse.ArgumentParser) -> None:
+    """Add the option that every command with a cache has."""
+    parser.add_argument("--no-cache", action="store_true", help="neither use nor store results of earlier runs")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from ..cache import Cache, content_of
+from ..cache import NO_CACHE, Cache, content_of
 from ..language.problems import Report
 from ..language.second_reading import second_reading_path
 from ..loading.family_files import family_files
@@ -31,22 +31,21 @@ class Checked:
     report: Report
 
 
-def run(paths: Sequence[Path], targets: Iterable[Target], cache: Cache | None = None) -> Checked:
+def run(paths: Sequence[Path], targets: Iterable[Target], cache: Cache = NO_CACHE) -> Checked:
     """Check the specs at ``paths`` and the second readings next to them.
 
-    With a cache, families that had no problems before, with the same content, are not checked again. Their second
+    Families that are in the cache, which had no problems with the same content, are not checked again. Their second
     readings are then missing from the result.
 
     Raises:
         Stop: A target fails. The exit code is 1.
     """
-    cache = cache or Cache(None)
     contents_before = contents(paths)
     clean = {file for file, content in contents_before.items() if cache.get(_CLEAN, content)}
     families, report = load_families(paths, cache)
     new = [family for family in families if family.plain is not None or family.document.file not in clean]
     check_all(new, report)
-    checked = look_at(families, targets, report, partial(_read, [family.document.file for family in new], cache))
+    checked = look_at(families, targets, report, partial(_read, [family.document.file for family in new]))
     for family in new:
         file = family.document.file
         unchanged = family.content and content_of(family_files(Path(file))) == contents_before[file]
@@ -55,10 +54,10 @@ def run(paths: Sequence[Path], targets: Iterable[Target], cache: Cache | None = 
     return checked
 
 
-def _read(new: Sequence[str], cache: Cache, family: Family, report: Report) -> Second | None:
+def _read(new: Sequence[str], family: Family, report: Report) -> Second | None:
     """Read the second reading of a family if it is new. Otherwise only list it as read."""
     if family.document.file in new:
-        return read_beside(family, report, cache)
+        return read_beside(family, report)
     second = second_reading_path(Path(family.document.file))
     report.files += [str(second)] if second.is_file() else []
     return None

@@ -8,7 +8,7 @@ from dataclasses import asdict, astuple
 from pathlib import Path
 from typing import Any
 
-from ..cache import Cache, content_of
+from ..cache import NO_CACHE, Cache, content_of
 from ..language.problems import Report
 from ..language.second_reading import coverage_path
 from ..loading.family_files import family_files
@@ -39,7 +39,7 @@ def cover(checked: Checked, write: bool) -> Sequence[Coverage]:
     return checked.readings
 
 
-def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache | None = None) -> None:
+def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = NO_CACHE) -> None:
     """Refuse to release valid specs if ``check`` finds problems in their other editions, second readings or counts.
 
     Args:
@@ -50,7 +50,7 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache | 
     Raises:
         Stop: There are problems. The exit code is 1.
     """
-    report, cache = Report(), cache or Cache(None)
+    report = Report()
     # Check one family at a time, because a second reading needs as much memory as its spec.
     for family in families:
         if family.content and cache.get(_PROVED, family.content) is True:

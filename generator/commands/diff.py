@@ -12,8 +12,9 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..cache import Cache
 from ..changes.impact import IMPACTS, Impact
-from .arguments import FORMATS, FORMATS_HELP, Parser, a_path
+from .arguments import FORMATS, FORMATS_HELP, Parser, a_path, add_cache_option
 from .terminal import Stop, refuse_missing
 
 if TYPE_CHECKING:
@@ -70,6 +71,7 @@ def add_diff(parser: Parser) -> None:
         action="store_true",
         help="compare specs even if the current spec language finds problems, without the faulty parts",
     )
+    add_cache_option(parser)
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,7 @@ class _Side:
     names: Mapping[str, str]
 
 
-def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence[Family]], None]) -> int:
+def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence[Family]], None], cache: Cache) -> int:
     """Compare, print, and return the exit code.
 
     ``gate`` raises ``Stop`` to refuse recording families that must not be released.
@@ -95,7 +97,8 @@ def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence
     """
     if chosen.record and not Path(chosen.new).is_dir():
         raise Stop("--record needs a folder of specs: all families of a manufacturer share a version", 2)
-    before, after = _side(chosen.old, True, chosen.lenient), _side(chosen.new, False, chosen.lenient)
+    before = _side(chosen.old, True, cache, chosen.lenient)
+    after = _side(chosen.new, False, cache, chosen.lenient)
     comparison = _look(before, after, generate)
     if chosen.record:
         if not chosen.unchecked:
@@ -127,9 +130,9 @@ def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence
 
 
 def _offers(before: _Side, after: _Side, changes: Sequence[Change]) -> Iterator[str]:
-    from .taken_away import offers
+    from .edition_entry import edition_entries
 
-    return offers(before.families, after.families, changes)
+    return edition_entries(before.families, after.families, changes)
 
 
 def _accept(changes: Sequence[Change], chosen: argparse.Namespace) -> tuple[Sequence[Change], Sequence[str]]:
@@ -188,7 +191,7 @@ def _record(comparison: Found, after: _Side) -> Found:
     return replace(comparison, packages=packages, notices=notices)
 
 
-def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
+def _side(text: str, is_old: bool, cache: Cache, lenient: bool = False) -> _Side:
     """Return the families of one side. For the old side, those that the current language can still read."""
     from tempfile import TemporaryDirectory
 
@@ -210,7 +213,7 @@ def _side(text: str, is_old: bool, lenient: bool = False) -> _Side:
             except RevisionError as error:
                 raise Stop(str(error), 2) from None
             path, names = laid_out.place, laid_out.names
-        families, report = load_families([path], prepare=migrate if is_old else None)
+        families, report = load_families([path], cache, prepare=migrate if is_old else None)
     problems = [replace(problem, file=names.get(problem.file, problem.file)) for problem in report.problems]
     if not problems:
         return _Side(tuple(families), frozenset(), (), names)

@@ -3,23 +3,137 @@
 from __future__ import annotations
 
 import argparse
-import shlex
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
+from typing import TYPE_CHECKING, TypedDict
 
-from ..cache import Cache
-from ..known_files import KnownFiles
+from ..cache import NO_CACHE, Cache
+from ..output_list import WriteError
 from ..owners import Guard, owners
 from ..say.numbers import counted
-from ..write import Change, WriteError, changes, is_as_written, left_stages, write
-from .terminal import Stop
+from ..write import Change, changes, digest_of, digest_on_disk, left_stages, write
+from . import look_up
+from .cached_result import CachedResult, cached_result
+from .selection import Selection, selected
+from .terminal import Progress, Stop, problems
+
+if TYPE_CHECKING:
+    from ..language.problems import Report
+    from ..model import Device
+    from ..targets import Library, Options, Target
 
 #: The files of each target, as texts by path.
-Rendered = Mapping[str, Mapping[str, str]]
+Files = Mapping[str, Mapping[str, str]]
 
 
-def run(chosen: argparse.Namespace, files: Rendered, gate: Callable[[], None], guard: Guard) -> int:
+class Generated(TypedDict):
+    """Result of a run: the line about the specs, the targets, the number of their files, and the digest of these."""
+
+    read_line: str
+    targets: list[str]
+    count: int
+    digest: str
+
+
+def run(chosen: argparse.Namespace, cache: Cache) -> int:
+    """Write or compare the outputs, and return the exit code.
+
+    Raises:
+        Stop: The specs or the arguments have problems, a target fails, or the output differs or cannot be written.
+    """
+    selection = selected(chosen, cache)
+    result = _cached_result(chosen, selection, cache)
+    if _is_unchanged(chosen, result.get()):
+        return 0
+    from ..loading.library import load_families
+    from ..targets import Library
+    from .outputs import are_built_in, complete, options_named, targets_named
+
+    with Progress("codewheel: reading the specs"):
+        families, report = load_families(selection.paths, cache)
+    targets = targets_named(chosen.target)
+    options = options_named(selection.options_for([family.device.name for family in families]), targets)
+    _refuse_misused_options(chosen, targets)
+    with Progress("codewheel: checking the specs"):
+        devices = complete(families, targets, chosen.edition, report)
+    if report:
+        raise problems(report)
+    read_line = _read_line(devices, report, chosen.packaged, selection.packaged)
+    print(read_line)
+    files = _rendered(Library(devices, chosen.templates), targets, options, cache)
+    if are_built_in(targets, chosen.target):
+        result.put(_generated(read_line, files, owners(devices)))
+
+    def gate() -> None:
+        import_module(f"{__package__}.coverage").refuse_unproved(families, "written", cache)
+
+    return _write_or_compare(chosen, files, gate, selection.guard(chosen, devices, report.files))
+
+
+def _cached_result(chosen: argparse.Namespace, selection: Selection, cache: Cache) -> CachedResult:
+    """Return the result of an earlier run. There is none with templates of the user or a document type."""
+    options = [*(chosen.target or ()), "", *selection.options, "", *chosen.edition, "", *chosen.packaged]
+    is_cacheable = chosen.templates is None and chosen.biss_dtd is None
+    return cached_result(cache if is_cacheable else NO_CACHE, "generate", selection.paths, options)
+
+
+def _is_unchanged(chosen: argparse.Namespace, generated: Generated | None) -> bool:
+    """Return True if the output is that of an earlier run, and print what that run printed."""
+    if generated is None or digest_on_disk(chosen.output, generated["targets"]) != generated["digest"]:
+        return False
+    print(generated["read_line"])
+    _print_summary(chosen, generated["count"], changed=0)
+    return True
+
+
+def _generated(read_line: str, files: Files, families: Sequence[str]) -> Generated:
+    count = sum(map(len, files.values()))
+    return Generated(read_line=read_line, targets=list(files), count=count, digest=digest_of(files, families))
+
+
+def _refuse_misused_options(chosen: argparse.Namespace, targets: Sequence[Target]) -> None:
+    """Refuse a folder of templates that does not exist, and a document type without the target that it is for.
+
+    Raises:
+        Stop: The exit code is 2.
+    """
+    if chosen.templates is not None and not chosen.templates.is_dir():
+        raise Stop(f"there is no folder {chosen.templates}", 2)
+    if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
+        raise Stop("--biss-dtd needs the target biss", 2)
+
+
+def _read_line(
+    devices: Sequence[Device], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]
+) -> str:
+    """Return the line about the specs that were read, and one about values that are still the template's."""
+    from .placeholders import short_notice
+
+    read = look_up.read_line([device.name for device in devices], report, packaged, packaged_files)
+    return "\n".join(filter(None, (read, short_notice(report.files))))
+
+
+def _rendered(
+    library: Library, targets: Sequence[Target], options: Mapping[str, Options], cache: Cache
+) -> dict[str, Mapping[str, str]]:
+    """Return the files of each target. Parts of families with the same model come from the cache."""
+    from ..family_parts import FamilyParts
+    from ..targets.registry import files_of
+    from .outputs import rendered
+
+    files_from = FamilyParts(cache).files_of if cache else files_of
+    with Progress("codewheel: rendering") as progress:
+
+        def files_with_progress(target: Target, library: Library, target_options: Options) -> Mapping[str, str]:
+            progress.text = f"codewheel: rendering {target.name}"
+            return files_from(target, library, target_options)
+
+        return rendered(library, targets, options, files_with_progress)
+
+
+def _write_or_compare(chosen: argparse.Namespace, files: Files, gate: Callable[[], None], guard: Guard) -> int:
     """Write or compare the files of each target, and return the exit code.
 
     ``gate`` raises ``Stop`` to refuse writing specs that must not be released. It is called if a file would change.
@@ -30,89 +144,70 @@ def run(chosen: argparse.Namespace, files: Rendered, gate: Callable[[], None], g
     check: Callable[[Mapping[str, Sequence[Change]]], None] = (lambda _: None) if chosen.prune else guard.check
     try:
         if chosen.check:
-            by_target = {name: changes(chosen.output, name, texts) for name, texts in files.items()}
-            check(by_target)
-            found = [item for of_target in by_target.values() for item in of_target] + left_stages(chosen.output)
+            changes_by_target = {name: changes(chosen.output, name, texts) for name, texts in files.items()}
+            check(changes_by_target)
+            file_changes = [change for target_changes in changes_by_target.values() for change in target_changes]
+            file_changes += left_stages(chosen.output)
         else:
-            found = write(
+            file_changes = write(
                 chosen.output,
                 files,
                 force=chosen.force,
-                waiting=lambda: _tell_of_the_wait(chosen.output),
+                waiting=lambda: _print_wait(chosen.output),
                 gate=(lambda: None) if chosen.unchecked else gate,
                 guard=check,
                 families=owners(guard.devices),
             )
     except WriteError as error:
         raise Stop(str(error), 1) from None
-    _tell(found, chosen)
+    _print_changes(file_changes, chosen)
     if chosen.biss_dtd is not None:
         _validate_idbiss(files["biss"], chosen.output, chosen.biss_dtd)
     return 0
 
 
-def is_unchanged(
-    chosen: argparse.Namespace, hashes: Rendered, families: Sequence[str], read: str, cache: Cache
-) -> bool:
-    """Return True if the files of each target have these hashes, and print ``read`` and the files.
-
-    Otherwise, print nothing. ``families`` are those that the files were written from, as ``owners`` returns them.
-    """
-    known = KnownFiles(cache, "written files", [str(chosen.output)])
-    if not is_as_written(chosen.output, hashes, known.result, families):
-        return False
-    known.keep()
-    print(read)
-    _tell([Change(path, "unchanged") for files in hashes.values() for path in sorted(files)], chosen)
-    return True
-
-
-def _tell(found: Sequence[Change], chosen: argparse.Namespace) -> None:
-    words = {"written": "differs", "removed": "left over"} if chosen.check else {}
-    for item in found:
-        if item.what != "unchanged":
-            print(f"{words.get(item.what, item.what):<10} {(chosen.output / item.path).as_posix()}")
-    _sum_up(found, chosen)
-
-
-def _tell_of_the_wait(output: Path) -> None:
+def _print_wait(output: Path) -> None:
     print(f"codewheel: waiting for another run that is writing to {output.as_posix()}", file=sys.stderr, flush=True)
 
 
-def _sum_up(found: Sequence[Change], chosen: argparse.Namespace) -> None:
-    stale = sum(item.what != "unchanged" for item in found)
-    if not chosen.check:
-        changed = f"{counted(stale, 'file')} changed, {len(found) - stale} unchanged"
-        print(changed if stale else f"all {len(found)} files unchanged")
-    elif stale:
-        _tell_of_a_mixture(found)
-        raise Stop(f"{counted(stale, 'file')} out of date; run: {chosen.again}", 1)
+def _print_changes(file_changes: Sequence[Change], chosen: argparse.Namespace) -> None:
+    """Print the files that changed, and a summary.
+
+    Raises:
+        Stop: A file that was only compared differs.
+    """
+    words = {"written": "differs", "removed": "left over"} if chosen.check else {}
+    changed = [change for change in file_changes if change.what != "unchanged"]
+    for change in changed:
+        print(f"{words.get(change.what, change.what):<10} {(chosen.output / change.path).as_posix()}")
+    if chosen.check and changed:
+        _print_mixture(file_changes)
+    _print_summary(chosen, len(file_changes), len(changed))
+
+
+def _print_summary(chosen: argparse.Namespace, count: int, changed: int) -> None:
+    """Print the number of files, or raise ``Stop`` if some of them were only compared and differ."""
+    if chosen.check and changed:
+        raise Stop(f"{counted(changed, 'file')} out of date; run: {chosen.again}", 1)
+    if chosen.check:
+        print(f"{counted(count, 'file')} up to date")
+    elif changed:
+        print(f"{counted(changed, 'file')} changed, {count - changed} unchanged")
     else:
-        print(f"{counted(len(found), 'file')} up to date")
+        print(f"all {count} files unchanged")
 
 
-def _tell_of_a_mixture(found: Iterable[Change]) -> None:
+def _print_mixture(file_changes: Iterable[Change]) -> None:
     """Print which targets match the specs and which do not, as after a run that was killed between two targets."""
     states: dict[str, set[str]] = {}
-    for item in found:
-        target, is_in_a_target, _ = item.path.partition("/")
+    for change in file_changes:
+        target, is_in_a_target, _ = change.path.partition("/")
         if is_in_a_target:
-            states.setdefault(target, set()).add(item.what)
+            states.setdefault(target, set()).add(change.what)
     current = [target for target, state in states.items() if state == {"unchanged"}]
     outdated = [target for target, state in states.items() if state != {"unchanged"}]
     if current and outdated:
         print(f"up to date: {', '.join(current)}; out of date: {', '.join(outdated)}")
-
-
-def command_again(chosen: argparse.Namespace, *more: str) -> str:
-    """Return the command line that writes the outputs with the arguments that the user gave, and with ``more``."""
-    again = ["codewheel", "generate", *map(str, [*chosen.specs, *chosen.more_specs]), *more]
-    again += [word for name in chosen.packaged for word in ("--packaged", name)]
-    again += [] if chosen.output is None else ["-o", str(chosen.output)]
-    again += [word for name in chosen.target or () for word in ("--target", name)]
-    again += [word for setting in chosen.option for word in ("--option", setting)]
-    again += [] if chosen.templates is None else ["--templates", str(chosen.templates)]
-    return shlex.join(again)
 
 
 def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
@@ -126,13 +221,13 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
     names = [name for name in files if Path(name).name.startswith("idbiss")]
     try:
         text = read_dtd(dtd)
-        places = {name: (output / name).as_posix() for name in names}
-        found = [fault for name in names for fault in faults(files[name], places[name], text, dtd.as_posix())]
+        shown_paths = {name: (output / name).as_posix() for name in names}
+        dtd_faults = [fault for name in names for fault in faults(files[name], shown_paths[name], text, dtd.as_posix())]
     except DtdError as error:
         raise Stop(str(error), 2) from None
-    for fault in found:
+    for fault in dtd_faults:
         print(fault, file=sys.stderr)
-    if found:
-        raise Stop(f"not valid against {dtd}: {counted(len(found), 'error')}", 1)
+    if dtd_faults:
+        raise Stop(f"not valid against {dtd}: {counted(len(dtd_faults), 'error')}", 1)
     for name in names:
-        print(f"valid against {dtd}: {places[name]}")
+        print(f"valid against {dtd}: {shown_paths[name]}")

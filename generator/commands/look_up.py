@@ -103,7 +103,7 @@ def _has(paths: Sequence[Path], family: str, text: str, cache: Cache, is_name: b
     """Return True if a group also has the family, or the order code or name."""
     from ..loading.selected import has_family
 
-    return has_family(paths, family, cache) or _in_group(paths, text, cache, is_name, []) is not None
+    return has_family(paths, family) or _in_group(paths, text, cache, is_name, []) is not None
 
 
 def _in_group(

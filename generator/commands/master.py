@@ -41,7 +41,7 @@ def run(chosen: argparse.Namespace, cache: Cache) -> tuple[int, str | Mapping[st
     if chosen.master is not None and chosen.master not in names:
         hint = suggestion(chosen.master, names) or "; codewheel master lists them"
         raise Stop(f"there is no master '{chosen.master}'{hint}", 2)
-    specs = specs_to_read(chosen.specs, cache)
+    specs = specs_to_read(chosen.specs)
     refuse_unknown_targets(specs.settings)
     device, listed_match, paths = look_up.order_code(specs, chosen.order_code, cache)
     match, register_bytes = listed_match, held_bytes(chosen.register)

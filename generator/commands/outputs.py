@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import sys
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from ..language.problems import Report, listed, suggestion
 from ..loading.library import Family, load_families, sound_families
 from ..model import Device
-from ..parts import Made, Rendering, is_plain
 from ..render import unused_templates
 from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import BUILT_IN, PackageMissing, files_of, load_target, problems_of, target_names
@@ -64,7 +62,7 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
         Stop: A setting is malformed, or its target does not run. The exit code is 2.
     """
     targets_by_name = {target.name: target for target in targets}
-    options = {target.name: {option.name: option.default for option in target.options} for target in targets}
+    options = {target.name: dict(target.defaults) for target in targets}
     for setting in settings:
         place, equals, value = setting.partition("=")
         name, dot, option = place.partition(".")
@@ -135,29 +133,24 @@ def tell_unfit(families: Sequence[Family], targets: Iterable[Target], report: Re
 
 
 def rendered(
-    library: Library, targets: Sequence[Target], options: Mapping[str, Options], begun: Rendering | None = None
+    library: Library,
+    targets: Sequence[Target],
+    options: Mapping[str, Options],
+    files_of: Callable[[Target, Library, Options], Mapping[str, str]] = files_of,
 ) -> dict[str, Mapping[str, str]]:
-    """Return the files of each target, as texts by path. ``options`` are by target name. ``begun`` returns the parts.
+    """Return the files of each target, as texts by path.
+
+    Args:
+        library: The devices, and the folder of the user's templates.
+        targets: The targets to run.
+        options: The options of each target, by its name.
+        files_of: Function that returns the files of one target.
 
     Raises:
         Stop: A target or a user's template fails (exit code 1), or the name of a template is misspelt (exit code 2).
     """
-    early: dict[str, Mapping[str, str]] = {}
-
-    def files_with(target: Target, parts: Made) -> Mapping[str, str]:
-        its_own = parts.get(target.name, {}) if is_plain(target, options[target.name]) else {}
-        return files_of(target, library, options[target.name], its_own)
-
-    def meanwhile(complete: Made) -> None:
-        with suppress(TargetError):  # It is raised below, in the order of the targets.
-            early.update((target.name, files_with(target, complete)) for target in targets if target.name in complete)
-
     try:
-        finished_parts = begun.finished(meanwhile) if begun is not None else {}
-        try:
-            files = {target.name: early.get(target.name) or files_with(target, finished_parts) for target in targets}
-        except TargetError:  # A part can be damaged. Without parts, a target reports its own errors.
-            files = {target.name: files_with(target, {}) for target in targets}
+        files = {target.name: files_of(target, library, options[target.name]) for target in targets}
     except (TargetError, TemplateFault) as error:
         raise Stop(str(error), 2 if isinstance(error, OptionError) else 1) from None
     if library.own_templates is not None:

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 
-from .arguments import FORMATS, FORMATS_HELP, Parser, ShowVersion, a_path, complete, metres
+from .arguments import FORMATS, FORMATS_HELP, Parser, ShowVersion, a_path, add_cache_option, complete, metres
 
 _DESCRIPTION = (
     "Describe an absolute encoder once and get a Python codec, C headers, a BiSS XML description and documentation."
@@ -98,7 +98,7 @@ def _add_own_files(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="validate the idbiss files against FILE, your copy of idbiss.dtd, and exit 1 if one is not valid",
     )
-    _add_cache_option(parser)
+    add_cache_option(parser)
 
 
 def _add_check(parser: Parser) -> None:
@@ -113,7 +113,7 @@ def _add_check(parser: Parser) -> None:
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print the problems as JSON")
     form.add_argument("--format", choices=FORMATS, default="text", help=FORMATS_HELP)
-    _add_cache_option(parser)
+    add_cache_option(parser)
     parser.add_argument(
         "--coverage",
         action="store_true",
@@ -131,7 +131,7 @@ def _add_list(parser: Parser) -> None:
     parser.description = "List families, interfaces, order codes and manuals."
     _add_specs(parser, _PACKAGED_TOO)
     parser.add_argument("--json", action="store_true", help="print JSON")
-    _add_cache_option(parser)
+    add_cache_option(parser)
 
 
 def _add_show(parser: Parser) -> None:
@@ -367,11 +367,7 @@ def _add_spec_option(parser: argparse.ArgumentParser, other_specs: str = _PACKAG
         help=_SPECS.format(other_specs),
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
-    _add_cache_option(parser)
-
-
-def _add_cache_option(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--no-cache", action="store_true", help="neither use nor store results of earlier runs")
+    add_cache_option(parser)
 
 
 def _targets_for_help() -> str:

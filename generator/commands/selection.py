@@ -15,7 +15,6 @@ from ..loading.configuration import Configuration
 from ..loading.family_files import MANUFACTURER
 from ..loading.shipped import packaged_families
 from . import look_up
-from .generate import command_again
 from .settings_targets import refuse_unknown_targets
 from .terminal import Stop, refuse_missing
 from .which_specs import Specs, find_settings, find_specs, specs_to_judge
@@ -73,23 +72,21 @@ def selected(chosen: argparse.Namespace, cache: Cache) -> Selection:
     _refuse_missing(named, cache)
     if chosen.packaged:
         packaged, implied = _packaged(chosen, cache)
-        settings = find_settings(cache)
+        settings = find_settings()
         paths = (*named, *packaged)
     else:
-        specs = specs_to_judge(named, "generate", cache)
+        specs = specs_to_judge(named, "generate")
         paths, packaged, implied, settings = specs.paths, (), (), specs.settings
     refuse_unknown_targets(settings)
     _fill_in(chosen, settings)
 
     def command_with(families: Sequence[str]) -> str:
-        return _command_with(families, given, settings, cache)
+        return _command_with(families, given, settings)
 
     return Selection(paths, (*chosen.option, *implied), packaged, bool(implied), command_with)
 
 
-def _command_with(
-    families: Sequence[str], given: argparse.Namespace, settings: Configuration | None, cache: Cache
-) -> str:
+def _command_with(families: Sequence[str], given: argparse.Namespace, settings: Configuration | None) -> str:
     """Return the command of the user that also reads these families.
 
     A packaged family is named with ``--packaged``. For others, ``FOLDER`` is a place that the user fills in.
@@ -102,12 +99,23 @@ def _command_with(
         if has_listed and not packaged:
             return "codewheel generate"
     elif not given.packaged:
-        more = [*_own_specs(settings, cache), *more]
+        more = [*_own_specs(settings), *more]
     elif needs_folder:
-        more = _own_specs(settings, cache) or more
+        more = _own_specs(settings) or more
     every = argparse.Namespace(**vars(given))
     every.packaged = [*given.packaged, *(name.partition("/")[2] for name in packaged)]
     return command_again(every, *more)
+
+
+def command_again(chosen: argparse.Namespace, *more: str) -> str:
+    """Return the command line that writes the outputs with the arguments that the user gave, and with ``more``."""
+    again = ["codewheel", "generate", *map(str, [*chosen.specs, *chosen.more_specs]), *more]
+    again += [word for name in chosen.packaged for word in ("--packaged", name)]
+    again += [] if chosen.output is None else ["-o", str(chosen.output)]
+    again += [word for name in chosen.target or () for word in ("--target", name)]
+    again += [word for setting in chosen.option for word in ("--option", setting)]
+    again += [] if chosen.templates is None else ["--templates", str(chosen.templates)]
+    return shlex.join(again)
 
 
 def _is_packaged(family: str) -> bool:
@@ -116,12 +124,12 @@ def _is_packaged(family: str) -> bool:
     return any(folder.name == manufacturer and (folder / f"{name}.yaml").is_file() for folder in packaged_families())
 
 
-def _own_specs(settings: Configuration | None, cache: Cache) -> list[str]:
+def _own_specs(settings: Configuration | None) -> list[str]:
     """Return the arguments that name the specs that are read if the user names none."""
     if settings is not None and settings.specs:
         return [path.as_posix() for path in settings.specs]
     folder = settings.folder if settings is not None else Path()
-    return [folder.as_posix()] if find_specs((), cache).paths else []
+    return [folder.as_posix()] if find_specs(()).paths else []
 
 
 def _refuse_missing(named: Sequence[Path], cache: Cache) -> None:

@@ -7,14 +7,11 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
-from ..cache import Cache
-from ..known_files import KnownFiles
-from ..language.files import LINK, UNREADABLE, below, describes_encoders, is_folder, is_spec
+from ..language.files import LINK, UNREADABLE, below, describes_encoders, is_folder
 from ..loading.configuration import Configuration, Faulty
 from ..loading.find_configuration import configuration_above
 from ..loading.shipped import packaged_families
@@ -50,7 +47,7 @@ class Specs:
         return [group for group in (self.paths, self.packaged) if group]
 
 
-def find_specs(named: Sequence[Path], cache: Cache) -> Specs:
+def find_specs(named: Sequence[Path]) -> Specs:
     """Return the specs that a command reads.
 
     These are the ones named on the command line. Without any, they are those in the settings of the project. Without
@@ -61,39 +58,39 @@ def find_specs(named: Sequence[Path], cache: Cache) -> Specs:
         Stop: A named path does not exist (exit code 2), or there are errors in the settings (exit code 1).
     """
     refuse_missing(named)
-    settings = find_settings(cache)
+    settings = find_settings()
     if named:
         return Specs(tuple(named), (), settings)
     if settings is None:
-        found = _below(Path(), (), cache)
+        found = _below(Path(), ())
     elif settings.specs:
-        found = Specs(tuple(_without_output(settings, cache)))
+        found = Specs(tuple(_without_output(settings)))
     else:
-        found = _below(settings.folder, _outputs(settings), cache)
+        found = _below(settings.folder, _outputs(settings))
     return replace(found, packaged=tuple(_packaged_beside(found.paths)), settings=settings)
 
 
-def find_settings(cache: Cache) -> Configuration | None:
+def find_settings() -> Configuration | None:
     """Return the settings that hold for the current folder, or None.
 
     Raises:
         Stop: There are errors in them. The exit code is 1.
     """
     try:
-        return configuration_above(cache)
+        return configuration_above()
     except Faulty as error:
         from ..loading.configuration_file import errors_in
 
         raise problems(errors_in(error.files)) from None
 
 
-def specs_to_judge(named: Sequence[Path], command: str, cache: Cache) -> Specs:
+def specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     """Return the specs for a command that writes or judges. It never uses the packaged ones instead.
 
     Raises:
         Stop: There are no specs, or more than the search can find (exit code 2), or as for ``find_specs``.
     """
-    specs = find_specs(named, cache)
+    specs = find_specs(named)
     folder = specs.settings.folder if specs.settings is not None else Path()
     option = " --specs" if command in ("reread OLD NEW", "facts FAMILY") else ""
     if not specs.is_complete:
@@ -142,13 +139,13 @@ def _report_not_entered(specs: Specs, folder: Path) -> None:
         print(f"codewheel: not searched for specs: {first_of(shown, _MOST_SHOWN)}", file=sys.stderr)
 
 
-def specs_to_read(named: Sequence[Path], cache: Cache) -> Specs:
+def specs_to_read(named: Sequence[Path]) -> Specs:
     """Return the specs for a command that only reads, and report on standard error if some were not found.
 
     Raises:
         Stop: As for ``find_specs``.
     """
-    specs = find_specs(named, cache)
+    specs = find_specs(named)
     if not specs.is_complete:
         print(
             f"codewheel: searched only {MOST_NAMES:,} files and folders for specs; name yours with --specs, or list "
@@ -167,7 +164,7 @@ def _outputs(settings: Configuration) -> list[str]:
     return [os.path.realpath(settings.output)] if settings.output is not None else []
 
 
-def _without_output(settings: Configuration, cache: Cache) -> Iterator[Path]:
+def _without_output(settings: Configuration) -> Iterator[Path]:
     """Yield the specs in the settings. A folder that contains the output folder is replaced by its specs."""
     outputs = _outputs(settings)
     for path in settings.specs:
@@ -178,32 +175,13 @@ def _without_output(settings: Configuration, cache: Cache) -> Iterator[Path]:
             yield path
 
 
-def _below(folder: Path, outputs: Sequence[str], cache: Cache) -> Specs:
+def _below(folder: Path, outputs: Sequence[str]) -> Specs:
     """Return the specs in a folder and below it, if at least one of them is about an encoder."""
-    found = below(folder, lambda _: True, outputs, MOST_NAMES)
+    found = below(folder, outputs=outputs, most_names=MOST_NAMES)
     unreadable = {path for path, reason in found.not_entered if reason == UNREADABLE}
-    specs = _kept_specs(folder, [path for path in found.specs if path not in unreadable], cache)
-    return Specs(specs, is_complete=found.is_complete, not_entered=found.not_entered)
-
-
-def _kept_specs(folder: Path, files: Sequence[Path], cache: Cache) -> tuple[Path, ...]:
-    """Return the specs among YAML files, or none if no spec is about an encoder."""
-    if not files:
-        return ()
-    known = KnownFiles(cache, "search", [str(folder)])
-
-    def look(path: Path) -> Mapping[str, Any]:
-        try:
-            found: Mapping[str, Any] = known.result(
-                str(path), lambda: {"is_spec": is_spec(path), "describes_encoders": describes_encoders(path)}
-            )
-        except (OSError, ValueError):  # A link that leads nowhere. Reading it reports the error.
-            return {"is_spec": True, "describes_encoders": True}
-        return found
-
-    specs = tuple(path for path in files if look(path)["is_spec"] is not False)
-    known.keep()
-    return specs if any(look(path)["describes_encoders"] is not False for path in specs) else ()
+    specs = tuple(path for path in found.specs if path not in unreadable)
+    has_encoders = any(map(describes_encoders, specs))
+    return Specs(specs if has_encoders else (), is_complete=found.is_complete, not_entered=found.not_entered)
 
 
 def _packaged_beside(paths: Sequence[Path]) -> Iterator[Path]:

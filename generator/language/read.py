@@ -10,32 +10,22 @@ from __future__ import annotations
 import os
 import pathlib
 import stat
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import suppress
-from typing import Any
+from collections.abc import Iterable, Sequence
 
-from ..cache import Cache
 from . import files
-from .document import Document, Mark, Path
+from .document import Document, Path
 from .problems import Report
 from .second_reading import family_of, is_second
 from .yaml import FORBIDDEN, LINE_BREAK, MAX_BYTES, Refused, parse
 
-NOTHING_KEPT = Cache(None)
-#: Kind of entry in the cache for the data of a file and its places.
-_PARSED = "parsed"
 
-
-def read_document(
-    path: pathlib.Path, report: Report, shown_as: str | None = None, cache: Cache = NOTHING_KEPT
-) -> Document | None:
+def read_document(path: pathlib.Path, report: Report, shown_as: str | None = None) -> Document | None:
     """Read one file and add its problems to ``report``.
 
     Args:
         path: The file.
         report: Receives all problems.
         shown_as: The name to show for the file. Default: its path as given.
-        cache: Keeps the data and places of files without problems, because parsing takes ten times as long.
 
     Returns:
         The document, or None if nothing in the file can be used. A document may have problems.
@@ -56,10 +46,10 @@ def read_document(
         excerpt = "" if "\0" in text else lines[len(before) - 1]
         report.add_at(file, len(before), len(before[-1]) + 1, "not-text", message, text=excerpt)
         return None
-    return _cached_document(file, text, lines, cache) or _parsed_document(file, text, lines, report, cache)
+    return _parsed_document(file, text, lines, report)
 
 
-def _parsed_document(file: str, text: str, lines: tuple[str, ...], report: Report, cache: Cache) -> Document | None:
+def _parsed_document(file: str, text: str, lines: tuple[str, ...], report: Report) -> Document | None:
     findings: list[Refused] = []
     broken: list[Path] = []
     try:
@@ -70,50 +60,11 @@ def _parsed_document(file: str, text: str, lines: tuple[str, ...], report: Repor
     for finding in findings:
         excerpt = lines[finding.line - 1] if finding.line <= len(lines) else ""
         report.add_at(file, finding.line, finding.column, finding.rule, finding.message, text=excerpt)
-    if data is not None and not findings and not broken:
-        cache.put(_PARSED, [text], [data, list(_places(marks))])
     doubtful = tuple(finding.path for finding in findings if finding.path)
     return None if data is None else Document(file, lines, data, marks, tuple(broken), doubtful)
 
 
-def _cached_document(file: str, text: str, lines: tuple[str, ...], cache: Cache) -> Document | None:
-    """Return the document that was kept for the same text, or None if there is none."""
-    with suppress(ValueError, TypeError, AttributeError):
-        data, places = cache.get(_PARSED, [text])
-        if set(map(type, places)) != {int}:
-            return None
-        numbers = zip(*[iter(places)] * 4, strict=True)
-        marks = _marks(data, numbers)
-        if isinstance(data, dict) and next(numbers, None) is None:
-            return Document(file, lines, data, marks)
-    return None
-
-
-def _places(mark: Mark) -> Iterator[int]:
-    """Yield the four numbers of a mark, and then those of the marks inside it, in the order of the data."""
-    yield from (mark.line, mark.column, mark.key_line, mark.key_column)
-    for child in mark.children.values():
-        yield from _places(child)
-
-
-def _marks(data: Any, numbers: Iterator[tuple[int, int, int, int]]) -> Mark:
-    """Return the marks of data. ``numbers`` yields those that ``_places`` yielded for it.
-
-    Raises:
-        ValueError: There are too few numbers.
-    """
-    positions = next(numbers, None)
-    if positions is None:
-        raise ValueError
-    mark = Mark(*positions)
-    if isinstance(data, dict):
-        mark.children = {key: _marks(value, numbers) for key, value in data.items()}
-    elif isinstance(data, list):
-        mark.children = {index: _marks(value, numbers) for index, value in enumerate(data)}
-    return mark
-
-
-def read_specs(paths: Iterable[pathlib.Path], report: Report, cache: Cache = NOTHING_KEPT) -> list[Document]:
+def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
     """Read files and whole folders, each file once.
 
     A folder stands for the specs in it and below it, in sorted order. ``files.below`` finds them. A file given by name
@@ -133,7 +84,7 @@ def read_specs(paths: Iterable[pathlib.Path], report: Report, cache: Cache = NOT
             real_path = os.path.realpath(path) if "\0" not in str(path) else str(path)
             if real_path not in read_paths:
                 read_paths.add(real_path)
-                document = read_document(path, report, cache=cache)
+                document = read_document(path, report)
                 if document is not None:
                     documents.append(document)
     return documents

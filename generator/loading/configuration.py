@@ -12,11 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 PYPROJECT = "pyproject.toml"
-#: Text that a pyproject.toml with the section must contain. Others are not parsed.
-_NEEDED = b"tool.codewheel"
 SETTINGS = frozenset(("specs", "output", "targets"))
-#: Kind of entry in the cache for settings without errors.
-_KIND = "configuration"
 
 
 class Faulty(Exception):

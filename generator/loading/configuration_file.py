@@ -12,7 +12,6 @@ from ..language.document import Document, Mark
 from ..language.document import Path as Place
 from ..language.files import CONFIGURATION
 from ..language.problems import Report, suggestion
-from ..language.read import read_document
 from .configuration import PYPROJECT, SETTINGS, Faulty, exists, settings_in
 
 _HEADER = re.compile(r"^[ \t]*\[[ \t]*tool[ \t]*\.[ \t]*codewheel[ \t]*\]", re.MULTILINE)
@@ -75,6 +74,8 @@ def _read(file: Path, report: Report) -> Document | None:
 
 def _yaml_document(file: Path, report: Report) -> Document | None:
     """Return a codewheel.yaml as a document. Its messages are about settings, unlike those for a spec."""
+    from ..language.read import read_document  # PyYAML takes longer to import than a frame to decode.
+
     reading = Report()
     document = read_document(file, reading)
     report.files += reading.files

@@ -1,8 +1,7 @@
 """Find the settings that hold for the current folder.
 
 The nearest file with settings holds, in the current folder or above it, but not above the repository that the current
-folder is in. Every command looks for it, so settings that were read before are kept, and the parsers are imported only
-for new ones.
+folder is in. The parsers are imported only for a file with settings, because every command looks for it.
 """
 
 from __future__ import annotations
@@ -11,18 +10,14 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from ..cache import Cache
 from ..language.files import CONFIGURATION, REPOSITORY, is_spec
-from ..typed import fits
-from .configuration import PYPROJECT, SETTINGS, Configuration, Faulty, exists, settings_in
+from .configuration import PYPROJECT, Configuration, Faulty, settings_in
 
 #: Text that a pyproject.toml with the section must contain. Others are not parsed.
 _NEEDED = b"tool.codewheel"
-#: Kind of entry in the cache for settings without errors.
-_KIND = "configuration"
 
 
-def configuration_above(cache: Cache) -> Configuration | None:
+def configuration_above() -> Configuration | None:
     """Return the settings that hold for the current folder, or None if there are none.
 
     Raises:
@@ -33,7 +28,7 @@ def configuration_above(cache: Cache) -> Configuration | None:
         if len(files) > 1:
             raise Faulty(*files)
         if files:
-            configuration = _known(files[0], cache)
+            configuration = _configuration(files[0])
             if configuration is not None:
                 return configuration
         if os.path.lexists(folder / REPOSITORY):
@@ -68,25 +63,13 @@ def _has_settings(file: Path) -> bool:
         raise Faulty(file) from None
 
 
-def _known(file: Path, cache: Cache) -> Configuration | None:
-    """Return the settings in a file from the cache, or read them. None if the file has no settings.
+def _configuration(file: Path) -> Configuration | None:
+    """Return the settings in a file, or None if it has none.
 
     Raises:
         Faulty: There are errors in the settings.
     """
-    try:
-        content: list[bytes | str] = [file.name, file.read_bytes()]
-    except OSError:
-        raise Faulty(file) from None
-    cached_settings = cache.get(_KIND, content)
-    if fits(cached_settings, dict[str, list[str]]) and cached_settings.keys() == SETTINGS:
-        settings = settings_in(file, cached_settings)
-        if all(map(exists, settings.specs)):
-            return settings
     from .configuration_file import read_configuration
 
-    read_settings = read_configuration(file)
-    if read_settings is None:
-        return None
-    cache.put(_KIND, content, read_settings)
-    return settings_in(file, read_settings)
+    values = read_configuration(file)
+    return None if values is None else settings_in(file, values)

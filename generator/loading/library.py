@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import keyword
 import sys
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from ..cache import Cache, content_of
+from ..cache import NO_CACHE, Cache, content_of
 from ..language.check import check_document
 from ..language.document import Document
 from ..language.problems import Report, listed
@@ -27,12 +27,10 @@ from .overlays import Family as Family
 from .overlays import is_overlay, lay_over, overlays_beside
 from .reading_counts import read_counts
 from .shipped import packaged_families
-from .stored import keep, kept
+from .stored import store_device, stored_device
 
 #: Names of Python packages, and of the folder next to them, that do not belong to a manufacturer.
 _OURS = ("codewheel", "codewheel_runtime", "runtime")
-#: Kind of entry in the cache for the description of a master that has no problems.
-_SOUND = "sound master"
 
 
 def load_library(paths: Sequence[Path] | None = None) -> tuple[tuple[Device, ...], Report]:
@@ -76,61 +74,56 @@ def _share(first: Device, second: Device) -> bool:
 
 
 def load_families(
-    paths: Sequence[Path] | None = None, cache: Cache | None = None, prepare: Callable[[Document], object] | None = None
+    paths: Sequence[Path] | None = None,
+    cache: Cache = NO_CACHE,
+    prepare: Callable[[Document], object] | None = None,
 ) -> tuple[list[Family], Report]:
     """Load all families, like ``load_library``, with the spec and the files of each device.
 
-    With a cache, families that had no problems before, with the same content, are not built again. ``prepare`` is
-    called with each document before it is checked.
+    Families that are in the cache, which had no problems with the same content, are not built again. ``prepare`` is
+    called with each document before it is checked. Then no family is stored.
     """
     paths = packaged_families() if paths is None else paths
     report = Report()
     contents_before = contents(paths) if cache else {}
-    cached_by_file = {file: kept(cache, content) for file, content in contents_before.items()} if cache else {}
-    read = partial(read_specs, report=report, cache=cache or Cache(None))
-    documents = read(paths)
-    if documents and all(map(is_overlay, documents)):  # They apply to the specs that ship with the tool.
-        documents += read(_packaged_specs_for(documents))
-    documents += _missing_manufacturers(documents, report)
-    given_paths = {Path(document.file).resolve() for document in documents}
-    documents += read(path for path in overlays_beside(documents) if path.resolve() not in given_paths)
+    stored_devices = {file: stored_device(cache, content) for file, content in contents_before.items()}
+    documents = _documents(paths, report)
     if prepare is not None:
         for document in documents:
             prepare(document)
     contents_after = contents(paths) if cache else {}
-    unchanged = [file for file, content in contents_before.items() if contents_after.get(file) == content]
-    stored = {file: stored_device for file in unchanged if (stored_device := cached_by_file[file]) is not None}
-    known_devices = {file: device for file, (device, _) in stored.items()}
-    masters = _text_of_masters(documents) if cache else {}
-    sound_masters = {file for file, text in masters.items() if cache and cache.get(_SOUND, text)}
-    families = families_of(documents, report, known_devices, sound_masters)
-    if cache:
-        for file in masters.keys() - sound_masters - report.faulty_files:
-            cache.put(_SOUND, masters[file], True)
-        for index, family in enumerate(families):
-            file = family.document.file
-            if file in unchanged and _is_storable(family) and is_clean(family, report):
-                families[index] = _with_digest(family, contents_before[file], stored, cache)
-    return families, report
+    unchanged = {file: content for file, content in contents_before.items() if contents_after.get(file) == content}
+    cached_devices = {file: device for file in unchanged if (device := stored_devices[file]) is not None}
+    families = families_of(documents, report, cached_devices)
+    if prepare is not None:
+        return families, report
+    return [_with_content(family, unchanged, cached_devices, report, cache) for family in families], report
+
+
+def _documents(paths: Sequence[Path], report: Report) -> list[Document]:
+    """Read the specs at ``paths``, and the files that they need: packaged specs, manufacturers and overlays."""
+    documents = read_specs(paths, report)
+    if documents and all(map(is_overlay, documents)):  # They apply to the specs that ship with the tool.
+        documents += read_specs(_packaged_specs_for(documents), report)
+    documents += _missing_manufacturers(documents, report)
+    read_paths = {Path(document.file).resolve() for document in documents}
+    overlays = (path for path in overlays_beside(documents) if path.resolve() not in read_paths)
+    return documents + read_specs(overlays, report)
 
 
 def _packaged_specs_for(overlays: Sequence[Document]) -> list[Path]:
     """Return the packaged specs that overlays change, or all of them if an overlay names no packaged family."""
-    specs = {spec.stem: spec for folder in packaged_families() for spec in spec_files([folder])}
-    names = {str(overlay.data.get("of")) for overlay in overlays}
-    return [specs[name] for name in sorted(names)] if names <= specs.keys() else packaged_families()
-
-
-def _text_of_masters(documents: Sequence[Document]) -> dict[str, list[bytes | str]]:
-    """Return the name and the text of each description of a master, by its path."""
-    masters = [document for document in documents if "master" in document.data]
-    return {master.file: [Path(master.file).name, "\n".join(master.lines)] for master in masters}
+    specs = {spec.stem: spec for spec in spec_files(packaged_families())}
+    names = sorted({str(overlay.data.get("of")) for overlay in overlays})
+    if not set(names) <= specs.keys():
+        return packaged_families()
+    return [specs[name] for name in names]
 
 
 def _is_storable(family: Family) -> bool:
     """Return True if a family depends on no other files than those of the key of its entry."""
-    known_files = set(map(str, family_files(Path(family.document.file))))
-    return family.plain is None and not family.device.base and family.files <= known_files
+    paths = set(map(str, family_files(Path(family.document.file))))
+    return family.plain is None and not family.device.base and family.files <= paths
 
 
 def is_clean(family: Family, report: Report) -> bool:
@@ -139,13 +132,20 @@ def is_clean(family: Family, report: Report) -> bool:
     return report.faulty_files.isdisjoint(files)
 
 
-def _with_digest(
-    family: Family, content: Sequence[bytes | str], stored: Mapping[str, tuple[Device, str]], cache: Cache
+def _with_content(
+    family: Family,
+    contents_of_files: Mapping[str, Sequence[bytes | str]],
+    cached_devices: Mapping[str, Device],
+    report: Report,
+    cache: Cache,
 ) -> Family:
-    """Return a family with the content of its files and its digest, and store it if it is new."""
-    stored_device = stored.get(family.document.file)
-    digest = stored_device[1] if stored_device is not None else keep(cache, content, family.device)
-    return replace(family, content=content, digest=digest)
+    """Return a family without problems with the content of its files, and store its device if it is new."""
+    file = family.document.file
+    if file not in contents_of_files or not _is_storable(family) or not is_clean(family, report):
+        return family
+    if file not in cached_devices:
+        store_device(cache, contents_of_files[file], family.device)
+    return replace(family, content=contents_of_files[file])
 
 
 def contents(paths: Sequence[Path]) -> dict[str, list[bytes | str]]:
@@ -156,20 +156,17 @@ def contents(paths: Sequence[Path]) -> dict[str, list[bytes | str]]:
 def families_of(
     documents: Sequence[Document],
     report: Report,
-    known_devices: Mapping[str, Device] = MappingProxyType({}),
-    sound: Collection[str] = (),
+    cached_devices: Mapping[str, Device] = MappingProxyType({}),
 ) -> list[Family]:
     """Build the families of documents, sorted by name, and add their problems to ``report``.
 
-    ``known_devices`` contains devices, by the path of their specs, that were built before and had no problems, and
-    ``sound`` the paths of descriptions of masters that had none.
+    ``cached_devices`` contains devices, by the path of their specs, that were built before and had no problems.
     """
     overlays = [document for document in documents if is_overlay(document)]
     documents = [document for document in documents if not is_overlay(document)]
-    already_checked = {*known_devices, *sound}
     checked: list[tuple[Document, dict[str, Any] | None]] = []
     for document in documents:
-        is_checked = document.file in already_checked
+        is_checked = document.file in cached_devices
         checked.append((document, document.data if is_checked else check_document(document, report)))
     makers = _makers(checked, report)
     manufacturer_files = [document for document in documents if "device" not in document.data]
@@ -178,7 +175,7 @@ def families_of(
         if data is None or "device" not in data:
             continue
         maker = _maker_of(document, data, makers, manufacturer_files, report)
-        device = known_devices.get(document.file) or _built(document, data, maker, report)
+        device = cached_devices.get(document.file) or _built(document, data, maker, report)
         if device is None:
             continue
         _compare_with_others(device, [family.device for family in families], document, report)
@@ -286,10 +283,10 @@ def _check_manufacturer(
 
 def _missing_manufacturers(documents: Sequence[Document], report: Report) -> list[Document]:
     """Read the manufacturer files next to device files that were given without them."""
-    given_paths = {Path(document.file).resolve() for document in documents}
+    read_paths = {Path(document.file).resolve() for document in documents}
     folders = sorted({Path(document.file).parent for document in documents if "device" in document.data})
     paths = [folder / "manufacturer.yaml" for folder in folders]
-    missing_paths = [path for path in paths if path.resolve() not in given_paths and path.is_file()]
+    missing_paths = [path for path in paths if path.resolve() not in read_paths and path.is_file()]
     read_documents = (read_document(path, report) for path in missing_paths)
     return [document for document in read_documents if document is not None]
 

@@ -35,7 +35,6 @@ class Family:
 
     ``plain`` is the same family without its overlays. ``content`` is that of all files on which the device depends,
     for the key of a result. It is empty for a family with overlays, and if a file changed while it was read.
-    ``digest`` is that of the device if it is known.
     """
 
     device: Device
@@ -43,7 +42,6 @@ class Family:
     files: frozenset[str]
     plain: Family | None = None
     content: Sequence[bytes | str] = ()
-    digest: str = ""
 
 
 def is_overlay(document: Document) -> bool:

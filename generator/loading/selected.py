@@ -1,24 +1,20 @@
 """Load only the families that a name or a label can belong to, from the cache if they are in it.
 
 A few expressions find the names and the patterns of order codes in the text of the specs, without reading them as
-YAML. What they find is kept, so that unchanged specs are not even opened. If the result could differ from the result of
-reading all specs, nothing is selected.
+YAML. If the result could differ from the result of reading all specs, nothing is selected.
 """
 
 from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..cache import Cache, content_of
-from ..known_files import KnownFiles
-from ..language.files import is_spec
 from ..language.second_reading import is_second
-from ..typed import fits
 from .family_files import MANUFACTURER, family_files, spec_files
 
 if TYPE_CHECKING:
@@ -33,9 +29,10 @@ _PATTERN_KEY = re.compile(rb"pattern['\"]?[ \t]*:")
 _PATTERN = re.compile(rb"pattern[ \t]*:[ \t]*\"([^\"\\{}\r\n]*)\{")
 _ORDER_CODE = re.compile(r"\norder_code[ \t]*:[ \t]*(?=[\r\n]).*?(?=\n[^ #\r\n]|\Z)", re.DOTALL)
 
-
+#: Kind of entry in the cache for the beginnings of order codes that begin with a part.
+_BEGINNINGS = "beginnings"
 #: Kinds of files that can be selected.
-_DEVICE, _MAKER, _MASTER = "device", "manufacturer", "master"
+_DEVICE, _MANUFACTURER, _MASTER = "device", "manufacturer", "master"
 
 
 class _NotSelectable(Exception):
@@ -43,15 +40,19 @@ class _NotSelectable(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class _Found:
-    """A device file: its name, and the beginnings of its order codes or None if the text does not show them."""
+class _SpecFile:
+    """A spec: its kind, the name of its device, and the beginnings of its order codes.
+
+    The kind is empty if the text does not show it. So are the beginnings, and then any label can belong to the device.
+    """
 
     path: Path
-    name: str
-    beginnings: tuple[str, ...] | None
+    kind: str = ""
+    name: str = ""
+    beginnings: tuple[str, ...] = ("",)
 
     def can_have(self, label: str) -> bool:
-        return self.beginnings is None or label.startswith(self.beginnings)
+        return label.startswith(self.beginnings)
 
 
 def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device, ...] | None:
@@ -66,61 +67,51 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
         The families, or None if all specs must be read, for example because one of them is an overlay.
     """
     try:
-        device_files = list(_device_files(paths, cache))
+        device_files = _device_files(paths)
         name, label = text.strip().lower(), "".join(text.split()).upper()
         named_files = [device_file for device_file in device_files if device_file.name == name]
         if len(named_files) > 1:
             return None
         if named_files:
             return (_load(named_files[0].path, cache)[0],)
-        # If the text shows the beginnings, they have been compared already.
-        unsure = {
-            device_file.path: "" if device_file.beginnings and all(device_file.beginnings) else label
-            for device_file in device_files
-            if device_file.can_have(label)
-        }
-        possible = (_load(path, cache, possible_label) for path, possible_label in unsure.items())
-        return tuple(device for devices in possible for device in devices)
-    except (OSError, ValueError, TypeError, LookupError, AttributeError, _NotSelectable):
+        devices: list[Device] = []
+        for device_file in device_files:
+            if device_file.can_have(label):
+                # If the text shows the beginnings, they have been compared already.
+                devices += _load(device_file.path, cache, "" if all(device_file.beginnings) else label)
+        return tuple(devices)
+    except (OSError, ValueError, _NotSelectable):
         return None
 
 
-def has_family(paths: Sequence[Path], name: str, cache: Cache) -> bool:
+def has_family(paths: Sequence[Path], name: str) -> bool:
     """Return True if one of the specs has a family of this name, without loading it."""
     try:
-        # All files are looked at, because the results are stored after the last one.
-        return name in {device_file.name for device_file in _device_files(paths, cache)}
-    except (OSError, ValueError, TypeError, LookupError, AttributeError, _NotSelectable):
+        return name in {device_file.name for device_file in _device_files(paths)}
+    except (OSError, ValueError, _NotSelectable):
         return False
 
 
-def _device_files(paths: Sequence[Path], cache: Cache) -> Iterator[_Found]:
-    """Yield each device file.
+def _device_files(paths: Sequence[Path]) -> list[_SpecFile]:
+    """Return the device files.
 
     Raises:
         OSError: A file cannot be read.
         _NotSelectable: There is a file of another kind that can affect a family, other than its manufacturer's.
     """
-    known_files = KnownFiles(cache, "glances", list(map(str, paths)))
-
-    def glance(path: Path) -> Mapping[str, Any]:
-        glance_data: Mapping[str, Any] = known_files.result(str(path), lambda: _glance(path))
-        return glance_data
-
-    has_maker = functools.cache(lambda folder: (folder / MANUFACTURER).is_file())
-    for path in dict.fromkeys(spec_files(paths, lambda path: glance(path)["is_spec"] is not False)):
-        kind, name, beginnings = glance(path)["shows"]
-        if not fits([kind, name, *(beginnings or ())], list[str]):
+    device_files = []
+    has_manufacturer = functools.cache(lambda folder: (folder / MANUFACTURER).is_file())
+    for path in dict.fromkeys(spec_files(paths)):
+        spec_file = _spec_file(path)
+        if spec_file.kind == _DEVICE and not is_second(path) and has_manufacturer(path.parent):
+            device_files.append(spec_file)
+        elif spec_file.kind != _MASTER and (spec_file.kind != _MANUFACTURER or path.name != MANUFACTURER):
             raise _NotSelectable
-        if kind == _DEVICE and not is_second(path) and has_maker(path.parent):
-            yield _Found(path, str(name), None if beginnings is None else tuple(map(str, beginnings)))
-        elif kind != _MASTER and (kind != _MAKER or path.name != MANUFACTURER):
-            raise _NotSelectable
-    known_files.keep()
+    return device_files
 
 
-def _glance(path: Path) -> dict[str, Any]:
-    """Return whether a file is a spec, its kind, and the name and the beginnings of order codes of a device.
+def _spec_file(path: Path) -> _SpecFile:
+    """Return the kind of a spec, and the name and the beginnings of order codes of a device.
 
     Raises:
         OSError: The file cannot be read.
@@ -130,21 +121,20 @@ def _glance(path: Path) -> dict[str, Any]:
     text = b"\n" + path.read_bytes()
     keys = set(_KEY.findall(text))
     names = _NAME.findall(text)
-    shows: tuple[str, str, Sequence[str] | None] = ("", "", None)
-    if not keys.isdisjoint(_MASTER_KEYS) and keys.isdisjoint((*_OTHER_KINDS, b"device")):
-        shows = (_MASTER, "", None)
-    elif len(names) == 1 and keys.isdisjoint(_OTHER_KINDS | _MASTER_KEYS):
-        shows = (_DEVICE, names[0].decode(), _beginnings(text))
-    elif b"device" not in keys and keys.isdisjoint(_OTHER_KINDS | _MASTER_KEYS):
-        shows = (_MAKER, "", None)
-    return {"is_spec": is_spec(path), "shows": shows}
+    if not keys.isdisjoint(_OTHER_KINDS):
+        return _SpecFile(path)
+    if not keys.isdisjoint(_MASTER_KEYS):
+        return _SpecFile(path, "" if b"device" in keys else _MASTER)
+    if len(names) == 1:
+        return _SpecFile(path, _DEVICE, names[0].decode(), _beginnings(text))
+    return _SpecFile(path, "" if b"device" in keys else _MANUFACTURER)
 
 
-def _beginnings(text: bytes) -> tuple[str, ...] | None:
-    """Return the beginnings of order codes, in capitals and without spaces, or None if the text does not show them."""
+def _beginnings(text: bytes) -> tuple[str, ...]:
+    """Return the beginnings of order codes, in capitals and without spaces, or an empty one if there are none."""
     patterns = _PATTERN.findall(text)
     if not patterns or len(patterns) != len(_PATTERN_KEY.findall(text)):
-        return None
+        return ("",)
     return tuple("".join(pattern.decode("ascii", "replace").split()).upper() for pattern in patterns)
 
 
@@ -168,31 +158,22 @@ def _beginnings_of_parts(spec: Path) -> tuple[str, ...]:
 
 
 def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
-    """Return the device of a spec. If the cache shows that it cannot have the order code ``label``, return none.
+    """Return the device of a spec, or nothing if it cannot have the order code ``label``.
 
     Raises:
         _NotSelectable: The spec has problems or overlays.
     """
-    from .stored import keep, kept
+    from .stored import store_device, stored_device
 
     files = family_files(spec)
     if any(".overlay." in path.name for path in files):
         raise _NotSelectable
     content = content_of(files)
-    starts: Any = cache.get("beginnings", content) if label else None
-    if fits(starts, list[str]):
-        if not label.startswith(tuple(starts)):
-            return ()
-    elif label:
-        found_alone = _beginnings_of_parts(spec)
-        if content_of(family_files(spec)) == content:
-            cache.put("beginnings", content, found_alone)
-        if not label.startswith(found_alone):
-            return ()
-    cached_devices = kept(cache, content)
-    if cached_devices is not None:
-        return cached_devices[:1]
-    from ..order_codes.labels import beginnings
+    if label and not label.startswith(_cached_beginnings(spec, content, cache)):
+        return ()
+    device = stored_device(cache, content)
+    if device is not None:
+        return (device,)
     from .library import load_library
 
     devices, report = load_library([spec])
@@ -200,6 +181,16 @@ def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
         raise _NotSelectable
     # The files must not have changed since their content was read.
     if content_of(family_files(spec)) == content:
-        keep(cache, content, devices[0])
-        cache.put("beginnings", content, beginnings(devices[0].order_code))
+        store_device(cache, content, devices[0])
     return devices
+
+
+def _cached_beginnings(spec: Path, content: Sequence[bytes | str], cache: Cache) -> tuple[str, ...]:
+    """Return the beginnings of order codes of a spec with this content, from the cache if they are in it."""
+    stored = cache.get(_BEGINNINGS, content)
+    if stored is not None:
+        return tuple(stored)
+    beginnings = _beginnings_of_parts(spec)
+    if content_of(family_files(spec)) == content:
+        cache.put(_BEGINNINGS, content, beginnings)
+    return beginnings

@@ -1,8 +1,7 @@
 """Models as plain data for the cache, and back.
 
 An object is a list that begins with the position of its class in ``_CLASSES``. Objects that occur more than once are
-kept once. Only objects of the model can be built, so no data can run other code. Each member must have the type of its
-annotation, so no command meets a value that ``loading`` cannot produce.
+stored once. Only objects of the model can be built, so no data can run other code.
 """
 
 from __future__ import annotations
@@ -33,7 +32,6 @@ from ..model import (
     steps,
 )
 from ..model.interfaces import biss, common, rs485, spi, ssi
-from ..typed import members_fit
 
 _MODULES: tuple[ModuleType, ...] = (
     *(by_hand, device, examples, expressions, facts, kinds, layout, limits, measurement, only, scale, steps),
@@ -63,31 +61,26 @@ _NAMES = tuple(map(_member_names, _CLASSES))
 _BY_KEYWORD = tuple(map(_has_keywords, _CLASSES))
 _INDEX = {kind: index for index, kind in enumerate(_CLASSES)}
 _MAP, _OBJECT, _ENUM, _BYTES = "m", "o", "e", "b"
+#: Kind of entry in the cache for the model of a family.
+_FAMILY = "family"
 
 
 class NotStorable(Exception):
     """The data does not have the form of a model."""
 
 
-def kept(cache: Cache, content: Sequence[bytes | str]) -> tuple[model.Device, str] | None:
-    """Return the device that ``keep`` stored for files with this content, and its digest, or None."""
+def stored_device(cache: Cache, content: Sequence[bytes | str]) -> model.Device | None:
+    """Return the device that ``store_device`` stored for files with this content, or None."""
     with suppress(NotStorable):
-        stored = cache.get("family", content)
-        if isinstance(stored, list) and len(stored) == 2 and isinstance(stored[0], str):
-            return from_data(stored[1]), stored[0]
+        rows = cache.get(_FAMILY, content)
+        return None if rows is None else from_data(rows)
     return None
 
 
-def keep(cache: Cache, content: Sequence[bytes | str], device: model.Device) -> str:
-    """Store a device whose spec has no problems, and return its digest.
-
-    ``content`` is that of all files on which it depends.
-    """
+def store_device(cache: Cache, content: Sequence[bytes | str], device: model.Device) -> None:
+    """Store a device whose spec has no problems. ``content`` is that of all files on which it depends."""
     with suppress(NotStorable):
-        rows = as_data(device)
-        cache.put("family", content, [_digest(rows), rows])
-        return _digest(rows)
-    return ""
+        cache.put(_FAMILY, content, as_data(device))
 
 
 def digest_of(device: model.Device) -> str:
@@ -96,12 +89,8 @@ def digest_of(device: model.Device) -> str:
     Models from the same spec with other comments have the same digest. It is empty if the model cannot be stored.
     """
     with suppress(NotStorable):
-        return _digest(as_data(device))
+        return hashlib.sha256(json.dumps(as_data(device), separators=(",", ":")).encode()).hexdigest()
     return ""
-
-
-def _digest(rows: list[Any]) -> str:
-    return hashlib.sha256(json.dumps(rows, separators=(",", ":")).encode()).hexdigest()
 
 
 def as_data(device: model.Device) -> list[Any]:
@@ -147,10 +136,10 @@ def from_data(rows: Any) -> model.Device:
     try:
         for index, *parts in rows:
             kind, values = _CLASSES[index], [_rebuilt(part, built) for part in parts]
-            members = dict(zip(_NAMES[index], values, strict=True))
-            if not members_fit(kind, values):
-                raise NotStorable(f"members of {kind.__name__}")
-            built.append(kind(**members) if _BY_KEYWORD[index] else kind(*values))
+            if _BY_KEYWORD[index]:
+                built.append(kind(**dict(zip(_NAMES[index], values, strict=True))))
+            else:
+                built.append(kind(*values))
         device = built[-1]
     except (LookupError, TypeError, ValueError, AttributeError, RecursionError) as error:
         raise NotStorable(str(error)) from None

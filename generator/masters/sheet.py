@@ -5,21 +5,17 @@ Everything about a master is in its description, a file in ``specs/masters``. Se
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import asdict, fields
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from ..cache import Cache, content_of
 from ..language.check import check_document
 from ..language.master_items import NUMBERS, STEPS
 from ..language.problems import Report, listed
-from ..language.quick_validation import follows
 from ..language.read import read_specs
-from ..language.schema import FileKind, shape_of
 from ..loading.shipped import packaged_masters
 from ..model import INTERFACES, Document
 from ..model.expressions import Expression, ExpressionError
@@ -27,7 +23,6 @@ from ..model.record import dataclass
 from ..say.interface import clocks_in_use
 from ..say.numbers import decimal
 from ..say.words import hertz
-from ..typed import members_fit
 from .places import Device, Place, devices_of, misfit, places_of
 from .record import Part, Record
 from .writing import Writing, writing_of
@@ -159,46 +154,17 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report
     return tuple(sorted(masters.values(), key=lambda master: master.title.lower())), report
 
 
-def shipped_masters(cache: Cache | None = None) -> tuple[Master, ...]:
-    """Return the shipped masters. They are read once, from the cache if they are in it."""
-    if not _SHIPPED:
-        _SHIPPED.extend(_load_shipped(cache or Cache(None)))
-    return tuple(_SHIPPED)
+@functools.cache
+def shipped_masters() -> tuple[Master, ...]:
+    """Return the shipped masters. They are read once.
 
-
-_SHIPPED: list[Master] = []
-
-
-def _load_shipped(cache: Cache) -> tuple[Master, ...]:
-    content = content_of(sorted(packaged_masters().iterdir()))
-    with suppress(KeyError, TypeError):  # There is no such entry, or it is damaged.
-        return tuple(_from_data(row) for row in cache.get("masters", content))
+    Raises:
+        ValueError: There are problems in a description.
+    """
     masters, report = load_masters()
     if report:
         raise ValueError(report.problems[0].format())
-    cache.put("masters", content, [asdict(master) for master in masters])
     return masters
-
-
-def _from_data(data: Raw) -> Master:
-    """Return the master that ``asdict`` converted.
-
-    Raises:
-        KeyError, TypeError: The data has another form.
-    """
-    shape = shape_of(FileKind.MASTER.value)["properties"]
-    documents = tuple(Document(**row) for row in data["documents"])
-    devices = tuple(Device(row["name"], tuple(row["channels"])) for row in data["devices"])
-    rules = (tuple(data[name]) for name in _RULES)
-    master = Master(data["name"], data["title"], tuple(data["takes"]), documents, devices, data["standing"], *rules)
-    are_typed = all(map(_is_typed, (master, *documents, *devices)))
-    if not are_typed or not all(follows(data[name], shape[name]) for name in _RULES):
-        raise TypeError("not a master")
-    return master
-
-
-def _is_typed(loaded: Any) -> bool:
-    return members_fit(type(loaded), [getattr(loaded, member.name) for member in fields(loaded)])
 
 
 def _master(data: Raw) -> Master:
@@ -505,10 +471,12 @@ def _filled_if_known(text: str, record: Record) -> str:
 
 
 def _filled(text: str, record: Record) -> str:
-    values = {**record.words, **record.numbers} if "{" in text else {}
+    """Return the text with the items in braces filled in."""
+    if "{" not in text:
+        return text
     if record.step is not None:
         text = text.replace("{step_um}", decimal(record.step))
-    for name, value in values.items():
+    for name, value in {**record.words, **record.numbers}.items():
         text = text.replace(f"{{{name}}}", "unknown" if value is None else str(value))
     return text
 

@@ -7,11 +7,10 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from decimal import Decimal
 from pathlib import Path as File
 
-from ..cache import Cache
 from ..language.check import check_second
 from ..language.document import Document
 from ..language.problems import Path, Report, quoted
-from ..language.read import NOTHING_KEPT, read_document
+from ..language.read import read_document
 from ..language.second_reading import second_reading_path
 from ..loading.device import build_device
 from ..loading.library import Family
@@ -42,10 +41,10 @@ class Second:
 Reader = Callable[[Family, Report], Second | None]
 
 
-def read_beside(family: Family, report: Report, cache: Cache = NOTHING_KEPT) -> Second | None:
+def read_beside(family: Family, report: Report) -> Second | None:
     """Read the second reading next to the spec of a family."""
     file = second_reading_path(File(family.document.file))
-    document = read_document(file, report, cache=cache) if file.is_file() else None
+    document = read_document(file, report) if file.is_file() else None
     return second_of(document, family.device.manufacturer, report) if document is not None else None
 
 

@@ -22,6 +22,10 @@ from ..render import Templates
 _NAME = re.compile(r"[a-z][a-z0-9_-]*")
 
 
+#: Function that returns the part of an output that depends on one device, which its second argument renders.
+StoredPart = Callable[[Device, Callable[[], Any]], Any]
+
+
 @dataclass(frozen=True)
 class Library:
     """The devices for which files are generated.
@@ -29,16 +33,16 @@ class Library:
     Attributes:
         devices: All devices described by the specs, sorted by name.
         own_templates: Folder of the user's templates for this target. Pass it to ``Templates.render``.
-        parts: Results of ``Target.family`` that are known already, by the name of the family.
+        stored_part: Returns the part of a device from the cache, or else calls its second argument.
     """
 
     devices: tuple[Device, ...]
     own_templates: Path | None = None
-    parts: Mapping[str, Any] = field(default_factory=dict, compare=False)
+    stored_part: StoredPart = field(default=lambda device, render: render(), compare=False)
 
     def part(self, family: PartOf, device: Device, options: Options) -> Any:
         """Return the result of ``family``, which is that of the target, for one device."""
-        return self.parts[device.name] if device.name in self.parts else family(device, self, options)
+        return self.stored_part(device, lambda: family(device, self, options))
 
     def by_manufacturer(self) -> list[tuple[Manufacturer, tuple[Device, ...]]]:
         """Return the devices of each manufacturer, sorted by name. The main manufacturer is the first."""
@@ -146,7 +150,7 @@ class Target:
         templates: Templates of the target, for ``--templates`` and the page about templates.
         family: Function that returns what the target makes from one device alone, such as the text of its files by
             path. The result consists of what JSON can express. ``files`` calls it through ``Library.part``. Of the
-            built-in targets, results for unchanged specs come from the cache, and others from parallel processes.
+            built-in targets, results for unchanged specs come from the cache.
 
     Raises:
         ValueError: A name is not valid.
@@ -159,6 +163,11 @@ class Target:
     options: tuple[Option, ...] = ()
     templates: Templates | None = None
     family: PartOf | None = None
+
+    @property
+    def defaults(self) -> Options:
+        """The default of each option, by its name."""
+        return {option.name: option.default for option in self.options}
 
     def __post_init__(self) -> None:
         for name in (self.name, *(option.name for option in self.options)):

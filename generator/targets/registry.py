@@ -6,10 +6,10 @@ import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from ..template_fault import TemplateFault
-from . import NO_OPTIONS, Library, Options, Target, TargetError, TargetProblem
+from . import Library, Options, Target, TargetError, TargetProblem
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -49,23 +49,20 @@ def load_target(name: str) -> Target:
     return _load(name, entries[0].load)
 
 
-def files_of(
-    target: Target, library: Library, options: Options, parts: Mapping[str, Any] = NO_OPTIONS
-) -> Mapping[str, str]:
+def files_of(target: Target, library: Library, options: Options) -> Mapping[str, str]:
     """Return the files of a target, keyed by path.
 
     Args:
         target: The target.
         library: The devices, and the folder of the user's templates, which has a folder for each target.
         options: The value of every option.
-        parts: Results of ``target.family`` that are known already, by the name of the family.
 
     Raises:
         TargetError: The target cannot express something, or fails.
         TemplateFault: A user's template has an error.
     """
     templates = library.own_templates / target.name if library.own_templates is not None else None
-    target_library = replace(library, own_templates=templates, parts=parts)
+    target_library = replace(library, own_templates=templates)
     files = _run_target(target.name, lambda: target.files(target_library, options))
     if fault := _fault_of_files(files):
         raise TargetError(f"the target '{target.name}' must return text by path; {fault}")

@@ -15,12 +15,13 @@ from pathlib import Path
 import pytest
 from codewheel import lock, write
 from codewheel.commands.cli import main
+from codewheel.output_list import WriteError
 
 TARGETS = ("c", "docs", "python")
 HEAD = """
 import ctypes, sys, time
 from pathlib import Path
-from codewheel import write
+from codewheel import stage, write
 out, here = Path(sys.argv[1]), Path(sys.argv[2])
 def files(text):
     return {name: {f"{name}/{n}/x": f"{text} {n}" for n in range(20)} for name in ("c", "docs", "python")}
@@ -29,13 +30,13 @@ def waiting():
 """
 #: Waits after the first target until the file ``go`` exists.
 SLOW = """
-real = write._exchange
-def slow(stage, place):
-    real(stage, place)
+real = stage._exchange
+def slow(new, target_folder):
+    real(new, target_folder)
     (here / "begun").touch()
     while not (here / "go").exists():
         time.sleep(0.01)
-write._exchange = slow
+stage._exchange = slow
 """
 WRITE = "write.write(out, files(sys.argv[3]), waiting=waiting)"
 
@@ -132,7 +133,7 @@ def test_a_run_that_does_not_end_is_named(tmp_path: Path, way: str) -> None:
     (tmp_path / "link").symlink_to(out)
     with lock.locked(out, list):
         waited: list[bool] = []
-        with pytest.raises(write.WriteError) as caught:
+        with pytest.raises(WriteError) as caught:
             write.write(tmp_path / way, files("a"), waiting=lambda: waited.append(True))
         assert str(caught.value) == (
             f"another run of codewheel has been writing to {tmp_path / way} for 60 s; nothing has changed; "

@@ -8,11 +8,10 @@ import shutil
 from pathlib import Path
 
 import pytest
-from codewheel.cache import Cache
 from codewheel.commands import which_specs
 from codewheel.commands.cli import main
 from codewheel.loading.configuration import Configuration
-from codewheel.write import LIST
+from codewheel.output_list import LIST
 
 ROOT = Path(__file__).parents[2]
 JUDGING = (
@@ -287,7 +286,7 @@ def test_the_settings_of_the_page(two: Path, language: str, file: str) -> None:
     page = (ROOT / "docs/which-specs.md").read_text(encoding="utf-8")
     block = page.partition(f"```{language}\n")[2].partition("```")[0]
     (two / file).write_text(block, encoding="utf-8")
-    settings = which_specs.find_settings(Cache(None))
+    settings = which_specs.find_settings()
     assert settings == Configuration(Path(file), (Path("specs"),), Path("generated"), ("c", "docs"))
 
 

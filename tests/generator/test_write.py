@@ -11,8 +11,10 @@ from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
-from codewheel import write as module
-from codewheel.write import LIST, Change, WriteError, changes, hashes, is_as_written, write
+from codewheel import stage as stage_module
+from codewheel.output_list import LIST, LIST_HEAD, WriteError
+from codewheel.stage import Stage
+from codewheel.write import Change, changes, digest_of, digest_on_disk, write
 
 FILES = {"python/a.py": "a\n", "python/pkg/b.py": "b\n"}
 
@@ -86,7 +88,7 @@ def test_a_list_cannot_name_files_outside(tmp_path: Path) -> None:
     for victim in victims:
         victim.write_text("precious")
     (tmp_path / "out/python").mkdir(parents=True)
-    (tmp_path / "out/python/.codewheel").write_text(module._LIST_HEAD + f"../../victim\n{victims[1]}\n")
+    (tmp_path / "out/python/.codewheel").write_text(LIST_HEAD + f"../../victim\n{victims[1]}\n")
     write(tmp_path / "out", {"python": FILES})
     assert [victim.read_text() for victim in victims] == ["precious"] * 2
 
@@ -105,7 +107,7 @@ def test_a_full_disk_leaves_the_old_tree_whole(tmp_path: Path, monkeypatch: pyte
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
         return real_open(path, mode, *rest, **named)  # type: ignore[call-overload]
 
-    monkeypatch.setattr(module, "open", full, raising=False)
+    monkeypatch.setattr(stage_module, "open", full, raising=False)
     with pytest.raises(
         WriteError, match=r"cannot write .*/(python|c)/\w[\w./]*: No space left on device; nothing has changed"
     ):
@@ -118,7 +120,7 @@ class Killed(BaseException):
     """Simulates a kill: the code after it does not run."""
 
 
-@pytest.mark.parametrize("moment", ["_exchange", "_same", "_remove"])
+@pytest.mark.parametrize("moment", ["_exchange", "_link_or_copy", "_remove_trees"])
 def test_what_a_killed_run_left_is_cleared_by_the_next(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moment: str
 ) -> None:
@@ -129,8 +131,8 @@ def test_what_a_killed_run_left_is_cleared_by_the_next(
         raise Killed
 
     with monkeypatch.context() as patch:
-        patch.setattr(module, moment, killed)
-        patch.setattr(module, "_remove", killed)
+        patch.setattr(stage_module, moment, killed)
+        patch.setattr(Stage, "remove", killed)
         with pytest.raises(Killed):
             write(tmp_path, {"python": {**FILES, "python/a.py": "new\n"}})
     left = [path.name for path in tmp_path.iterdir()]
@@ -163,7 +165,7 @@ def test_a_kill_between_two_renames_loses_nothing(tmp_path: Path, monkeypatch: p
     with monkeypatch.context() as patch:
         patch.setattr(ctypes, "CDLL", no_exchange)
         patch.setattr(os, "rename", rename)
-        patch.setattr(module, "_remove", killed)
+        patch.setattr(Stage, "remove", killed)
         with pytest.raises(Killed):
             write(tmp_path, {"python": {**FILES, "python/a.py": "new\n"}})
     assert (tmp_path / "python").exists() == (after == 2)
@@ -182,7 +184,7 @@ def test_files_saved_while_a_run_writes_are_kept(
     write(tmp_path, {"a": {"a/x": "old", "a/gone": "old"}})
     (place / "edited").write_text("first")
     (place / "kept").write_text("kept")
-    real = module._exchange
+    real = stage_module._exchange
 
     def saved_first(stage: Path, to: Path) -> None:
         (place / "sub").mkdir(exist_ok=True)
@@ -191,11 +193,11 @@ def test_files_saved_while_a_run_writes_are_kept(
         (place / "edited.tmp").replace(place / "edited")
         real(stage, to)
         if killed:
-            monkeypatch.setattr(module, "_remove", lambda *_: None)
+            monkeypatch.setattr(Stage, "remove", lambda _: None)
             raise Killed
 
-    monkeypatch.setattr(module, "_exchange", saved_first)
-    monkeypatch.setattr(module, "_taken_back", lambda _: True)
+    monkeypatch.setattr(stage_module, "_exchange", saved_first)
+    monkeypatch.setattr(Stage, "take_back", lambda _: True)
     if not one_step:
         monkeypatch.setattr(ctypes, "CDLL", no_exchange)
     with pytest.raises(Killed) if killed else nullcontext():
@@ -237,7 +239,7 @@ def test_hidden_folders_of_the_user_are_left_alone(tmp_path: Path) -> None:
     assert left == before | made
 
 
-@pytest.mark.parametrize("mark", [None, "", module._MARK_TEXT[:20], module._MARK_TEXT])
+@pytest.mark.parametrize("mark", [None, "", stage_module._MARK_TEXT[:20], stage_module._MARK_TEXT])
 def test_a_stage_of_a_run_that_was_killed_at_its_mark_is_cleared(tmp_path: Path, mark: str | None) -> None:
     stage = tmp_path / ".codewheel-python-abcd1234"
     stage.mkdir()
@@ -249,7 +251,7 @@ def test_a_stage_of_a_run_that_was_killed_at_its_mark_is_cleared(tmp_path: Path,
 
 def test_check_removes_nothing_of_a_run_under_way(tmp_path: Path) -> None:
     (tmp_path / ".codewheel-python-abcd1234").mkdir()
-    (tmp_path / ".codewheel-python-abcd1234/.codewheel-stage").write_text(module._MARK_TEXT)
+    (tmp_path / ".codewheel-python-abcd1234/.codewheel-stage").write_text(stage_module._MARK_TEXT)
     changes(tmp_path, "python", FILES)
     assert (tmp_path / ".codewheel-python-abcd1234/.codewheel-stage").is_file()
 
@@ -356,14 +358,14 @@ def test_a_failure_after_the_first_target_puts_it_back(
     write(tmp_path, {"python": FILES, "c": {"c/x.h": "x"}})
     (tmp_path / "python/mine.txt").write_text("mine")
     before = tree(tmp_path)
-    real = module._exchange
+    real = stage_module._exchange
 
     def busy(stage: Path, place: Path) -> None:
         if place.name == "c":
             raise OSError(errno.EBUSY, os.strerror(errno.EBUSY), str(stage))
         real(stage, place)
 
-    monkeypatch.setattr(module, "_exchange", busy)
+    monkeypatch.setattr(stage_module, "_exchange", busy)
     if not can_exchange:
         monkeypatch.setattr(ctypes, "CDLL", no_exchange)
     new = {"docs": {"docs/x.md": "x"}, "python": dict.fromkeys(FILES, "new"), "c": {"c/x.h": "new"}}
@@ -376,7 +378,7 @@ def test_a_failure_after_the_first_target_puts_it_back(
 
 def test_a_target_that_cannot_be_put_back_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write(tmp_path, {"python": FILES})
-    real = module._exchange
+    real = stage_module._exchange
     calls: list[str] = []
 
     def busy(stage: Path, place: Path) -> None:
@@ -385,7 +387,7 @@ def test_a_target_that_cannot_be_put_back_is_named(tmp_path: Path, monkeypatch: 
             raise OSError(errno.EBUSY, os.strerror(errno.EBUSY), str(stage))
         real(stage, place)
 
-    monkeypatch.setattr(module, "_exchange", busy)
+    monkeypatch.setattr(stage_module, "_exchange", busy)
     new = dict.fromkeys(FILES, "new")
     with pytest.raises(WriteError) as caught:
         write(tmp_path, {"python": new, "c": {"c/x.h": "x"}})
@@ -411,24 +413,42 @@ def test_an_unwritable_place_is_one_clear_line(tmp_path: Path) -> None:
         write(tmp_path / "file" / "out", {"python": FILES})
 
 
-def test_files_are_as_written_only_if_a_run_would_change_nothing(tmp_path: Path) -> None:
+def test_the_digest_is_that_of_the_disk_only_if_a_run_would_change_nothing(tmp_path: Path) -> None:
     files = {"c": {"c/empty": "", "c/inner/b": "text"}, "docs": {"docs/d": "µ"}}
-    expected = {target: hashes(texts) for target, texts in files.items()}
-    assert not is_as_written(tmp_path / "none", expected)
-    write(tmp_path, files)
-    assert is_as_written(tmp_path, expected)
-    assert is_as_written(tmp_path, {"docs": expected["docs"]})
+    families = ["lika/amm5"]
+    expected = digest_of(files, families)
+    assert expected != digest_of(files, [])
+    assert digest_on_disk(tmp_path / "none", files) == ""
+
+    def is_unchanged() -> bool:
+        return digest_on_disk(tmp_path, files) == expected
+
+    write(tmp_path, files, families=families)
+    assert is_unchanged()
+    assert digest_on_disk(tmp_path, ["docs"]) == digest_of({"docs": files["docs"]}, families)
     (tmp_path / "c" / "foreign").write_text("kept", encoding="utf-8")
-    assert is_as_written(tmp_path, expected)
+    assert is_unchanged()
+    inner = tmp_path / "c" / "inner" / "b"
     for spoil in (
         (tmp_path / "c" / "empty").unlink,
-        lambda: (tmp_path / "c" / "inner" / "b").write_text("texT", encoding="utf-8"),
+        lambda: inner.write_text("texT", encoding="utf-8"),
+        lambda: inner.rename(tmp_path / "moved") and inner.symlink_to(tmp_path / "moved"),
         (tmp_path / "docs" / LIST).unlink,
         (tmp_path / ".codewheel-c-abcdefgh").mkdir,
-        lambda: write(tmp_path, {"c": {**files["c"], "c/more": ""}}),
+        lambda: write(tmp_path, {"c": {**files["c"], "c/more": ""}}, families=families),
+        lambda: write(tmp_path, files, families=["lika/amm5", "lika/sma21"]),
     ):
         spoil()
-        assert not is_as_written(tmp_path, expected)
-        write(tmp_path, files)
+        assert not is_unchanged()
+        write(tmp_path, files, force=True, families=families)
         shutil.rmtree(tmp_path / ".codewheel-c-abcdefgh", ignore_errors=True)
-        assert is_as_written(tmp_path, expected)
+        assert is_unchanged()
+
+
+def test_a_target_that_is_a_link_has_no_digest(tmp_path: Path) -> None:
+    files = {"c": {"c/a": "text"}}
+    write(tmp_path, files)
+    assert digest_on_disk(tmp_path, files) == digest_of(files, [])
+    (tmp_path / "c").rename(tmp_path / "moved")
+    (tmp_path / "c").symlink_to(tmp_path / "moved")
+    assert digest_on_disk(tmp_path, files) == ""

@@ -1,0 +1,113 @@
+"""Result of an earlier run of a command, which is used if no file that the run would read has changed.
+
+Only results of runs without problems are stored, because messages depend on more than the content of the specs.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from pathlib import Path
+from typing import Any, TypedDict
+
+from ..cache import Cache, content_of, key_of
+from ..language.files import below, is_folder, top_keys
+from ..language.problems import Report
+from ..loading.family_files import family_files
+from ..loading.shipped import packaged_masters
+
+#: Keys of overlays, which may refer to specs in other folders.
+_OVERLAY_KEYS = frozenset(("overlay", "changes"))
+
+
+class SpecsRead(TypedDict):
+    """Names of families without problems, and the files that were read and skipped."""
+
+    families: list[str]
+    files: list[str]
+    skipped: list[str]
+
+
+@dataclass(frozen=True)
+class CachedResult:
+    """The result of a command for these specs and options.
+
+    ``inputs`` is a hash of all files that the command reads. It is empty if no result can be stored.
+    """
+
+    cache: Cache
+    command: str
+    paths: Sequence[Path]
+    options: Sequence[str]
+    inputs: str
+
+    def get(self) -> Any:
+        """Return the stored result, or None."""
+        return self.cache.get(self.command, [self.inputs]) if self.inputs else None
+
+    def put(self, result: Any) -> None:
+        """Store the result of a run without problems, unless a file has changed since the run began."""
+        if self.inputs and _hash_of_inputs(self.paths, self.options) == self.inputs:
+            self.cache.put(self.command, [self.inputs], result)
+
+
+def cached_result(cache: Cache, command: str, paths: Sequence[Path], options: Sequence[str] = ()) -> CachedResult:
+    """Return the result of a command in the cache.
+
+    Args:
+        cache: The cache.
+        command: Name of the command.
+        paths: The specs.
+        options: All options on which the result depends.
+    """
+    inputs = _hash_of_inputs(paths, options) if cache else ""
+    return CachedResult(cache, command, paths, options, inputs)
+
+
+def specs_read(families: Sequence[str], report: Report) -> SpecsRead:
+    """Return the result of reading specs without problems."""
+    return SpecsRead(families=list(families), files=report.files, skipped=report.passed_over)
+
+
+def report_of(specs: SpecsRead) -> Report:
+    """Return the report of a run that read these specs."""
+    report = Report()
+    report.files += specs["files"]
+    report.passed_over += specs["skipped"]
+    return report
+
+
+class _NotStorable(Exception):
+    """The result depends on files that are not among the inputs."""
+
+
+def _hash_of_inputs(paths: Sequence[Path], options: Sequence[str]) -> str:
+    """Return a hash of the options and of all files that a run reads, or an empty string if they are not known."""
+    try:
+        return key_of("inputs", chain([os.getcwd(), *options, ""], _inputs(paths)))
+    except (OSError, ValueError, _NotStorable):
+        return ""
+
+
+def _inputs(paths: Sequence[Path]) -> Iterator[bytes | str]:
+    """Yield the names and the content of all files that a run with these paths reads.
+
+    Raises:
+        OSError: A folder cannot be read.
+        _NotStorable: A spec cannot be read, or is an overlay.
+    """
+    names_in = functools.cache(os.listdir)
+    for path in paths:
+        search_result = below(path) if is_folder(path) else None
+        specs = (path,) if search_result is None else search_result.specs
+        skipped = () if search_result is None else search_result.passed_over
+        yield from (str(path), "specs", *map(str, specs), "skipped", *map(str, skipped), "content")
+        for spec in specs:
+            keys = top_keys(spec)
+            if keys is None or not keys.isdisjoint(_OVERLAY_KEYS):
+                raise _NotStorable
+            yield from content_of(family_files(spec, names_in))
+    yield from content_of(sorted(packaged_masters().iterdir()))

@@ -1,0 +1,223 @@
+"""The ``editions`` entry for the facts that a new edition of a manual no longer has."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import yaml
+
+from ..changes.change import Change
+from ..language.document import label_of
+from ..language.places import resolve, steps_of, value_at
+from ..language.rules.bases import HEXADECIMAL
+from ..loading.library import Family
+from ..model import Variant
+
+#: Parts of a spec that editions do not describe.
+_NOT_IN_EDITIONS = frozenset("manual errata examples editions documents lost_figures printed_defaults".split())
+#: Keys whose value is a map with names as keys.
+_NAMED_MAPS = frozenset(("interfaces", "parameters", "values"))
+_OPTION = re.compile(r"order_code\.parts\.(?P<part>\w+)\.values\.(?P<label>[^.]+)")
+#: Keys whose values name options or whole order codes.
+_REFERENCES = frozenset(("only", "only_with", "open_only_with", "order_code"))
+_WIDTH = 10_000
+
+
+class _Hexadecimal(int):
+    """A number that manuals print in hexadecimal."""
+
+
+class _Dumper(yaml.SafeDumper):
+    """A writer of YAML that spells such numbers with 0x."""
+
+
+_Dumper.add_representer(
+    _Hexadecimal, lambda dumper, number: dumper.represent_scalar("tag:yaml.org,2002:int", f"{number:#04x}")
+)
+
+
+def edition_entries(olds: Sequence[Family], news: Sequence[Family], changes: Sequence[Change]) -> Iterator[str]:
+    """Yield, for each family with a new edition that lacks items of the old one, the entry that keeps them.
+
+    Renamed items are still there, except options of the order code: labels of older encoders have the old text.
+    """
+    renamings = [change for change in changes if change.rule.name.endswith("-renamed") and isinstance(change.old, str)]
+    old_families = {family.device.name: family for family in olds}
+    for new in news:
+        old = old_families.get(new.device.name)
+        if old is None or old.device.manual.revision == new.device.manual.revision:
+            continue
+        renamed = {str(change.old) for change in renamings if change.family == new.device.name}
+        if edition_changes := list(_edition_changes(old, new, renamed)):
+            yield "\n".join([*_missing_history(old, new), *_entry(old, new, edition_changes)])
+
+
+def _missing_history(old: Family, new: Family) -> Iterator[str]:
+    """Yield the rows that the history of the new manual lacks, with an introduction."""
+    name, revision = new.device.name, new.device.manual.revision
+    history = [history_row["revision"] for history_row in new.document.data["manual"].get("history", ())]
+    if revision in history[1:]:
+        return
+    yield f"{name}: give the revisions in the history of the manual, under '{'history' if history else 'manual'}':"
+    yield ""
+    if not history:
+        yield "  history:"
+    for manual in (old.device.manual, new.device.manual):
+        if manual.revision not in history:
+            date = {"date": manual.date} if manual.date else {}
+            yield f"    - {_in_one_line({'revision': manual.revision, **date, 'changes': 'Not listed'})}"
+    yield ""
+
+
+def _entry(old: Family, new: Family, edition_changes: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield the lines of the entry for the old edition, with an introduction."""
+    name, revision = new.device.name, new.device.manual.revision
+    has_editions = "editions" in new.document.data
+    place = ", under its editions" if has_editions else ""
+    removal = f"{name}: edition {revision} removed these items."
+    yield f"{removal} To keep them for older encoders, add to its spec{place}, with their source:"
+    yield ""
+    if not has_editions:
+        yield "editions:"
+    yield f"  - revision: {_in_one_line([revision])[1:-1]}"
+    yield "    before:"
+    for edition_change in edition_changes:
+        yield f"      - {_in_one_line(edition_change)}"
+
+
+def _edition_changes(old: Family, new: Family, renamed: Container[str]) -> Iterator[Mapping[str, Any]]:
+    """Yield the changes that lead from the new edition to the old one."""
+    old_data, new_data = old.document.data, new.document.data
+    reason = f"Edition {old.device.manual.revision} has it, edition {new.device.manual.revision} does not"
+    first_option_source = ""
+    removed_options: list[tuple[str, Any]] = []
+    for place, removed_node in _removed_nodes(old_data, new_data, ""):
+        if (label_of(removed_node) or place.rpartition(".")[2]) in renamed:
+            continue
+        source = _source(old_data, place, removed_node)
+        yield {"add": place, "value": removed_node, "why": reason, "source": source}
+        if _OPTION.fullmatch(place):
+            first_option_source = first_option_source or source
+            removed_options.append((place, removed_node))
+    if removed_options:
+        yield from _order_code_changes(old, new, removed_options, first_option_source)
+
+
+def _order_code_changes(
+    old: Family, new: Family, removed_options: Iterable[tuple[str, Any]], source: str
+) -> Iterator[Mapping[str, Any]]:
+    """Yield the changes that follow from options of the order code that the new edition removed."""
+    old_data, new_data = old.document.data, new.document.data
+    old_revision, new_revision = old.device.manual.revision, new.device.manual.revision
+    new_labels: list[str] = []
+    for place, removed_option in removed_options:
+        new_labels += _new_labels(place, removed_option, old_data, new_data)
+    for place in new_labels:
+        yield {"remove": place, "why": f"Edition {new_revision} has this label for it", "source": source}
+    new_codes = {variant.code for variant in new.device.variants if _selects_any(variant, new_labels)}
+    old_examples = {example["name"] for example in old_data.get("examples", ())}
+    for example in new_data.get("examples", ()):
+        if example["name"] not in old_examples and example.get("order_code") in new_codes:
+            reason = f"Edition {old_revision} lacks its order code"
+            yield {"remove": f"examples.{example['name']}", "why": reason, "source": source}
+    for place, value in _changed_references(old_data, new_data, ""):
+        yield {"set": place, "to": value, "why": f"Order codes of edition {old_revision}", "source": source}
+
+
+def _source(data: Any, place: str, removed_node: Any) -> str:
+    """Return the source of a removed node if that is a document other than the manual, else the table of revisions."""
+    source, node = "", data
+    for step in steps_of(place):
+        if isinstance(node, list):
+            node = {label_of(child): child for child in node}
+        node = node.get(step, {}) if isinstance(node, dict) else {}
+        if isinstance(node, dict):
+            source = node.get("source", source)
+    if isinstance(removed_node, dict):
+        source = removed_node.get("source", source)
+    return source if ":" in source else "Document release"
+
+
+def _new_labels(place: str, removed_option: Any, old_data: Any, new_data: Any) -> Iterator[str]:
+    """Yield the option that only the new edition has, if it differs from a removed one only in its label."""
+    options_place, _, _ = place.rpartition(".")
+    old_options = value_at(old_data, resolve(old_data, options_place))
+    new_options = value_at(new_data, resolve(new_data, options_place))
+    for label, new_option in new_options.items():
+        if label not in old_options and _selection(new_option) == _selection(removed_option):
+            yield f"{options_place}.{label}"
+            return
+
+
+def _selection(option: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return what an option selects, or its meaning if it selects nothing."""
+    selects = {key: option[key] for key in ("interface", "sets", "supply") if key in option}
+    return selects or {"meaning": option.get("meaning")}
+
+
+def _selects_any(variant: Variant, option_places: Iterable[str]) -> bool:
+    """Return True if an order code has one of these options."""
+    options = [option for place in option_places if (option := _OPTION.fullmatch(place))]
+    return any(variant.parts.get(option["part"]) == option["label"] for option in options)
+
+
+def _changed_references(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:
+    """Yield the places in both editions that refer to different order codes, and the value in the old one."""
+    if isinstance(old, dict) and isinstance(new, dict):
+        for key in [key for key in old if key in new]:
+            child_place = f"{place}.{key}".removeprefix(".")
+            if place and (key in _REFERENCES or (key == "values" and "also_written" in place)):
+                if old[key] != new[key]:
+                    yield child_place, old[key]
+            elif place or key not in _NOT_IN_EDITIONS - {"examples"}:
+                yield from _changed_references(old[key], new[key], child_place)
+    elif isinstance(old, list) and isinstance(new, list):
+        children_by_label = {label_of(child): child for child in old}
+        children_by_index = dict(enumerate(old))
+        for index, child in enumerate(new):
+            label = label_of(child)
+            step = f"[{index + 1}]" if label is None else f".{label}"
+            old_child = children_by_index.get(index) if label is None else children_by_label.get(label)
+            yield from _changed_references(old_child, child, f"{place}{step}")
+
+
+def _removed_nodes(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:
+    """Yield the removed nodes of a spec: the place to add each to, and the node."""
+    if isinstance(old, dict) and isinstance(new, dict):
+        for key, child in old.items():
+            child_place = f"{place}.{key}".removeprefix(".")
+            if key in new and key not in _NOT_IN_EDITIONS:
+                yield from _removed_nodes(child, new[key], child_place)
+            elif key not in new and place.rpartition(".")[2] in _NAMED_MAPS:
+                yield child_place, child
+    elif isinstance(old, list) and isinstance(new, list):
+        new_children = {label_of(child): child for child in new}
+        for child in old:
+            name = label_of(child)
+            if name in new_children:
+                yield from _removed_nodes(child, new_children[name], f"{place}.{name}")
+            elif name is not None:
+                yield place, child
+
+
+def _in_one_line(node: Any) -> str:
+    text: str = yaml.dump(
+        _with_hexadecimal(node),
+        Dumper=_Dumper,
+        default_flow_style=True,
+        width=_WIDTH,
+        sort_keys=False,
+        allow_unicode=True,
+    )
+    return text.strip()
+
+
+def _with_hexadecimal(node: Any, key: str = "") -> Any:
+    """Return a node with its hexadecimal numbers marked."""
+    if isinstance(node, dict):
+        return {name: _with_hexadecimal(value, name) for name, value in node.items()}
+    if isinstance(node, list):
+        return [_with_hexadecimal(value) for value in node]
+    return _Hexadecimal(node) if key in HEXADECIMAL and type(node) is int else node

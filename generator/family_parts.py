@@ -1,0 +1,64 @@
+"""Parts of outputs that depend on the model of one family only. Each part is rendered once, and kept in the cache.
+
+Only built-in targets with default options and without the user's templates have such parts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from .cache import Cache, content_of
+from .loading.shipped import packaged_masters
+from .loading.stored import digest_of
+from .model import Device
+from .targets import Library, Options, Target
+from .targets.registry import BUILT_IN, files_of
+
+
+class FamilyParts:
+    """Parts by target and model, from this run or from the cache."""
+
+    def __init__(self, cache: Cache) -> None:
+        self._cache = cache
+        self._masters = content_of(sorted(packaged_masters().iterdir()))
+        self._parts: dict[tuple[str, str], Any] = {}
+        self._digests: dict[int, tuple[Device, str]] = {}
+
+    def files_of(self, target: Target, library: Library, options: Options) -> Mapping[str, str]:
+        """Return the files of a target like ``registry.files_of``, and render only parts that are not known.
+
+        Raises:
+            TargetError: The target cannot express something, or fails.
+            TemplateFault: A user's template has an error.
+        """
+        if target.name in BUILT_IN and options == target.defaults and library.own_templates is None:
+            library = replace(library, stored_part=partial(self._part, target.name))
+        return files_of(target, library, options)
+
+    def _part(self, target_name: str, device: Device, render: Callable[[], Any]) -> Any:
+        """Return the part of a target for one family."""
+        digest = self._digest_of(device)
+        if not digest:
+            return render()
+        key = (target_name, digest)
+        if key not in self._parts:
+            self._parts[key] = self._from_cache(f"part {target_name}", digest, render)
+        return self._parts[key]
+
+    def _from_cache(self, kind: str, digest: str, render: Callable[[], Any]) -> Any:
+        content = [digest, *self._masters]
+        stored = self._cache.get(kind, content)
+        if stored is not None:
+            return stored
+        part = render()
+        self._cache.put(kind, content, part)
+        return part
+
+    def _digest_of(self, device: Device) -> str:
+        """Return the digest of a device, which is computed once for all targets."""
+        if id(device) not in self._digests:
+            self._digests[id(device)] = (device, digest_of(device))
+        return self._digests[id(device)][1]

@@ -1,0 +1,256 @@
+"""Stages: folders in which the new content of a target's folder is assembled, next to it in the output folder.
+
+A stage has a mark, so that a later run recognises the stage of a killed run and removes it. No file of the user is lost
+with a stage.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import re
+import shutil
+import stat
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from threading import Thread
+
+from .output_list import LIST, WriteError, list_text, listed_in, read_file
+
+#: Beginning of the name of a stage.
+PREFIX = ".codewheel-"
+_STAGE_NAME = re.compile(rf"{re.escape(PREFIX)}([A-Za-z0-9_.-]+)-[a-z0-9_]{{8}}")
+#: The first file in a stage. It lets a later run tell the stage of a killed run from a user's folder.
+_MARK = ".codewheel-stage"
+_MARK_TEXT = "Temporary folder of codewheel generate. Its next run removes it.\n"
+_NEW, _OLD = "new", "old"
+_MOST_THREADS = 8
+_AT_FDCWD, _RENAME_EXCHANGE = -100, 2
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """A stage: ``folder``, which has the mark, contains the new content of ``target_folder`` as ``new``.
+
+    The old content ends up in ``new``, or in ``old`` if two folders cannot be exchanged in one step.
+    """
+
+    folder: Path
+    target_folder: Path
+    _modes: dict[Path, int] = field(default_factory=dict)
+
+    @classmethod
+    def create(cls, target_folder: Path) -> Stage:
+        """Create an empty stage for the folder of a target."""
+        prefix = f"{PREFIX}{target_folder.name}-"
+        return cls(Path(tempfile.mkdtemp(prefix=prefix, dir=target_folder.parent)), target_folder)
+
+    @property
+    def new(self) -> Path:
+        return self.folder / _NEW
+
+    @property
+    def old(self) -> Path:
+        return self.folder / _OLD
+
+    def fill(self, files: Mapping[str, str], families: Sequence[str], unchanged: set[str]) -> None:
+        """Fill the stage with the whole content of the target's folder. Unchanged files become hard links."""
+        (self.folder / _MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
+        self._make(Path())
+        names_inside = {name.partition("/")[2]: name for name in files}
+        # The list comes first: without it, a later run would take the files of a killed run for the user's.
+        (self.new / LIST).write_text(list_text(names_inside, families), encoding="utf-8", newline="\n")
+        for parent in {os.path.dirname(path) for path in names_inside}:
+            self._make(Path(parent))
+        new_prefix, old_prefix = os.path.join(self.new, ""), os.path.join(self.target_folder, "")
+        for path, name in names_inside.items():
+            if name in unchanged:
+                _link_or_copy(old_prefix + path, new_prefix + path)
+            else:
+                with open(new_prefix + path, "x", encoding="utf-8", newline="\n") as file:
+                    file.write(files[name])
+        self._carry_over({*listed_in(self.target_folder), LIST})
+        for new_folder, mode in reversed(self._modes.items()):
+            if mode & 0o700 != 0o700:
+                new_folder.chmod(mode)
+
+    def exchange(self) -> None:
+        """Exchange the new content and the target's folder."""
+        _exchange(self.new, self.target_folder)
+
+    def take_back(self) -> bool:
+        """Restore the old content of the target's folder, and return True if that succeeded."""
+        try:
+            if os.path.lexists(self.old):
+                os.rename(self.target_folder, self.new)
+                os.rename(self.old, self.target_folder)
+            elif os.path.lexists(self.new):
+                _exchange(self.new, self.target_folder)
+            else:
+                os.rename(self.target_folder, self.new)
+        except OSError:
+            return False
+        return True
+
+    def remove(self) -> None:
+        """Remove the stage. The mark is removed last, so that a run killed here leaves a recognisable stage."""
+        _save_from(self)
+        _remove_trees([self.new, *([self.old] if os.path.lexists(self.target_folder) else [])])
+        if not os.path.lexists(self.old):
+            with suppress(OSError):
+                (self.folder / _MARK).unlink(missing_ok=True)
+                self.folder.rmdir()
+
+    def _carry_over(self, ours: set[str]) -> None:
+        """Keep foreign files and empty folders in the new content. A folder that held only our files is not kept."""
+        if not self.target_folder.is_dir():
+            return
+        for root, folders, names in os.walk(self.target_folder, onerror=_raise):
+            relative_folder = Path(root).relative_to(self.target_folder)
+            prefix = "" if relative_folder == Path() else f"{relative_folder.as_posix()}/"
+            for name in (*names, *(name for name in folders if os.path.islink(os.path.join(root, name)))):
+                path = prefix + name
+                if path not in ours and not os.path.lexists(self.new / path):
+                    self._make(relative_folder)
+                    _link_or_copy(os.path.join(root, name), self.new / path)
+            if not names and not folders:
+                self._make(relative_folder)
+
+    def _make(self, path: Path) -> None:
+        """Create a folder in the new content, with the owner and mode of the old folder of the same name."""
+        new_folder, old = self.new / path, self.target_folder / path
+        if new_folder in self._modes:
+            return
+        if path != Path():
+            self._make(path.parent)
+        new_folder.mkdir()
+        self._modes[new_folder] = 0o700
+        if old.is_dir() and not old.is_symlink():
+            old_status = old.stat()
+            with suppress(OSError, AttributeError):  # only the owner can do this, and not on every system
+                os.chown(new_folder, old_status.st_uid, old_status.st_gid)
+            shutil.copystat(old, new_folder)
+            self._modes[new_folder] = stat.S_IMODE(old_status.st_mode)
+            new_folder.chmod(self._modes[new_folder] | 0o700)
+
+
+def stages_in(folder: Path) -> list[Stage]:
+    """Return the stages in the output folder. These folders have our name and our mark."""
+    stages = []
+    try:
+        with os.scandir(folder) as listing:
+            entries = sorted(listing, key=lambda folder_entry: folder_entry.name)
+    except OSError:
+        return []
+    for folder_entry in entries:
+        stage_name = _STAGE_NAME.fullmatch(folder_entry.name)
+        if stage_name and folder_entry.is_dir(follow_symlinks=False):
+            with suppress(OSError, WriteError):
+                if _has_mark(Path(folder_entry.path)):
+                    stages.append(Stage(Path(folder_entry.path), folder / stage_name[1]))
+    return stages
+
+
+def _has_mark(folder: Path) -> bool:
+    """Return whether a folder has the mark of a stage. A run killed early may have left only part of the mark."""
+    mark = read_file(folder / _MARK)
+    if mark == _MARK_TEXT.encode():
+        return True
+    return set(os.listdir(folder)) <= {_MARK} and _MARK_TEXT.encode().startswith(mark or b"")
+
+
+def _save_from(stage: Stage) -> None:
+    """Move all content of a stage that must not be lost to the target's folder, and let the rest be removed."""
+    if os.path.lexists(stage.old) and not os.path.lexists(stage.target_folder):
+        with suppress(OSError):  # the run was killed between two renames
+            os.rename(stage.old, stage.target_folder)
+    for saved_folder in (stage.new, stage.old):
+        _save_late_files(saved_folder, stage.target_folder)
+    for root, folders, _ in os.walk(stage.folder):
+        for name in folders:
+            with suppress(OSError):
+                if not os.path.islink(os.path.join(root, name)):
+                    # A read-only folder from the old content may prevent the removal.
+                    os.chmod(os.path.join(root, name), 0o700)
+
+
+def _remove_trees(folders: Sequence[Path]) -> None:
+    """Remove folders as far as possible, several subfolders at a time, because disks can take 3 ms for each folder."""
+    todo = [Path(root, name) for folder in folders for root, names, _ in os.walk(folder) for name in names]
+    todo.sort(key=lambda path: len(path.parts))
+
+    def work() -> None:
+        with suppress(IndexError):
+            while True:
+                shutil.rmtree(todo.pop(), ignore_errors=True)
+
+    workers = [Thread(target=work) for _ in range(min(len(todo), _MOST_THREADS))]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    for folder in folders:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _save_late_files(saved_folder: Path, target_folder: Path) -> None:
+    """Move foreign files to the target's folder that were saved in its old content after it had been copied."""
+    if not (saved_folder / LIST).is_file() or not target_folder.is_dir():
+        return
+    ours = {*listed_in(saved_folder), *listed_in(target_folder), LIST}
+    for path in _files_in(saved_folder):
+        if path not in ours and _is_later(saved_file := saved_folder / path, target_file := target_folder / path):
+            target_file.parent.mkdir(parents=True, exist_ok=True)
+            os.replace(saved_file, target_file)
+
+
+def _files_in(folder: Path) -> Iterator[str]:
+    """Yield the path of each file in a folder, as text, because making a ``Path`` takes longer than walking."""
+    for root, _, names in os.walk(folder):
+        relative_folder = Path(root).relative_to(folder)
+        prefix = "" if relative_folder == Path() else f"{relative_folder.as_posix()}/"
+        yield from (prefix + name for name in names)
+
+
+def _is_later(saved_file: Path, target_file: Path) -> bool:
+    """Return whether a file is missing in the target's folder, or older there."""
+    if not os.path.lexists(target_file):
+        return True
+    new, old = os.lstat(saved_file), os.lstat(target_file)
+    are_files = stat.S_ISREG(new.st_mode) and stat.S_ISREG(old.st_mode)
+    return are_files and new.st_ino != old.st_ino and new.st_mtime_ns > old.st_mtime_ns
+
+
+def _raise(error: OSError) -> None:
+    raise error
+
+
+def _link_or_copy(old: str | Path, new: str | Path) -> None:
+    try:
+        os.link(old, new, follow_symlinks=False)
+    except OSError:
+        shutil.copy2(old, new, follow_symlinks=False)
+
+
+def _exchange(new: Path, target_folder: Path) -> None:
+    """Exchange two folders, in one step if the system supports that. ``target_folder`` need not exist yet."""
+    if not target_folder.exists():
+        os.rename(new, target_folder)
+        return
+    try:
+        rename = ctypes.CDLL(None, use_errno=True).renameat2
+        if rename(_AT_FDCWD, os.fsencode(new), _AT_FDCWD, os.fsencode(target_folder), _RENAME_EXCHANGE) == 0:
+            return
+    except (AttributeError, OSError, TypeError):
+        pass
+    # If the system cannot exchange folders, rename twice, and undo the first rename if the second fails.
+    old = new.with_name(_OLD)
+    os.rename(target_folder, old)
+    try:
+        os.rename(new, target_folder)
+    except OSError:
+        os.rename(old, target_folder)
+        raise
