@@ -35,7 +35,12 @@ class NothingThere(LookupError):
 
 def steps_of(text: str) -> tuple[str | int, ...]:
     """Split ``procedures.preset.steps[3]`` into keys, names and indices counted from 0."""
-    return tuple(int(number) - 1 if number else word for number, word in _STEP.findall(text))
+    return tuple(_step_of(match) for match in _STEP.finditer(text))
+
+
+def _step_of(match: re.Match[str]) -> str | int:
+    number, word = match.groups()
+    return int(number) - 1 if number else str(word)
 
 
 def resolve(data: Any, text: str) -> Path:
@@ -121,11 +126,9 @@ def taken_away(data: Any, marks: Mark, path: Path) -> tuple[Any, Mark]:
                 children={name: child_mark for name, child_mark in holder_mark.children.items() if name != key},
             )
         remaining_indices = [index for index in range(len(holder)) if index != key]
-        children: dict[str | int, Mark] = {
-            place: holder_mark.children[index]
-            for place, index in enumerate(remaining_indices)
-            if index in holder_mark.children
-        }
+        child_marks = holder_mark.children
+        marked = [(place, index) for place, index in enumerate(remaining_indices) if index in child_marks]
+        children: dict[str | int, Mark] = {place: child_marks[index] for place, index in marked}
         return [holder[index] for index in remaining_indices], replace(holder_mark, children=children)
 
     return _edited(data, marks, path[:-1], edit)

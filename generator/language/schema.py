@@ -163,7 +163,10 @@ def _cut_out(validator: Any, document: Document, cut: set[Path], kind: FileKind)
 def _stand_ins(error: Any) -> dict[str, str]:
     """Return a stand-in for each missing key of an error."""
     missing_keys = [key for key in error.validator_value if key not in error.instance]
-    return {key: _SOME_SOURCE if key == "source" else "?" for key in missing_keys}
+    stand_ins = dict.fromkeys(missing_keys, "?")
+    if "source" in stand_ins:
+        stand_ins["source"] = _SOME_SOURCE
+    return stand_ins
 
 
 def _is_missing_prose(finding: Finding) -> bool:

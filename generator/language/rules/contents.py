@@ -60,7 +60,9 @@ def _begins(spans: Mapping[str, tuple[int, int]], own_names: list[str]) -> set[i
     name = next((name for name in own_names if name in spans), "")
     if name:
         return {spans[name][0]}
-    return {start for start, _ in spans.values()} if spans[""][0] > _FIRST else set()
+    if spans[""][0] <= _FIRST:
+        return set()
+    return {start for start, _ in spans.values()}
 
 
 def _spans(contents: Mapping[str, Any]) -> dict[str, dict[str, tuple[int, int]]]:
@@ -123,12 +125,12 @@ def _is_in_section(
     if start <= int(page) <= end:
         return True
     cited_part = f"the entry {quoted(name)} of section {section}" if name else f"section {section}"
-    where = (
-        f"on page {start} or later"
-        if end == _END
-        else f"on page {start}"
-        if start == end
-        else f"on pages {start} to {end}"
-    )
-    report.add("cited-place", path, f"{cited_part} is {where} according to the table of contents, not on page {page}")
+    pages = _pages_text(start, end)
+    report.add("cited-place", path, f"{cited_part} is {pages} according to the table of contents, not on page {page}")
     return False
+
+
+def _pages_text(start: int, end: int) -> str:
+    if end == _END:
+        return f"on page {start} or later"
+    return f"on page {start}" if start == end else f"on pages {start} to {end}"

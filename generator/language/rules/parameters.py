@@ -86,10 +86,11 @@ def expressions(spec: Spec) -> Iterator[tuple[Path, int | str]]:
 def uses(spec: Spec, raw: Spec | None = None) -> Iterator[tuple[Path, str, int | str]]:
     """Yield each use of an expression or parameter by an interface: the place, the interface, and the text."""
     groups = by_name(raw if raw is not None else spec, "field_groups")
-    registers = (
-        Fields(Has.REGISTER, register, path, interface_of(register)) for path, register in items(spec, "registers")
-    )
-    for fields in (*layouts(spec), *registers):
+    fields_of_all = list(layouts(spec))
+    for path, register in items(spec, "registers"):
+        interface = interface_of(register)
+        fields_of_all.append(Fields(Has.REGISTER, register, path, interface))
+    for fields in fields_of_all:
         located_texts = [use for path, field in expanded(fields, groups) for use in _of_field(path, field)]
         located_texts += _of_limits(fields.path, fields.owner)
         located_texts += _under((*fields.path, "gray"), mapping(fields.owner, "gray"), ("when",))

@@ -41,11 +41,11 @@ class _Names:
 
     def __init__(self, raw: Spec, report: DocumentReport) -> None:
         self._report = report
-        faulty_names = (value_at(raw, path) if path[-1] == "name" else path[-1] for path in report.faults())
-        interfaces = {name for name in mapping(raw, "interfaces") if name not in INTERFACES}
-        self._broken = interfaces | {
-            name for name in faulty_names if isinstance(name, str) and not _NAME.fullmatch(name)
-        }
+        self._broken = {name for name in mapping(raw, "interfaces") if name not in INTERFACES}
+        for path in report.faults():
+            name = value_at(raw, path) if path[-1] == "name" else path[-1]
+            if isinstance(name, str) and not _NAME.fullmatch(name):
+                self._broken.add(name)
         self.groups, self.registers = by_name(raw, "field_groups"), by_name(raw, "registers")
         self.procedures, self.parameters = by_name(raw, "procedures"), mapping(raw, "parameters")
         self._known: Mapping[str, Collection[str]] = {
@@ -197,7 +197,7 @@ def device_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         replies = (fields for fields in layouts(raw) if fields.owner.get("from") == "encoder")
         measured = (fields for fields in replies if path[0] == "measurement" or fields.interface in path)
         fields = (field_names(layout_fields, resolver.groups).get(name) for layout_fields in measured)
-        kinds = [next((key for key in KINDS if key in field), "digits") for field in fields if field is not None]
+        kinds = [_kind_of(field) for field in fields if field is not None]
         if kinds and "digits" not in kinds:
             problem = (
                 f"{quoted(name)} has {quoted(kinds[0])}, so it is not a number; name the field that holds the position"
@@ -224,14 +224,16 @@ def alarm_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         resolver.refer_by("cleared_by", path, alarm, "procedure")
 
 
+def _kind_of(field: Spec) -> str:
+    """Return the key for the kind of a field, or ``digits`` for a number."""
+    return next((key for key in KINDS if key in field), "digits")
+
+
 def by_hand_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that manual remedies refer to a characteristic with numbered steps."""
     resolver = _Names(raw, report)
-    counted = [
-        name
-        for name, characteristic in by_name(raw, "characteristics").items()
-        if has_steps(f"{characteristic.get('value')}")
-    ]
+    characteristics = by_name(raw, "characteristics").items()
+    counted = [name for name, characteristic in characteristics if has_steps(f"{characteristic.get('value')}")]
     states = [((*path, *below), state) for path, led in items(spec, "leds") for below, state in items(led, "states")]
     flags = [field for fields in field_lists(spec) for field in fields]
     for path, owner in (*items(spec, "alarms"), *states, *flags):
@@ -284,9 +286,8 @@ def alternative_references(spec: Spec, raw: Spec, report: DocumentReport) -> Non
             alternative_name = parameter["alternative"]
             resolver.refer_by("alternative", ("parameters", name), parameter, "alternative", alternatives)
             answers = mapping(alternatives.get(alternative_name, {}), "values")
-            if alternative_name in alternatives and not any(
-                name in mapping(answers, answer, "sets") for answer in answers
-            ):
+            setting_answers = [answer for answer in answers if name in mapping(answers, answer, "sets")]
+            if alternative_name in alternatives and not setting_answers:
                 problem = f"no answer of {quoted(alternative_name)} sets {quoted(name)}"
                 report.add("undefined-reference", ("parameters", name, "alternative"), problem)
     for path, example in items(spec, "examples"):
@@ -301,9 +302,8 @@ def alternative_references(spec: Spec, raw: Spec, report: DocumentReport) -> Non
 def _answers(path: Path, alternative: Spec, resolver: _Names, report: DocumentReport) -> None:
     """Check that each answer of an alternative sets all its parameters, and no others."""
     answers, owner = alternative["values"], alternative["name"]
-    own_parameters = [
-        name for name in resolver.parameters if mapping(resolver.parameters, name).get("alternative") == owner
-    ]
+    parameters = resolver.parameters
+    own_parameters = [name for name in parameters if mapping(parameters, name).get("alternative") == owner]
     first_answer_setting = {name: answer for answer in reversed(answers) for name in answers[answer]["sets"]}
     for answer, sets in ((answer, answers[answer]["sets"]) for answer in answers):
         sets_path = (*path, "values", answer, "sets")
@@ -323,9 +323,8 @@ def _answers(path: Path, alternative: Spec, resolver: _Names, report: DocumentRe
 def example_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of examples: their subject, the fields with values, and errata."""
     resolver = _Names(raw, report)
-    known_layouts = {
-        layout.owner["name"]: layout for layout in layouts(raw) if isinstance(layout.owner.get("name"), str)
-    }
+    named_layouts = ((layout.owner.get("name"), layout) for layout in layouts(raw))
+    known_layouts = {name: layout for name, layout in named_layouts if isinstance(name, str)}
     for path, example in items(spec, "examples"):
         for key in ("procedure", "erratum", "register"):
             resolver.refer_by(key, path, example, key)
@@ -375,11 +374,9 @@ def _below(node: Any) -> Iterator[tuple[str, Any]]:
     For a map these include the names in its lists, as in ``interfaces.biss.word``.
     """
     if isinstance(node, list):
-        yield from (
-            (str(list_member["name"]), list_member)
-            for list_member in node
-            if isinstance(list_member, dict) and "name" in list_member
-        )
+        for list_member in node:
+            if isinstance(list_member, dict) and "name" in list_member:
+                yield str(list_member["name"]), list_member
     elif isinstance(node, dict):
         for key, value in node.items():
             if isinstance(value, list):
@@ -445,9 +442,8 @@ def connector_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def unused_crc(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that each CRC is a field of some frame, or has a note."""
-    used_crcs = {
-        field.get("crc") for fields in field_lists(raw) for _, field in fields if isinstance(field.get("crc"), str)
-    }
+    names = (field.get("crc") for fields in field_lists(raw) for _, field in fields)
+    used_crcs = {name for name in names if isinstance(name, str)}
     for path, crc in items(spec, "crcs"):
         if used_crcs <= by_name(raw, "crcs").keys() and crc["name"] not in used_crcs and "note" not in crc:
             problem = f"no frame uses the CRC {quoted(crc['name'])}"

@@ -124,10 +124,8 @@ def _report_names(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[
         for name, value in mapping(field, "values").items():
             if isinstance(value, dict) and "makes_position" in value:
                 yield path if path in group_paths else (*path, "values", name), f"{field.get('name')}_{name}"
-    yield from (
-        ((*fields.path, *path, "name"), combination["name"])
-        for path, combination in items(fields.owner, "combinations")
-    )
+    for path, combination in items(fields.owner, "combinations"):
+        yield (*fields.path, *path, "name"), combination["name"]
 
 
 def _check_conditions(

@@ -68,13 +68,14 @@ def package_files(views: Sequence[DeviceView], tests: Iterable[str], render: Ren
     programs_of_views: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
     makers = manufacturers(view.device for view in views)
     main = main_manufacturer(makers)
-    namespace = main.name if main else "-".join(maker.name for maker in makers)
+    maker_names = [maker.name for maker in makers]
+    namespace = main.name if main else "-".join(maker_names)
     names = [_package_names(maker.name, [maker]) for maker in makers]
     procedures = [procedure for view in views for procedure in view.procedures if procedure.arguments]
     family_headers = [header for view in views for header in (*view.headers, view.cpp_header)]
     values: Package = {
         **_package_names(namespace, makers),
-        "makers": [maker.name for maker in makers],
+        "makers": maker_names,
         "others": [maker.name for maker in makers if maker is not main],
         "guide": guide(programs),
         "families": list(dict.fromkeys(view.device.name for view in views)),
@@ -152,7 +153,8 @@ class Guide:
     def number(self) -> str:
         """The position or else the first number of the frame, by its name in the spec."""
         plan = self.example.struct.plan
-        field_names = [*(whole.join.name for whole in plan.wholes), *(part.field.name for part in plan.parts)]
+        field_names = [whole.join.name for whole in plan.wholes]
+        field_names += [part.field.name for part in plan.parts]
         positions = (name for name in field_names if c_name(name) == self.example.counts)
         return next(positions, field_names[0] if field_names else "no_data")
 

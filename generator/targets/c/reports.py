@@ -94,13 +94,16 @@ class FrameReports:
 
     def _any(self, speaking: Sequence[Speaks]) -> Expr:
         """Return the condition that one of these is active. Unused bits are checked together."""
-        unused = [cause.by for cause in speaking if isinstance(cause.by, Reserved)]
-        conditions = [
-            joined("&&", (*map(_holds, cause.conditions), *self._active(cause.by), *map(_inactive, cause.unless)))
-            for cause in speaking
-            if not isinstance(cause.by, Reserved)
-        ]
-        return joined("||", (*conditions, *([self._differ(unused)] if unused else [])))
+        conditions, unused = [], []
+        for cause in speaking:
+            if isinstance(cause.by, Reserved):
+                unused.append(cause.by)
+                continue
+            terms = (*map(_holds, cause.conditions), *self._active(cause.by), *map(_inactive, cause.unless))
+            conditions.append(joined("&&", terms))
+        if unused:
+            conditions.append(self._differ(unused))
+        return joined("||", conditions)
 
     def _differ(self, unused: Sequence[Reserved]) -> Expr:
         """Return the condition that some of these bits differ from the manual."""
@@ -120,9 +123,8 @@ class Reports:
         self.text = f"{prefix}_report_text"
         self.texts = tuple(_texts(device, report) for report in self.all)
         stem = f"{prefix}_report".upper()
-        entries = (
-            Entry(f"{stem}_{report.name.upper()}", 1 << report.number, _note(device, report)) for report in self.all
-        )
+        names = {report.name: f"{stem}_{report.name.upper()}" for report in self.all}
+        entries = (Entry(names[report.name], 1 << report.number, _note(device, report)) for report in self.all)
         about = "Reports of the encoder. The _reports() functions of the frames return a mask of these bits."
         digits = (len(self.all) + 3) // 4
         self.enumeration = Enumeration(f"{prefix}_report", about, (), tuple(entries), digits, ())
@@ -149,12 +151,10 @@ class Reports:
 
     def _path(self, report: Report) -> Path:
         """Return the path of the first frame with this report."""
-        first = next(
-            reporting
-            for reporting in self._by_frame.values()
-            if any(report_cause.report.number == report.number for report_cause in reporting.told)
-        )
-        return ("interfaces", first.interface.name, "layouts", first.codec.layout.name)
+        for reporting in self._by_frame.values():
+            if report.number in [report_cause.report.number for report_cause in reporting.told]:
+                return ("interfaces", reporting.interface.name, "layouts", reporting.codec.layout.name)
+        raise LookupError(f"no frame reports {report.name}")
 
 
 def _texts(device: Device, report: Report) -> tuple[str, ...]:

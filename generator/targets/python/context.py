@@ -77,9 +77,8 @@ class Context:
         self.crcs = {crc.name: names.take(f"crc_{crc.name}", "_") for crc in device.crcs}
         self.frames = {layout.name: names.take(camel(layout.name), "Frame") for _, layout in device.layouts()}
         self.registers = {register.name: names.take(camel(register.name), "Register") for register in device.registers}
-        self.procedures = {
-            procedure.name: names.take(attribute(procedure.name), "_steps") for procedure in device.procedures
-        }
+        procedures = [procedure.name for procedure in device.procedures]
+        self.procedures = {name: names.take(attribute(name), "_steps") for name in procedures}
         self.asked = {alternative.name: self._asked(alternative, names) for alternative in device.alternatives}
         required = [question for question in self.asked.values() if not question.alternative.default]
         answered = {name: f"{question.name}.{member}" for question in required for name, member in question.members}

@@ -188,8 +188,7 @@ def _toml(text: str) -> str:
 
 def _markdown(text: str) -> str:
     """Return text of a spec, escaped for Markdown."""
-    escaped = (f"\\{character}" if character in _MARKUP else character for character in plain(text))
-    return "".join(escaped)
+    return plain(text).translate({ord(character): f"\\{character}" for character in _MARKUP})
 
 
 _PACKAGE_TEMPLATES = (*_PROJECT_FILES, *(f"{name}.py" for name in _PACKAGE_FILES))

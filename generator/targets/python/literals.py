@@ -53,8 +53,10 @@ class Call:
     @cached_property
     def flat(self) -> str:
         """Call on one line."""
-        named = ((f"{name}=" if name else "", value) for name, value in self.arguments)
-        arguments = [f"{prefix}{literal(value)}" for prefix, value in named]
+        arguments = []
+        for name, value in self.arguments:
+            prefix = f"{name}=" if name else ""
+            arguments.append(f"{prefix}{literal(value)}")
         return f"{self.function}({', '.join(arguments)})"
 
 

@@ -68,18 +68,22 @@ class FrameReports:
 
     def _differ(self, reserved: Sequence[Reserved]) -> Expr:
         """Return the condition that any of these unused bits differs from the manual."""
-        unused, ones = Atom(self._own("unused")), sum(bits.mask for bits in reserved)
-        return unused if ones == sum(bits.mask for bits in self._reserved) else Operation(unused, "&", mask(ones))
+        unused = Atom(self._own("unused"))
+        all_bits = sum(bits.mask for bits in self._reserved)
+        reserved_bits = sum(bits.mask for bits in reserved)
+        return unused if reserved_bits == all_bits else Operation(unused, "&", mask(reserved_bits))
 
     def _conditions(self, causes: Sequence[Speaks]) -> list[str]:
         """Return a condition for each flag and each match of values, and one for all unused bits."""
-        flags = [
-            self._speaks(cause.by, [*map(self._flag, cause.unless)], cause.conditions)
-            for cause in causes
-            if not isinstance(cause.by, Reserved)
-        ]
-        reserved = [cause.by for cause in causes if isinstance(cause.by, Reserved)]
-        return [*flags, *([str(self._differ(reserved))] if reserved else [])]
+        conditions, reserved = [], []
+        for cause in causes:
+            if isinstance(cause.by, Reserved):
+                reserved.append(cause.by)
+            else:
+                conditions.append(self._speaks(cause.by, [*map(self._flag, cause.unless)], cause.conditions))
+        if reserved:
+            conditions.append(str(self._differ(reserved)))
+        return conditions
 
     def _match(self, match: Match) -> list[Expr]:
         """Return a condition for each value of a match."""

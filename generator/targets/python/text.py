@@ -77,10 +77,12 @@ def paragraphs(statements: Iterable[Said]) -> list[Block]:
 
 def _in_full(statements: Iterable[Said]) -> list[Block]:
     """Return a heading with labelled statements below it for each statement."""
-    return [
-        (S.head(statement), [(part.label, S.sentence(replace(part, label=""))) for part in statement.below])
-        for statement in statements
-    ]
+    return [(S.head(statement), list(map(_labelled, statement.below))) for statement in statements]
+
+
+def _labelled(statement: Said) -> tuple[str, str]:
+    """Return the label of a statement and its sentence without it."""
+    return statement.label, S.sentence(replace(statement, label=""))
 
 
 def _short(statement: Said) -> tuple[str, str]:
@@ -156,7 +158,8 @@ def of_parameter(device: Device, quantity: Parameter) -> str:
 
 def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str, list[Block]]:
     summary = S.sentence(layout.head(interface, frame, heading(frame.name), device.alternatives))
-    groups = [f"field_groups.{name}" for name in dict.fromkeys(member.group for member in frame.fields if member.group)]
+    names_of_groups = dict.fromkeys(member.group for member in frame.fields if member.group)
+    groups = [f"field_groups.{name}" for name in names_of_groups]
     frame_errata = errata(device, f"interfaces.{interface.name}.{frame.name}")
     shared = ", ".join(erratum.name for erratum in errata(device, *groups) if erratum not in frame_errata)
     more = f"See also in ERRATA: {shared}." if shared else ""

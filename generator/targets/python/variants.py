@@ -106,11 +106,9 @@ class Variants:
     def _row(self, variant: Variant) -> Call:
         parts = tuple(variant.parts[part.name] for part in self.device.order_code.parts)
         positional: tuple[Literal, ...] = (variant.code, parts)
-        set_here = (
-            (self.context.parameters[parameter.name], variant.parameters[parameter.name])
-            for parameter in self.device.set_parameters
-        )
-        return Call(encoder_name(variant.interface), (*(("", argument) for argument in positional), *set_here))
+        names, values = self.context.parameters, variant.parameters
+        keywords = [(names[parameter.name], values[parameter.name]) for parameter in self.device.set_parameters]
+        return Call(encoder_name(variant.interface), (*(("", argument) for argument in positional), *keywords))
 
     # -- the class of the variants
 
@@ -122,9 +120,8 @@ class Variants:
     @property
     def with_requests(self) -> list[str]:
         """Names of the interfaces over which requests and replies form a pipeline of words."""
-        return [
-            interface.name for interface in self.device.interfaces if isinstance(interface, Spi) and interface.exchanges
-        ]
+        spi_interfaces = (interface for interface in self.device.interfaces if isinstance(interface, Spi))
+        return [interface.name for interface in spi_interfaces if interface.exchanges]
 
     def exchanged(self, interface: Interface) -> tuple[Exchanged, ...]:
         """Return the requests over an interface with their replies, unless they form a pipeline of words."""
@@ -157,15 +154,12 @@ class Variants:
     @property
     def derived(self) -> list[tuple[str, str, Expr]]:
         """Name, meaning and value of the parameters that are derived from others, except those for measurements."""
-        return [
-            (
-                self.context.parameters[parameter.name],
-                text.of_parameter(self.device, parameter),
-                self._scope.of(parameter.equals),
-            )
-            for parameter in self.device.parameters
-            if parameter.equals is not None and parameter.name not in also_measured(self.device)
-        ]
+        derived, measured = [], also_measured(self.device)
+        for parameter in self.device.parameters:
+            if parameter.equals is not None and parameter.name not in measured:
+                meaning = text.of_parameter(self.device, parameter)
+                derived.append((self.context.parameters[parameter.name], meaning, self._scope.of(parameter.equals)))
+        return derived
 
     # -- units of positions
 
@@ -213,7 +207,8 @@ class Variants:
         cases = self._cases(
             lambda measurement: self._of(measurement.per_counts or Expression(1)) if measurement.step_nm else None
         )
-        return cases if any(value != number(1) for value, _ in cases.cases) else replace(cases, cases=())
+        is_one_everywhere = all(value == number(1) for value, _ in cases.cases)
+        return replace(cases, cases=()) if is_one_everywhere else cases
 
     @cached_property
     def modulus(self) -> Cases[Expr]:
@@ -237,20 +232,14 @@ class Variants:
     @cached_property
     def by_frame(self) -> list[str]:
         """Names of the interfaces over which frames have different ranges, or positions that never wrap around."""
-        return [
-            interface.name
-            for interface in self.device.interfaces
-            if self._only_range(interface) is None and position_ranges(self.device, interface)
-        ]
+        several = (interface for interface in self.device.interfaces if self._only_range(interface) is None)
+        return [interface.name for interface in several if position_ranges(self.device, interface)]
 
     @property
     def no_range(self) -> str:
         """Reason why an interface has no range that applies to all of its frames."""
-        unknown = any(
-            not self.modulus_of(interface) and interface.name not in self.by_frame
-            for interface in self.device.interfaces
-        )
-        reasons = ["the manual does not give it"] if unknown else []
+        unlimited = {interface.name for interface in self.device.interfaces if not self.modulus_of(interface)}
+        reasons = ["the manual does not give it"] if unlimited.difference(self.by_frame) else []
         reasons += ["it depends on the frame, see range_of()"] if self.by_frame else []
         return ", or ".join(reasons)
 
@@ -263,12 +252,12 @@ class Variants:
         """Return each frame with its lowest and highest position and modulus, if the frames differ."""
         if interface.name not in self.by_frame:
             return []
-        return [
-            (layout.name, self._range_values(position_range, layout))
-            for position_range in position_ranges(self.device, interface)
-            for layout in position_range.layouts
-            if position_range.has_difference
-        ]
+        ranges: list[tuple[str, Sequence[Expr | None]]] = []
+        for position_range in position_ranges(self.device, interface):
+            if position_range.has_difference:
+                layouts = position_range.layouts
+                ranges += [(layout.name, self._range_values(position_range, layout)) for layout in layouts]
+        return ranges
 
     def _range_values(self, position_range: PositionRange, layout: Layout) -> tuple[Expr | None, ...]:
         modulus, measurement = self._modulus(position_range.measurement), position_range.measurement
@@ -338,7 +327,8 @@ class Variants:
             return (value(only) or usual) if only is not None else None
 
         ends = by_interface(self.device, of)
-        return ends if self.by_frame or any(end != usual for end, _ in ends.cases) else None
+        is_usual = not self.by_frame and all(end == usual for end, _ in ends.cases)
+        return None if is_usual else ends
 
     @property
     def bases(self) -> list[str]:
@@ -361,11 +351,12 @@ class Variants:
     @property
     def no_frame_bits(self) -> str:
         """Reason why ``frame_bits`` is missing, for each interface without it."""
-        of_bytes = ["frames are made of bytes"] if any(kind.in_bytes for kind in self.frame_kinds) else []
-        is_open = (
-            ["the length depends on your choice"] if any(kind.has_open_length for kind in self.frame_kinds) else []
-        )
-        return ", or ".join([*of_bytes, *is_open])
+        reasons = []
+        if any(kind.in_bytes for kind in self.frame_kinds):
+            reasons.append("frames are made of bytes")
+        if any(kind.has_open_length for kind in self.frame_kinds):
+            reasons.append("the length depends on your choice")
+        return ", or ".join(reasons)
 
     # -- answers with a default
 
@@ -378,9 +369,8 @@ class Variants:
     @property
     def some_code(self) -> str:
         """Last order code with a frame whose verdict such an answer decides."""
-        interfaces = {
-            interface.name for interface, layout in self.device.layouts() if self.device.verdict_alternatives(layout)
-        }
+        layouts = self.device.layouts()
+        interfaces = {interface.name for interface, layout in layouts if self.device.verdict_alternatives(layout)}
         return next(variant.code for variant in reversed(self.device.variants) if variant.interface in interfaces)
 
     def answered(self, question: Asked) -> list[tuple[str, str]]:
@@ -392,11 +382,12 @@ class Variants:
     @cached_property
     def held(self) -> list[tuple[str, Call]]:
         """Parameters that registers hold at run time: name and record."""
-        return [
-            (self.context.parameters[held_parameter.parameter.name], self._held(group.register, held_parameter))
-            for group in held_parameters(self.device)
-            for held_parameter in group.parameters
-        ]
+        names = self.context.parameters
+        held: list[tuple[str, Call]] = []
+        for group in held_parameters(self.device):
+            members = group.parameters
+            held += [(names[member.parameter.name], self._held(group.register, member)) for member in members]
+        return held
 
     @property
     def initial(self) -> str:
