@@ -146,7 +146,8 @@ def notes(raw: Raw) -> Iterator[Erratum]:
 
 def _note(raw: Raw, change: Raw, name: str, number: int, kind: str) -> Erratum:
     texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
-    affects = [] if kind == "also" else [_affected(raw, text) for text in texts]
+    affecting_texts = [] if kind == "also" else texts
+    affects = [_affected(raw, text) for text in affecting_texts]
     value = change.get("to", change.get("value"))
     used = {"remove": LEFT_OUT, "unknown": NOT_KNOWN, "also": NOT_KNOWN}.get(kind, _text(value))
     return record(

@@ -101,8 +101,9 @@ def _check_replies(interface: Interface, positions: frozenset[str], report: Docu
 def _common_constant(requests: Sequence[Layout], name: str) -> int | None:
     """Return the value of a field that is the same constant in all requests with the field, or None."""
     kinds = [field.kind for request in requests for field in request.fields if field.name == name]
-    values = {kind.value if isinstance(kind, Constant) else None for kind in kinds}
-    return values.pop() if len(values) == 1 else None
+    constants = [kind for kind in kinds if isinstance(kind, Constant)]
+    values = {constant.value for constant in constants}
+    return values.pop() if len(constants) == len(kinds) and len(values) == 1 else None
 
 
 def _has_constant(layout: Layout, names: set[str]) -> bool:
@@ -118,7 +119,7 @@ def _kinds(
         for other_layout in other_layouts:
             other_placed = other_layout.place(variant.parameters)
             for placed_field in placed.fields if placed.bits == other_placed.bits else ():
-                other_field = other_placed.field(placed_field.name)
+                other_field = other_placed.find_field(placed_field.name)
                 if other_field is None or (other_field.low, other_field.width) != (
                     placed_field.low,
                     placed_field.width,

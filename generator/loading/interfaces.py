@@ -85,10 +85,13 @@ def _check_word_bits(layout: Layout, word_bits: Sequence[tuple[Raw, Expression |
 def _checked(raw: Raw, site: Site, *below: str | int) -> Expression | None:
     """Return ``word_bits`` of an interface or exchange, and check its range for every order code."""
     bits = site.context.expression(raw.get("word_bits", _WORD[0]))
+    if bits is None:
+        return None
     low, high = _WORD
-    lengths = sorted({bits.value(parameters) for parameters in site.sets} if bits is not None else ())
-    for length in [length for length in lengths if not low <= length <= high][:1]:
-        message = f"a word has {length} bits, but {low} to {high} are possible"
+    lengths = sorted({bits.value(parameters) for parameters in site.sets})
+    impossible_lengths = [length for length in lengths if not low <= length <= high]
+    if impossible_lengths:
+        message = f"a word has {impossible_lengths[0]} bits, but {low} to {high} are possible"
         site.report("width-mismatch", message, *below, "word_bits")
     return bits
 
@@ -99,8 +102,7 @@ def build_measurement(raw: Raw, context: Context) -> Measurement | None:
         return None
     definition = raw["measurement"]
     keys = ("counts_per_turn", "turns", "step_um", "step_nm", "per_counts", "modulus", "highest")
-    numbers = {key: context.expression(definition[key]) if key in definition else None for key in keys}
-    return Measurement(of=definition["of"], source=sources(definition), **numbers)
+    return Measurement(of=definition["of"], source=sources(definition), **context.expressions(definition, keys))
 
 
 def _clock(raw: Raw) -> Clock:

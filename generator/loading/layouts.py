@@ -100,8 +100,7 @@ def _position_range(raw: Raw, context: Context) -> LayoutRange | None:
     if "position_range" not in raw:
         return None
     definition = raw["position_range"]
-    keys = ("turns", "modulus", "highest")
-    numbers = {key: context.expression(definition[key]) if key in definition else None for key in keys}
+    numbers = context.expressions(definition, ("turns", "modulus", "highest"))
     return LayoutRange(source=sources(definition) or sources(raw), wraps=definition.get("wraps", True), **numbers)
 
 
@@ -117,7 +116,9 @@ def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]], constants: 
         message = f"'over' counts the bits of each field from 0, and '{join}' has several fields; list its fields"
         site.report("parity-of", message, "fields", field.name, "parity_of")
     names = tuple(part for name in field.kind.of for part in joins.get(name, (name,)))
-    constant_names = tuple(name for name in names if name in constants) if len(names) > 1 else ()
+    constant_names = tuple(name for name in names if name in constants)
+    if len(names) == 1:
+        constant_names = ()
     inverts = bool(sum((constants[name] & field.kind.mask).bit_count() for name in constant_names) & 1)
     odd, data_names = field.kind.odd != inverts, tuple(name for name in names if name not in constant_names)
     kind = Parity(data_names, odd, field.kind.over, constant_names, inverts) if data_names else Constant(int(odd))
@@ -264,7 +265,8 @@ def _bits(high: int, low: int) -> str:
 def _with(parameters: Mapping[str, int], *expressions: Expression) -> str:
     """Return text such as `` with singleturn_bits = 17`` for the relevant parameters."""
     names = dict.fromkeys(name for expression in expressions for name in expression.parameters)
-    return " with " + ", ".join(f"{name} = {parameters[name]}" for name in names) if names else ""
+    values = ", ".join(f"{name} = {parameters[name]}" for name in names)
+    return f" with {values}" if values else ""
 
 
 def _fits(items: Sequence[Item], bits: Expression, site: Site) -> bool:

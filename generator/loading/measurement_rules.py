@@ -126,8 +126,8 @@ def _cases(device: Device, interface: Interface, measurement: Measurement) -> It
         names = layout.names_in(measurement.of)
         for variant in device.variants_over(interface.name):
             placed = layout.place(variant.parameters)
-            present = ((name, field.width) for name in names if (field := placed.field(name)) is not None)
-            yield _Case(variant, layout, tuple(present))
+            widths = tuple((field.name, field.width) for field in placed.find_fields(names))
+            yield _Case(variant, layout, widths)
 
 
 def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, str] | None:

@@ -154,13 +154,13 @@ def errata_of(laid: Iterable[AppliedChange]) -> Iterator[Erratum]:
         definition = {"severity": "wrong_data", **changes[0].raw}
         prose: dict[str, object] = {key: definition[key] for key in ("severity", "why", "source") if key in definition}
         is_known = changes[0].is_known
-        used = (few([change.now for change in changes if change.now]) or LEFT_OUT) if is_known else NOT_KNOWN
+        new_values = few([change.now for change in changes if change.now]) or LEFT_OUT
         yield record(
             Erratum,
             prose,  # The schema reports the rest.
             name=f"{_WORD.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{numbers[name]}",
             printed=few(without_examples([change.was for change in changes])),
-            used=used,
+            used=new_values if is_known else NOT_KNOWN,
             status="settled" if is_known else "open",
             affects=tuple(dict.fromkeys(path for change in changes for path in change.affects)),
             **{kind: name},

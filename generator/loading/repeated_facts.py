@@ -195,7 +195,7 @@ def _widths(device: Device, variant: Variant) -> set[int]:
         return widths
     for layout in interface.layouts:
         placed = layout.place(variant.parameters)
-        fields = [field for name in layout.names_in(measurement.of) if (field := placed.field(name)) is not None]
+        fields = placed.find_fields(layout.names_in(measurement.of))
         if layout.sender == "encoder" and fields:
             widths |= {placed.bits, sum(field.width for field in fields)}
     return widths

@@ -74,13 +74,12 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
         if named_files:
             return (_load(named_files[0].path, cache)[0],)
         # If the text shows the beginnings, they have been compared already.
-        unsure = {
-            device_file.path: "" if device_file.beginnings and all(device_file.beginnings) else label
-            for device_file in device_files
-            if device_file.can_have(label)
-        }
-        possible = (_load(path, cache, possible_label) for path, possible_label in unsure.items())
-        return tuple(device for devices in possible for device in devices)
+        devices: list[Device] = []
+        for device_file in device_files:
+            if device_file.can_have(label):
+                is_compared = device_file.beginnings and all(device_file.beginnings)
+                devices += _load(device_file.path, cache, "" if is_compared else label)
+        return tuple(devices)
     except (OSError, ValueError, TypeError, LookupError, AttributeError, _NotSelectable):
         return None
 

@@ -39,6 +39,6 @@ def _widths(device: Device, interface: Spi, frames: Collection[str]) -> Iterator
     """Yield each of these frames that has a value, with the number of its bits."""
     for layout in interface.layouts:
         for variant in device.variants_over(interface.name) if layout.name in frames else ():
-            field = layout.place(variant.parameters).field(_DATA)
+            field = layout.place(variant.parameters).find_field(_DATA)
             if field is not None:
                 yield layout.name, field.width

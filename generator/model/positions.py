@@ -41,7 +41,8 @@ def narrower_range(measurement: Measurement, layout: Layout, sets: Sequence[Mapp
         position_range = _unsigned(measurement, fields, sets)
     if position_range is None or position_range.field.number.zero_means:
         return None
-    return position_range if any(_is_narrower(position_range, parameters) for parameters in sets) else None
+    is_narrower = any(_is_narrower(position_range, parameters) for parameters in sets)
+    return position_range if is_narrower else None
 
 
 def _is_narrower(position_range: PositionRange, parameters: Mapping[str, int]) -> bool:

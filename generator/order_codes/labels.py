@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 
-from ..model import CodePart, Device, OrderCode, Spelling, Variant
+from ..model import CodePart, Device, OrderCode, Spelling, Variant, member_named
 from ..model.record import dataclass
 from . import messages
 
@@ -105,13 +105,15 @@ def beginnings(code: OrderCode) -> tuple[str, ...]:
         text, *pieces = _BRACES.split(spelling.pattern)
         texts = [text]
         if not text.strip():
-            part = next(part for part in code.parts if part.name == pieces[0])
+            part = member_named(code.parts, pieces[0], "part of the order code")
             is_open = part.open and part.name not in {value.part for value in spelling.values}
             texts = [*spelled(part, spelling), *([""] if is_open else [])]
         prefixes |= {without_blanks(beginning).upper() for beginning in texts}
-    return tuple(
-        sorted(prefix for prefix in prefixes if not any(prefix != o and prefix.startswith(o) for o in prefixes))
-    )
+    shortest: list[str] = []
+    for prefix in sorted(prefixes):  # A prefix of another one comes before it.
+        if not prefix.startswith(tuple(shortest)):
+            shortest.append(prefix)
+    return tuple(shortest)
 
 
 def as_listed(order_code: OrderCode) -> Spelling:
@@ -139,35 +141,36 @@ def _listed(part: CodePart, text: str) -> str | None:
 
 def _fitting(device: Device, listed_values: Mapping[str, str | None]) -> Variant | None:
     """Return the first listed code with these parts, where None stands for an unlisted value."""
-    unlisted = [part for part in device.order_code.parts if listed_values[part.name] is None]
+    for part in device.order_code.parts:
+        if listed_values[part.name] is None and not _can_be_open(part, listed_values):
+            return None
     for variant in device.variants:
-        if all(value in (None, variant.parts[name]) for name, value in listed_values.items()) and all(
-            listed_values[other_name] is None or listed_values[other_name] in allowed
-            for part in unlisted
-            for other_name, allowed in part.open_only_with.items()
-        ):
+        if all(value in (None, variant.parts[name]) for name, value in listed_values.items()):
             return variant
     return None
+
+
+def _can_be_open(part: CodePart, listed_values: Mapping[str, str | None]) -> bool:
+    """Return whether a part can have an unlisted value next to these values of the other parts."""
+    return all(listed_values[name] in (None, *allowed) for name, allowed in part.open_only_with.items())
 
 
 def regex(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
     """Return a regular expression for the whole code in this spelling. The part ``anything`` can have any text."""
     spelled_parts = {value.part for value in spelling.values}
-    parts = {
-        part.name: _any_of(spelled(part, spelling)) if part.name in spelled_parts else _alternatives(part)
-        for part in order_code.parts
-    }
+    parts = {part.name: _alternatives(part) for part in order_code.parts}
+    parts |= {part.name: _any_of(spelled(part, spelling)) for part in order_code.parts if part.name in spelled_parts}
     if anything:
         parts[anything] = "[A-Z0-9]*"
-    pieces = [
-        f"(?P<{piece}>{parts[piece]})" if index % 2 else re.escape(without_blanks(piece))
-        for index, piece in enumerate(_BRACES.split(spelling.pattern))
-    ]
+    pieces = _BRACES.split(spelling.pattern)  # Text and names of parts in turn.
+    pieces[::2] = [re.escape(without_blanks(text)) for text in pieces[::2]]
+    pieces[1::2] = [f"(?P<{name}>{parts[name]})" for name in pieces[1::2]]
     return "".join(pieces) + (f"(?:{spelling.then})" if spelling.then else "")
 
 
 def _alternatives(part: CodePart) -> str:
-    return "|".join([_any_of(value.text for value in part.values), *([part.open] if part.open else [])])
+    listed = _any_of(value.text for value in part.values)
+    return f"{listed}|{part.open}" if part.open else listed
 
 
 def _any_of(texts: Iterable[str]) -> str:
@@ -176,13 +179,14 @@ def _any_of(texts: Iterable[str]) -> str:
 
 def _clash(device: Device, code: str, parts: Mapping[str, str], listed_values: Mapping[str, str | None]) -> str:
     """Return the message about parts that are valid individually but not in combination, with the parts to change."""
-    names = [
-        part.name
-        for part in device.order_code.parts
-        if any(_fitting(device, {**listed_values, part.name: value.text}) for value in part.values)
-    ]
+    names = [part.name for part in device.order_code.parts if _fits_if_changed(device, part, listed_values)]
     listed_parts = " and ".join(f"{name} '{listed_values[name] or parts[name]}'" for name in names) or "its parts"
     return messages.cannot_be_combined(code, listed_parts, _nearest(device, code))
+
+
+def _fits_if_changed(device: Device, part: CodePart, listed_values: Mapping[str, str | None]) -> bool:
+    """Return whether there is a code with these parts if another value of ``part`` is chosen."""
+    return any(_fitting(device, {**listed_values, part.name: value.text}) for value in part.values)
 
 
 def _explain(device: Device, code: str) -> UnknownOrderCode:

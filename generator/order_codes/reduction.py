@@ -30,9 +30,8 @@ def reduced_to_codes(device: Device, codes: Collection[str]) -> Device:
         return reduced
     layouts = [layout for _, layout in reduced.layouts()]
     decisive = {alternative.name for layout in layouts for alternative in reduced.verdict_alternatives(layout)}
-    remaining = tuple(
-        alternative for alternative in reduced.alternatives if not alternative.default or alternative.name in decisive
-    )
+    decisive |= {alternative.name for alternative in reduced.alternatives if not alternative.default}
+    remaining = tuple(alternative for alternative in reduced.alternatives if alternative.name in decisive)
     return replace(reduced, alternatives=remaining)
 
 

@@ -74,15 +74,13 @@ def reportings(device: Device) -> Iterator[Reporting]:
     reports = _reports(device)
     for interface, layout in _sent(device):
         codec = codec_of(device, layout)
-        told_reports = tuple(
-            Told(reports[layout.name, coded_field.name], cause, only)
-            for cause in telling(codec)
-            for coded_field, only in by_code(cause.field)
-            if _is_told(coded_field)
-        )
-        tells = device.tells_position(interface.name, layout)
-        if told_reports or tells:
-            yield Reporting(interface, codec, told_reports, judgement_of(codec) if tells else None)
+        causes: list[Told] = []
+        for cause in telling(codec):
+            reported = ((field, only) for field, only in by_code(cause.field) if _is_told(field))
+            causes += [Told(reports[layout.name, field.name], cause, only) for field, only in reported]
+        judgement = judgement_of(codec) if device.tells_position(interface.name, layout) else None
+        if causes or judgement is not None:
+            yield Reporting(interface, codec, tuple(causes), judgement)
 
 
 def _sent(device: Device) -> Iterator[tuple[Interface, Layout]]:
@@ -104,17 +102,23 @@ def _is_told(field: Field) -> bool:
     return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is not Verdict.USABLE
 
 
+def _fields_by_code(layout: Layout) -> Iterator[tuple[Field, Only | None]]:
+    """Yield the fields and signs that report a problem, each with the order codes for which it does."""
+    for field in (*layout.fields, *(sign.flag for sign in layout.signs)):
+        for coded_field, only in by_code(field):
+            if _is_told(coded_field):
+                yield coded_field, only
+
+
 def _reports(device: Device) -> Mapping[tuple[str, str], Report]:
     """Return the reports by frame and field."""
-    reported_fields = [
-        (interface.name, layout.name, coded_field, only is not None and not only.holds)
-        for interface, layout in _sent(device)
-        for field in (*layout.fields, *(sign.flag for sign in layout.signs))
-        for coded_field, only in by_code(field)
-        if _is_told(coded_field)
-    ]
+    explained_fields, unexplained_fields = [], []
+    for interface, layout in _sent(device):
+        for field, only in _fields_by_code(layout):
+            is_unexplained = only is not None and not only.holds
+            (unexplained_fields if is_unexplained else explained_fields).append((interface.name, layout.name, field))
     # Unexplained flags are last, so that the others keep their numbers.
-    fields = [row[:3] for row in sorted(reported_fields, key=lambda row: row[3])]
+    fields = explained_fields + unexplained_fields
     properties_by_name: dict[str, set[object]] = {}
     for kind, _, field in fields:
         for name in (field.name, f"{kind}_{field.name}"):

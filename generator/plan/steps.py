@@ -25,6 +25,7 @@ from ..model import (
     WaitStep,
     WriteStep,
     assert_never,
+    member_named,
 )
 from ..model.record import dataclass
 from .closing_steps import closing_steps
@@ -377,7 +378,7 @@ def pieces_of(register: Register, field: Field | None = None) -> tuple[Piece, ..
 def _argument_of_step(procedure: Procedure, step: WriteStep | ModifyStep) -> Argument | None:
     if step.value is not None:
         return None
-    return next(candidate for candidate in procedure.arguments if candidate.name == step.value_name)
+    return member_named(procedure.arguments, step.value_name, f"argument of '{procedure.name}'")
 
 
 def _written_value(register: Register, step: WriteStep, argument: Argument | None) -> Source:

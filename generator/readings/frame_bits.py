@@ -98,7 +98,7 @@ def _part(kind: Kind, placed_field: PlacedField, placed: PlacedLayout) -> str:
             low, count = placed.crc_covers
             return f"the CRC of {bits(low + count - 1, low)}" if covered else "the CRC"
         case Parity(covered, odd, over):
-            covered_bits = [_bits_of(placed.field(name)) or name for name in covered]
+            covered_bits = [_bits_of(placed, name) for name in covered]
             counted = f"the {over.replace('_', ' ')} of " if over else ""
             return f"{'odd' if odd else 'even'} parity of {counted}{listed(covered_bits)}"
         case Text():
@@ -107,8 +107,10 @@ def _part(kind: Kind, placed_field: PlacedField, placed: PlacedLayout) -> str:
             assert_never(kind)
 
 
-def _bits_of(placed_field: PlacedField | None) -> str:
-    return bits(placed_field.high, placed_field.low) if placed_field is not None else ""
+def _bits_of(placed: PlacedLayout, name: str) -> str:
+    """Return the bits of a field, or its name if the order code has no such field."""
+    placed_field = placed.find_field(name)
+    return bits(placed_field.high, placed_field.low) if placed_field is not None else name
 
 
 def _gray(placed_field: PlacedField, placed: PlacedLayout) -> str:
@@ -120,9 +122,10 @@ def _joined(placed_field: PlacedField, placed: PlacedLayout) -> int | None:
     weights: list[tuple[int, int | None]] = [(0, None)]
     for join in placed.layout.joins:
         if placed_field.name in join.fields:
-            parts = [part for part in map(placed.field, join.fields) if part is not None]
-            below = parts[[part.name for part in parts].index(placed_field.name) + 1 :]
-            weights.append((sum(part.width for part in parts), sum(part.width for part in below)))
+            parts = placed.find_fields(join.fields)
+            below = parts[parts.index(placed_field) + 1 :]
+            widths, widths_below = [part.width for part in parts], [part.width for part in below]
+            weights.append((sum(widths), sum(widths_below)))
     return max(weights, key=itemgetter(0))[1]
 
 

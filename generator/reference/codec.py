@@ -127,7 +127,7 @@ def select(
 
 def _selected(placed: PlacedLayout, data: bytes) -> int | None:
     """Return the value of the selector field, or None if ``data`` is too short for it. Longer data is accepted."""
-    selector = placed.field(placed.layout.selector)
+    selector = placed.find_field(placed.layout.selector)
     if selector is None:
         return None
     low_first = placed.layout.byte_order == "low_byte_first"
@@ -186,7 +186,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
                 Problem(Fault.RANGE, placed_field.name, fault.of_other_frame(placed_field.name, f"{raw:X}"))
             )
     valid = device.range_in(placed.layout)
-    limited = placed.field(valid.field.name) if valid is not None else None
+    limited = placed.find_field(valid.field.name) if valid is not None else None
     if valid is not None and limited is not None:
         message = _outside(valid, limited, plain >> limited.low & limited.mask, placed)
         if message:
@@ -225,7 +225,7 @@ def _decode_crc(device: Device, placed: PlacedLayout, number: int, problems: lis
 
 
 def _decode_join(placed: PlacedLayout, join: Join, number: int, plain: int) -> DecodedField:
-    parts = " and ".join(name for name in join.fields if placed.field(name) is not None)
+    parts = " and ".join(field.name for field in placed.find_fields(join.fields))
     meaning = as_one_number(parts) if len(join.fields) > 1 else ""
     value = join_value(placed, join, plain)
     raw = join_value(placed, join, number) if placed.gray else value
@@ -247,19 +247,16 @@ def _documented(placed_field: PlacedField) -> int:
 
 def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
     """Return the parity bit that matches the other bits of ``number``."""
-    fields = (placed.field(name) for name in parity.of)
-    present = (field for field in fields if field is not None)
-    ones = sum((number >> field.low & field.mask & parity.mask).bit_count() for field in present)
+    fields = placed.find_fields(parity.of)
+    ones = sum((number >> field.low & field.mask & parity.mask).bit_count() for field in fields)
     return (ones + parity.odd) & 1
 
 
 def join_value(placed: PlacedLayout, join: Join, number: int) -> int:
     """Return the fields of a join as one number, with the first field most significant."""
     value = 0
-    for name in join.fields:
-        part = placed.field(name)
-        if part is not None:
-            value = value << part.width | number >> part.low & part.mask
+    for part in placed.find_fields(join.fields):
+        value = value << part.width | number >> part.low & part.mask
     return value
 
 
@@ -412,7 +409,7 @@ def _check_names(placed: PlacedLayout, values: Values) -> None:
         if name not in used_names:
             raise EncodeError(f"there is no field '{name}' in {placed.name}")
     for field in placed.layout.fields:
-        if values.get(field.name) and placed.field(field.name) is None:
+        if values.get(field.name) and placed.find_field(field.name) is None:
             raise EncodeError(f"{field.name} {values[field.name]} does not fit: this order code has no such field")
 
 
@@ -442,7 +439,7 @@ def _split(placed: PlacedLayout, join: Join, value: int, values: Values) -> dict
     parts: dict[str, int] = {}
     remaining_bits = value
     for name in reversed(join.fields):
-        placed_field = placed.field(name)
+        placed_field = placed.find_field(name)
         width = placed_field.width if placed_field is not None else 0
         parts[name] = remaining_bits & ((1 << width) - 1)
         remaining_bits >>= width

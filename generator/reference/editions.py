@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from ..model import Device, number_from_bytes
+from ..model import Device, member_named, number_from_bytes
 from ..order_codes.editions import edition_before, tests_of
 from ..order_codes.labels import Match
 from ..say.fault import of_older_edition
@@ -43,7 +43,7 @@ def told_by_registers(device: Device, match: Match, bytes_by_address: Mapping[in
             has_register = True
             number = number_from_bytes(register.layout, bytes(bytes_by_address[address] for address in addresses))
             decoded = decode_word(device, register.layout.place(match.variant.parameters), number)
-            raw = next(field.raw for field in decoded.fields if field.name == test.run)
+            raw = member_named(decoded.fields, test.run, f"field of '{register.name}'").raw
             if not test.min <= raw <= test.max:
                 return edition_before(device, edition.revision)
     if not has_register:

@@ -113,7 +113,7 @@ def _decoded(field: Field, number: int) -> str | bool:
     """Return the decoded value of a flag or of a field with named values."""
     if isinstance(field.kind, Flag):
         return bool(number)
-    return next(named_value.name for named_value in field.values if named_value.value == number)
+    return field.value_of(number).name
 
 
 def _worth(kind: Kind) -> Verdict | None:
@@ -139,7 +139,7 @@ def _verdict(layout: Layout, active: Sequence[Field]) -> Verdict:
     silent_names = {name for name, flag in flags.items() if not names.isdisjoint(flag.sums_up)}
     verdicts = [_worth(field.kind) for field in active if field.name not in silent_names]
     verdicts.append(Verdict.USABLE if layout.tells_validity else Verdict.UNKNOWN)
-    return next(verdict for verdict in Verdict if verdict in verdicts)
+    return min(filter(None, verdicts), key=list(Verdict).index)
 
 
 def _differences(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..model import Alarm, Device
+from ..model import Alarm, Device, member_named
 from .erratum import errata, erratum
 from .name import register_field, title
 from .only import only
@@ -23,7 +23,7 @@ def alarm(device: Device, device_alarm: Alarm) -> Iterator[Said]:
 def facts(device: Device, device_alarm: Alarm) -> Iterator[Said]:
     """Yield the flag that shows it, its cause, and the procedures that clear it."""
     if device_alarm.group:
-        group = next(candidate for candidate in device.field_groups if candidate.name == device_alarm.group)
+        group = member_named(device.field_groups, device_alarm.group, "field group")
         yield said(Code(device_alarm.field), " in ", Ref("group", group.name, title(group)), label="Flag")
     elif device_alarm.register:
         yield said(register_field(device, f"{device_alarm.register}.{device_alarm.field}".rstrip(".")), label="Flag")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..model import BankSelect, Device, Register, RegisterMeaning
+from ..model import BankSelect, Device, Register, RegisterMeaning, first_of
 from ..model.expressions import Expression
 from .alternative import needs
 from .erratum import errata, erratum
@@ -73,7 +73,8 @@ def _rules(device: Device, register: Register) -> Iterator[Said]:
     yield from _shared(device, register)
     if register.bank is not None:
         facts = device.interface(register.interface).facts()
-        select = next(fact.register for fact in facts if isinstance(fact, BankSelect))
+        bank_selects = (fact for fact in facts if isinstance(fact, BankSelect))
+        select = first_of(bank_selects, f"no register selects the bank of '{register.name}'").register
         yield said(f"First select bank {register.bank} with ", named(device, select))
     if register.reserved:
         yield reserved(register.reserved)
@@ -111,7 +112,7 @@ def _opened_by(device: Device, register: Register) -> Said:
     opener = device.register(register.opened_by)
     path = ".".join(filter(None, (register.opened_by, register.opened_by_field)))
     field = opener.layout.field(register.opened_by_field) if register.opened_by_field else opener.layout.fields[0]
-    value = next(candidate.value for candidate in field.values if candidate.name == register.opened_by_value)
+    value = field.value_named(register.opened_by_value).value
     value_text = f"{value}" if register.opened_by_field else hexadecimal(value, 2 * opener.length)
     field_reference = register_field(device, path)
     return said(
@@ -123,7 +124,7 @@ def _meaning(device: Device, meaning: RegisterMeaning) -> Said:
     """Return one meaning of a register and the field value that selects it."""
     path, _, field = meaning.when.partition(".")
     bit = device.register(path).layout.field(field)
-    value = next(candidate.value for candidate in bit.values if candidate.name == meaning.value)
+    value = bit.value_named(meaning.value).value
     field_reference = register_field(device, meaning.when)
     condition = ("While ", field_reference, f" is {value} (", Code(meaning.value), "), the register holds ")
     span = limits(meaning.min, meaning.max)

@@ -75,8 +75,7 @@ def conditions(values: Iterable[tuple[Field, int]]) -> Said:
 def _condition(field: Field, value: int) -> tuple[Part, ...]:
     if isinstance(field.kind, Flag):
         return Code(field.name), f" is {int(bool(value) != field.kind.active_low)}"
-    name = next(named_value.name for named_value in field.values if named_value.value == value)
-    return Code(field.name), f" is {short(value)} (", Code(name), ")"
+    return Code(field.name), f" is {short(value)} (", Code(field.value_of(value).name), ")"
 
 
 def remedy(field: Field, alarm: Alarm | None) -> str:

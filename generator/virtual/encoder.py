@@ -302,7 +302,7 @@ class VirtualEncoder:
     def _carries_position(self, layout: Layout) -> bool:
         measurement = self.device.measurement_of(self.variant.interface)
         name = measurement.of if measurement is not None else "position"
-        return layout.names_in(name) != (name,) or self.place(layout).field(name) is not None
+        return layout.names_in(name) != (name,) or self.place(layout).find_field(name) is not None
 
     def _fields(self, layout: Layout | None) -> tuple[PlacedField, ...]:
         """Return the fields that form the position in frames with a layout, most significant first."""

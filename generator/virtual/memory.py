@@ -179,12 +179,11 @@ class Memory:
             return True
         opener = self.registers[register.opened_by]
         field = opener.layout.field(register.opened_by_field) if register.opened_by_field else opener.layout.fields[0]
-        placed_field = self._encoder.place(opener.layout).field(field.name)
-        opening_value = next(value.value for value in field.values if value.name == register.opened_by_value)
-        return (
-            placed_field is not None
-            and self.value(opener.name) >> placed_field.low & placed_field.mask == opening_value
-        )
+        placed_field = self._encoder.place(opener.layout).find_field(field.name)
+        if placed_field is None:
+            return False
+        opening_value = field.value_named(register.opened_by_value).value
+        return self.value(opener.name) >> placed_field.low & placed_field.mask == opening_value
 
     def _written(self, register: Register) -> None:
         number = self.value(register.name)
@@ -258,14 +257,12 @@ class Memory:
     def _meaning(self, register: Register) -> str:
         for meaning in register.meanings:
             name, _, field = meaning.when.partition(".")
-            placed = self._encoder.place(self.registers[name].layout).field(field)
-            number = (
-                next((value.value for value in placed.field.values if value.name == meaning.value), None)
-                if placed
-                else None
-            )
-            if placed is not None and self.value(name) >> placed.low & placed.mask == number:
-                return meaning.name
+            placed_field = self._encoder.place(self.registers[name].layout).find_field(field)
+            if placed_field is not None:
+                number = self.value(name) >> placed_field.low & placed_field.mask
+                names = [value.name for value in placed_field.field.values if value.value == number]
+                if meaning.value in names:
+                    return meaning.name
         return ""
 
     def _answer(self, command: Register, number: int) -> None:
@@ -274,7 +271,7 @@ class Memory:
             if any(step.value == number for step in _commands(procedure, command)):
                 for step in procedure.steps:
                     if isinstance(step, PollStep):
-                        placed_field = self._encoder.place(self.registers[step.register].layout).field(step.field)
+                        placed_field = self._encoder.place(self.registers[step.register].layout).find_field(step.field)
                         if placed_field is not None:
                             old = self.value(step.register)
                             self._store(

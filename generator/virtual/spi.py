@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..model import Exchange, Flag, Layout, Spi
+from ..model import Exchange, Flag, Layout, Spi, member_named
 from ..reference import codec
 from .encoder import VirtualEncoder
 from .faults import disturbed
@@ -147,4 +147,4 @@ class SpiLine:
         return self.encoder.frame(layout, flags)
 
     def _layout(self, name: str) -> Layout:
-        return next(layout for layout in self.interface.layouts if layout.name == name)
+        return member_named(self.interface.layouts, name, "layout over SPI")

@@ -78,10 +78,9 @@ def _codes_named(spec: Spec, value: Spec) -> dict[str, int]:
     words = [word for word in ("Gray", "binary") if re.search(rf"\b{word}\b", value.get("meaning", ""), re.IGNORECASE)]
     if len(words) != 1:
         return {}
-    over_interface = (
-        fields for fields in layouts(spec) if value.get("interface", fields.interface) == fields.interface
-    )
-    used = {mapping(fields.owner, "gray").get("when") for fields in over_interface}
+    interface = value.get("interface")
+    own_layouts = (fields for fields in layouts(spec) if interface in (None, fields.interface))
+    used = {mapping(fields.owner, "gray").get("when") for fields in own_layouts}
     return {name: int(words[0] == "Gray") for name in mapping(value, "sets") if name in used}
 
 

@@ -20,6 +20,7 @@ from ...model import (
     WriteStep,
     assert_never,
     cite,
+    first_of,
     number_to_bytes,
 )
 from ...model.record import dataclass
@@ -139,8 +140,8 @@ class ExampleCode:
     @property
     def asked(self) -> tuple[AlternativeCode, ...]:
         """The alternatives that the user must answer to decode the frame. The program uses the first answers."""
-        codecs = self.view.interface.codecs
-        return next(codec.asked for codec in codecs if codec.struct is self.struct)
+        codecs = (codec for codec in self.view.interface.codecs if codec.struct is self.struct)
+        return first_of(codecs, f"no codec is for '{self.struct.layout.name}'").asked
 
     @property
     def encoder(self) -> str:
@@ -167,7 +168,9 @@ class ExampleCode:
     @property
     def struct(self) -> Struct:
         """The struct of the frame."""
-        return next(codec.struct for codec in self.view.interface.codecs if codec.struct.layout is self.frame.layout)
+        structs = (codec.struct for codec in self.view.interface.codecs)
+        own_structs = (struct for struct in structs if struct.layout is self.frame.layout)
+        return first_of(own_structs, f"no struct is for '{self.frame.layout.name}'")
 
     @property
     def reports(self) -> FrameReports | None:
@@ -211,7 +214,8 @@ class ExampleCode:
         if exchange is None:
             return None
         structs = (codec.struct for codec in self.view.interface.codecs)
-        request = next(struct for struct in structs if struct.layout.name == exchange.request)
+        requests = (struct for struct in structs if struct.layout.name == exchange.request)
+        request = first_of(requests, f"no struct is for '{exchange.request}'")
         bits = self.frame.layout.place(self._chosen.variant.parameters).bits
         data = self.frame.wire.to_bytes((bits + 7) // 8, "big")
         macro = f"{self.view.PREFIX}_REQUEST_{exchange.request}".upper()
@@ -318,7 +322,8 @@ class ExampleCode:
         if self._chosen.procedure is None:
             return None
         procedure, example = self._chosen.procedure
-        code = next(candidate for candidate in self.view.procedures if candidate.run.procedure is procedure)
+        candidates = (code for code in self.view.procedures if code.run.procedure is procedure)
+        code = first_of(candidates, f"there is no code for the procedure '{procedure.name}'")
         values: dict[str, int] = {}
         if example is not None:
             values = {argument.name: example.arguments[argument.name] for argument in procedure.arguments}
@@ -329,7 +334,8 @@ class ExampleCode:
 
     def _read(self, register: Register) -> ShownRegister:
         _, example = self._chosen.registers[register.name]
-        code = next(candidate for candidate in self.view.registers if candidate.register is register)
+        candidates = (code for code in self.view.registers if code.register is register)
+        code = first_of(candidates, f"there is no code for the register '{register.name}'")
         heading = f"{ascii_text(title(register))} {register.address:02X}h"
         about = f"a worked example [{cite(example.source)}]"
         return ShownRegister(heading, c_name(register.name, _TAKEN), about, code.access, code.struct)

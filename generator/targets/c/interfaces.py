@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
-from ...model import Biss, CableLength, Clock, Interface, Layout, Port, Rs485, Spi, Timeout, WordFormat, cite
+from ...model import Biss, CableLength, Clock, Interface, Layout, Port, Rs485, Spi, Timeout, WordFormat, cite, first_of
 from ...model.record import dataclass
 from ...plan.frames import Branch, Dispatch, dispatches
 from ...plan.replies import Exchanged, answer, exchanges
@@ -129,10 +129,12 @@ class InterfaceCode:
         port = next((fact for fact in self.interface.facts() if isinstance(fact, Port)), None)
         if exchanged is None or port is None:
             return None
-        codec = next(candidate for candidate in self.codecs if candidate.struct.layout is exchanged.request)
+        candidates = (candidate for candidate in self.codecs if candidate.struct.layout is exchanged.request)
+        codec = first_of(candidates, f"no codec is for '{exchanged.request.name}'")
         bits = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
         size = (exchanged.request.widest + reply.widest) // 8
-        parameters = next(variant.parameters for variant in self.device.variants_over(self.interface.name))
+        variants = self.device.variants_over(self.interface.name)
+        parameters = first_of(variants, f"no order code has the interface '{self.interface.name}'").parameters
         initial = codec.struct.initial(parameters, values)
         answered = set(_member_names(reply))
         names = [name for name in _member_names(exchanged.request) if name in answered]

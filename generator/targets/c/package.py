@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Biss, Manufacturer
+from ...model import Biss, Manufacturer, first_of
 from ...model.record import dataclass
 from .. import main_manufacturer, manufacturers
 from .comments import ascii_text
@@ -146,8 +146,10 @@ class Guide:
     @property
     def bits(self) -> str:
         """The macro of the length of its frame, for a receiver."""
-        received = next(frame for frame in self.example.received if frame.variant is self.example.row.variant)
-        return next(self.example.view.lengths.macros_of(received)).name
+        variant = self.example.row.variant
+        frames = (frame for frame in self.example.received if frame.variant is variant)
+        macros = self.example.view.lengths.macros_of(first_of(frames, f"no frame is received from {variant.code}"))
+        return first_of(macros, f"no macro has the length of the frames of {variant.code}").name
 
     @property
     def number(self) -> str:

@@ -349,10 +349,12 @@ class ProcedureCode:
             stem = read.register.name
             if length != read.register.length and read.field is not None:
                 stem += f"_{read.field.name}"
-            base = c_name(stem)
-            numbered = (f"{base}_{number}" for number in range(2, len(names) + 3))
-            names.append(next(name for name in (base, *numbered) if name not in names))
-            yield ReadMember(names[-1], first, length, note_of_read(self.context.device, read))
+            base = name = c_name(stem)
+            for number in range(2, len(names) + 2):
+                if name in names:
+                    name = f"{base}_{number}"
+            names.append(name)
+            yield ReadMember(name, first, length, note_of_read(self.context.device, read))
             first += length
 
 

@@ -20,6 +20,8 @@ from ...model import (
     Write,
     assert_never,
     cite,
+    first_of,
+    member_named,
 )
 from ...model.record import dataclass
 from ...plan.codec import Part
@@ -179,7 +181,8 @@ class SelfTest:
         if self.writes_whole:
             interface = self.view.context.interface.name
             registers = (register for register in self.view.device.registers_over(interface) if register.writable)
-            length = next(register.length for register in registers if register.address == write.address)
+            written = (register for register in registers if register.address == write.address)
+            length = first_of(written, f"no writable register has the address {write.address:#x}").length
         yield from ((_hex(write.address), _hex(byte)) for byte in write.value.to_bytes(length, "big"))
 
     @property
@@ -232,7 +235,8 @@ class SelfTest:
         return answers
 
     def _register_checks(self, example: RegisterExample) -> Iterator[Work]:
-        code = next(register for register in self.view.registers if register.register.name == example.register)
+        codes = (code for code in self.view.registers if code.register.name == example.register)
+        code = first_of(codes, f"there is no code for the register '{example.register}'")
         if code.codec is not None:
             yield FrameCheck(
                 codec=code.codec,
@@ -261,7 +265,7 @@ class SelfTest:
             case Characters():
                 return Expected(c_name(name), string(value), text=True)
             case Named(values) if isinstance(value, str):
-                named = next(candidate.value for candidate in values if candidate.name == value)
+                named = member_named(values, value, f"value of '{name}'").value
                 choice = self.view.context.choices.get((key, name))
                 constants = choice.names if choice else {}
                 return Expected(c_name(name), constants.get(named, number(named)))

@@ -35,9 +35,10 @@ def mask(width: int) -> str:
 
 def size_of(bits: int) -> int:
     """Return the width of the smallest unsigned type for ``bits`` bits."""
-    if bits > 64:
-        raise TargetError(f"a number of {bits} bits; the C target holds numbers of at most 64 bits")
-    return next(size for size in (8, 16, 32, 64) if bits <= size)
+    for size in (8, 16, 32, 64):
+        if bits <= size:
+            return size
+    raise TargetError(f"a number of {bits} bits; the C target holds numbers of at most 64 bits")
 
 
 def signed(bits: int) -> str:

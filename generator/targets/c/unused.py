@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...model import Field
+from ...model import Field, first_of
 from ...plan.codec import Reserved
 from ...plan.unused import Moved, moved_bits
 from .bits import Reader
@@ -120,7 +120,8 @@ class Unused:
 
     def given(self, field: Field) -> Expr:
         """Return the bits of one field."""
-        return next(self._given(op) for op in self.plan.reserved if op.field is field)
+        operations = (op for op in self.plan.reserved if op.field is field)
+        return self._given(first_of(operations, f"'{field.name}' is not an unused field"))
 
     def _given(self, op: Reserved) -> Expr:
         return _with_inverted(right(masked(_MEMBER, op.mask), op.place), self._documented(op))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence, Set
 
-from ...model import Parameter, Variant
+from ...model import Parameter, Variant, first_of
 from ...model.record import dataclass
 from ...plan.measurement import also_measured
 from .about import about_order_codes, about_parameter
@@ -74,7 +74,8 @@ class VariantCode:
         ordered: list[Parameter] = []
         while waiting:
             ready = (parameter for parameter in waiting.values() if _needs_none_of(parameter, waiting.keys()))
-            ordered.append(waiting.pop(next(ready).name))
+            parameter = first_of(ready, f"each of {', '.join(waiting)} needs another one of them")
+            ordered.append(waiting.pop(parameter.name))
         return ordered
 
     def _derived(self, parameter: Parameter) -> Function:

@@ -255,7 +255,7 @@ def _sent(device: Device, step: Step, variant: Variant) -> str:
 
 
 def _bit_of(register: Register, name: str, variant: Variant) -> str:
-    placed = register.layout.place(variant.parameters).field(name)
+    placed = register.layout.place(variant.parameters).find_field(name)
     return bits(placed.high, placed.low) if placed is not None else code(name)
 
 

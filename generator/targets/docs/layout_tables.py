@@ -200,7 +200,7 @@ def placement_table(device: Device, layout: Layout, kind: str) -> str:
     for answers, shape in shapes:
         cells = []
         for field in moving:
-            placed_field = shape.placed.field(field.name)
+            placed_field = shape.placed.find_field(field.name)
             container_low = placed_field.low if placed_field is not None and field.name in within else 0
             cells.append(
                 "–"

@@ -338,7 +338,7 @@ class Coder:
         if self.register is not None:
             description, kind = text.of_register(device, self.register), "register"
         else:
-            interface = next(interface for interface, layout in device.layouts() if layout is self.layout)
+            interface = device.interface_of(self.layout)
             description, kind = text.of_layout(device, interface, self.layout), "frame"
         attributes = [(question.name, sentence(question.alternative.meaning)) for question in self.asked]
         attributes += [(attribute.name, attribute.meaning) for attribute in self.attributes]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from ...model import Field, Flag, Verdict
+from ...model import Field, Flag, Verdict, first_of
 from ...plan.codec import Codec, Part, Reserved
 from ...plan.reports import Reporting, Told
 from ...plan.verdicts import Match, Only, Speaks
@@ -61,7 +61,8 @@ class FrameReports:
 
     def name_of(self, field: Field) -> str:
         """Return the name of a field's report."""
-        return next(report_cause.report.name for report_cause in self._told if report_cause.by.field.name == field.name)
+        causes = (cause for cause in self._told if cause.by.field.name == field.name)
+        return first_of(causes, f"no report is about '{field.name}'").report.name
 
     def _flag(self, part: Part) -> Expr:
         return Atom(self._own(self._names.attribute(part.field.name)))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 
-from ...model import Interface, Layout, Measurement, Register, Spi, Variant
+from ...model import Interface, Layout, Measurement, Register, Spi, Variant, first_of
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.labels import beginnings
@@ -371,7 +371,8 @@ class Variants:
         """Last order code with a frame whose verdict such an answer decides."""
         layouts = self.device.layouts()
         interfaces = {interface.name for interface, layout in layouts if self.device.verdict_alternatives(layout)}
-        return next(variant.code for variant in reversed(self.device.variants) if variant.interface in interfaces)
+        variants = (variant for variant in reversed(self.device.variants) if variant.interface in interfaces)
+        return first_of(variants, "no order code has a frame whose verdict an answer decides").code
 
     def answered(self, question: Asked) -> list[tuple[str, str]]:
         """Return the parameters that an answer sets, with the names of their values in its Enum."""
