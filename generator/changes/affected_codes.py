@@ -34,8 +34,8 @@ def pattern(device: Device, codes: Collection[str]) -> str:
     if len(affected) < 2 or fitting != affected:
         return ""
     all_texts = {part.name: _used(device.variants, part.name) for part in device.order_code.parts}
-    pieces = _BRACES.split(device.order_code.pattern)
-    texts = [_part(used_texts[piece], all_texts[piece]) if index % 2 else piece for index, piece in enumerate(pieces)]
+    texts = _BRACES.split(device.order_code.pattern)  # Text and names of parts in turn.
+    texts[1::2] = [_part(used_texts[name], all_texts[name]) for name in texts[1::2]]
     # If everything up to the end is open, one mark stands for the rest.
     last = max((index for index in range(1, len(texts), 2) if texts[index] != _ALL), default=0)
     return "".join([*texts[: last + 1], texts[last + 1] if last + 2 >= len(texts) else _ALL])

@@ -95,7 +95,9 @@ class FamilyPair:
         if isinstance(value, tuple):
             return tuple(self.to_new(kind.removesuffix("s"), member, scope) for member in value)
         if not isinstance(value, str):
-            return {self.to_new("parameter", key): member for key, member in value.items()} if value else value
+            if not value:
+                return value
+            return {self.to_new("parameter", key): member for key, member in value.items()}
         if kind == "pattern":
             for old_name, new_name in self.names.get("part", {}).items():
                 value = value.replace(f"{{{old_name}}}", f"{{{new_name}}}")
@@ -145,12 +147,13 @@ class FamilyPair:
 
     def place(self, field: Field, interface: str, is_old: bool) -> tuple[int | str, ...]:
         """Return the bits of a field at every point of an interface."""
-        settings = [point.old if is_old else point.new for point in self._points.get(interface, ())]
-        if not settings:
+        points = self._points.get(interface, ())
+        if not points:
             return field.low.render(), field.width.render()
         bits: list[int] = []
-        for setting in settings:
-            bits += (field.low.value(setting), field.width.value(setting))
+        for point in points:
+            parameters = point.old if is_old else point.new
+            bits += (field.low.value(parameters), field.width.value(parameters))
         return tuple(bits)
 
     def codes(self, interface: str, side: str = "shared") -> tuple[str, ...]:

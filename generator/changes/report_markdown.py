@@ -44,11 +44,14 @@ def _item(change: Change) -> str:
 
 
 def _about(change: Change) -> str:
-    pieces = about(change, "\0{}\0").split("\0")
-    return "".join(in_code(piece) if index % 2 else _kept(piece) for index, piece in enumerate(pieces))
+    pieces = about(change, "\0{}\0").split("\0")  # Prose and code in turn.
+    pieces[::2] = map(_escaped, pieces[::2])
+    pieces[1::2] = map(in_code, pieces[1::2])
+    return "".join(pieces)
 
 
-def _kept(piece: str) -> str:
+def _escaped(piece: str) -> str:
     """Return escaped text with its leading and trailing space."""
-    start, end = (" " if edge == " " else "" for edge in (piece[:1], piece[-1:]))
+    start = " " if piece.startswith(" ") else ""
+    end = " " if piece.endswith(" ") else ""
     return f"{start}{text(piece)}{end}" if piece.strip() else piece

@@ -436,7 +436,8 @@ class PlacedLayout:
     def place_of(self, name: str) -> tuple[int, int]:
         """Return lowest bit and width of a field, or of a join of adjacent fields. An absent field has width 0."""
         parts = self.find_fields(self.layout.names_in(name))
-        return (parts[-1].low, sum(part.width for part in parts)) if parts else (0, 0)
+        width = sum(part.width for part in parts)
+        return (parts[-1].low, width) if parts else (0, 0)
 
 
 def _is_status(field: Field) -> bool:

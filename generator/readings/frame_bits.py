@@ -124,8 +124,8 @@ def _joined(placed_field: PlacedField, placed: PlacedLayout) -> int | None:
         if placed_field.name in join.fields:
             parts = placed.find_fields(join.fields)
             below = parts[parts.index(placed_field) + 1 :]
-            widths, widths_below = [part.width for part in parts], [part.width for part in below]
-            weights.append((sum(widths), sum(widths_below)))
+            width = sum(part.width for part in parts)
+            weights.append((width, sum(part.width for part in below)))
     return max(weights, key=itemgetter(0))[1]
 
 

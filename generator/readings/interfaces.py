@@ -83,13 +83,11 @@ def _of_frame(frame: Subject, layout: Layout) -> Iterator[Fact]:
 
 def _combinations(frame: Subject, layout: Layout) -> Iterator[Fact]:
     """Yield the verdicts of combinations of values, which are identified by their bits."""
+    if not layout.combinations:
+        return
     signs = {sign.flag.name: sign for sign in layout.signs}
     parameters = next(iter(frame.reading.cases(frame.interface).values()), {})
-    placed = (
-        {placed_field.name: placed_field for placed_field in layout.place(parameters).fields}
-        if layout.combinations
-        else {}
-    )
+    placed = {placed_field.name: placed_field for placed_field in layout.place(parameters).fields}
     for combination in layout.combinations:
         conditions = ((placed[name], value) for name, value in signs[combination.name].conditions)
         values = ", ".join(sorted(_condition(field, value) for field, value in conditions))

@@ -88,8 +88,7 @@ def _text(reading: Reading, member: Member, value: Any, interface: str) -> Value
     if isinstance(value, Enum):
         return str(value.value)
     if isinstance(value, tuple):
-        parts = (str(part.digits) if isinstance(part, Digits) else str(part) for part in value)
-        return f"{' '.join(parts)}{_UNITS.get(member.notation, '')}"
+        return f"{' '.join(map(_part_text, value))}{_UNITS.get(member.notation, '')}"
     if isinstance(value, Scale):
         # Two readers may write the same formula with different numbers.
         factor, offset = value.quantity(1) - value.quantity(0), value.quantity(0)
@@ -99,19 +98,28 @@ def _text(reading: Reading, member: Member, value: Any, interface: str) -> Value
     return kind_of_unit(value) if member.form == "unit" else str(value)
 
 
+def _part_text(part: object) -> str:
+    return str(part.digits if isinstance(part, Digits) else part)
+
+
 def _referred(reading: Reading, member: Member, value: Any, interface: str) -> str:
     """Return the things that a member names, in words without names."""
     names = (value,) if isinstance(value, str) else value
     match member.refers_to.removesuffix("s"):
         case "register":
-            found = ((name, reading.register(name)) for name in names)
-            texts = {at(register) if register is not None else name for name, register in found}
+            texts = {_register_text(reading, name) for name in names}
         case "dotted":
             texts = {reading.bits_at(name) for name in names}
         case "procedure":
             return programs(reading, names)
         case _:
             layouts = reading.device.interface(interface).layouts
-            flags = ((layout, item) for layout in layouts for item in layout.fields if item.name in names)
-            texts = {place for flag in flags for place in reading.bits_in_frames(interface, *flag)}
+            flags = ((layout, field) for layout in layouts for field in layout.fields if field.name in names)
+            texts = {bits for layout, flag in flags for bits in reading.bits_in_frames(interface, layout, flag)}
     return ", ".join(sorted(texts))
+
+
+def _register_text(reading: Reading, name: str) -> str:
+    """Return the address of a register, or its name if there is no such register."""
+    register = reading.register(name)
+    return at(register) if register is not None else name

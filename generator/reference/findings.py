@@ -220,5 +220,8 @@ def _compare_register(
 
 def _digits(value: int, known_bits: int, placed_field: PlacedField) -> str:
     """Return the hexadecimal digits of a field, with dots for unknown digits."""
-    shifts = range((placed_field.width - 1) // 4 * 4, -1, -4)
-    return "".join(f"{value >> shift & 15:X}" if known_bits >> shift & 15 else "." for shift in shifts) + "h"
+    digits = ""
+    for shift in range((placed_field.width - 1) // 4 * 4, -1, -4):
+        is_known = known_bits >> shift & 15 != 0
+        digits += f"{value >> shift & 15:X}" if is_known else "."
+    return digits + "h"

@@ -189,4 +189,5 @@ def _compared(words: Iterable[str]) -> set[str]:
 def _share(words: frozenset[str], near: set[str], section: set[str], frequent: Mapping[str, int]) -> float:
     """Return the share of the words that occur near a passage, among those that occur in its section."""
     printed = sum(1 / frequent[word] for word in words & section)
-    return sum(1 / frequent[word] for word in words & section & near) / printed if printed else 0
+    printed_near = sum(1 / frequent[word] for word in words & section & near)
+    return printed_near / printed if printed else 0

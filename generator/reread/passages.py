@@ -57,14 +57,9 @@ def changed(old: Manual, new: Manual) -> Iterator[Passage]:
             words = section.words
             is_gone = old_section is not None
             shown = f"section {section.shown}, {len(words)} words"
-            yield Passage(
-                section,
-                words if is_gone else (),
-                () if is_gone else words,
-                words,
-                words,
-                (shown if is_gone else "", "" if is_gone else shown),
-            )
+            old_words, new_words = (words, ()) if is_gone else ((), words)
+            old_and_new = (shown, "") if is_gone else ("", shown)
+            yield Passage(section, old_words, new_words, words, words, old_and_new)
         else:
             for first, second in (
                 (WORD.findall(old_section.title), WORD.findall(new_section.title)),

@@ -135,7 +135,8 @@ def divide(text: str) -> Manual:
     pages = [_plain_lines(page) for page in text.split("\f")]
     has_pages = len(pages) >= _RUNNING
     edges = _heads_at_edges(pages) if has_pages else set()
-    lines = _joined([line for page in (_without_edges(pages, edges) if has_pages else pages) for line in page])
+    pages_of_text = _without_edges(pages, edges) if has_pages else pages
+    lines = _joined([line for page in pages_of_text for line in page])
     numbered = {index: heading for index, line in enumerate(lines) if (heading := _numbered(line)) is not None}
     listed = _contents(lines, numbered)
     titles = {numbered[index][0]: numbered[index][1] for index in sorted(listed, reverse=True)}

@@ -78,12 +78,12 @@ def _kind(device: Device, frame_field: Field) -> Iterator[Said]:
         case Unused() as unused:
             yield from _unused(device, frame_field, unused)
         case CrcValue(crc, covered_names):
-            names = parted((Code(name),) for name in covered_names) if covered_names else ("everything before it",)
-            yield said("CRC ", Ref("crc", crc, crc), " over ", *names)
+            names = parted((Code(name),) for name in covered_names)
+            yield said("CRC ", Ref("crc", crc, crc), " over ", *(names if covered_names else ("everything before it",)))
         case Parity() as parity:
             covered = parted((Code(name),) for name in parity.covers)
-            bits = f"{parity.over.replace('_', ' ')} of " if parity.over else ""
-            yield said("Odd" if parity.is_odd else "Even", f" parity of {'the ' + bits if bits else ''}", *covered)
+            bits = f"the {parity.over.replace('_', ' ')} of " if parity.over else ""
+            yield said("Odd" if parity.is_odd else "Even", f" parity of {bits}", *covered)
         case Decimal(runs):
             yield said("Decimal digits, most significant first: ", *parted(map(_run, runs)))
         case Text():

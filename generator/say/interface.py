@@ -153,7 +153,8 @@ def unknown_limits(clock: Clock) -> str:
 
 
 def _words(fact: WordFormat) -> str:
-    idle, edge = "high" if fact.mode & 2 else "low", "second" if fact.mode & 1 else "first"
+    idle = "high" if fact.mode & 2 else "low"
+    edge = "second" if fact.mode & 1 else "first"
     clock = f"SPI mode {fact.mode} (the clock idles {idle}, data is taken on the {edge} edge)"
     return f"{word_lengths(fact.lengths)}, {clock}, {REPLIES[fact.reply]}"
 

@@ -90,8 +90,9 @@ def combination(layout: Layout, sign: Sign, value_combination: Combination) -> S
 def carries(interface: Interface, layout: Layout) -> Iterator[Said]:
     """Yield the selector values that identify the frame."""
     if layout.selects:
-        names = {data_id.id: data_id.name for data_id in interface.data_ids} if isinstance(interface, Rs485) else {}
-        values = [f"{value:X}" + (f" ({names[value]})" if value in names else "") for value in layout.selects]
+        data_ids = interface.data_ids if isinstance(interface, Rs485) else ()
+        names = {data_id.id: f" ({data_id.name})" for data_id in data_ids}
+        values = [f"{value:X}{names.get(value, '')}" for value in layout.selects]
         yield said("Its ", Code(layout.selector), " is ", *listed(values, " or "))
 
 

@@ -29,7 +29,8 @@ def decimal(value: Fraction) -> str:
     )
     places = _ROUNDED if digits is None else digits
     whole, part = divmod(round(abs(value) * 10**places), 10**places)
-    text = f"{'-' if value < 0 else ''}{whole:,}" + (f".{part:0{places}}" if places else "")
+    sign = "-" if value < 0 else ""
+    text = f"{sign}{whole:,}" + (f".{part:0{places}}" if places else "")
     return f"≈ {text}" if digits is None else text
 
 

@@ -20,6 +20,10 @@ def parameter(device: Device, item: Parameter) -> Iterator[Said]:
     yield from origin(device, item)
 
 
+def _bound(number: int | None) -> Expression | None:
+    return Expression(number) if number is not None else None
+
+
 def origin(device: Device, item: Parameter) -> Iterator[Said]:
     """Yield the source of its value if no order code sets it."""
     if item.equals is not None:
@@ -27,7 +31,7 @@ def origin(device: Device, item: Parameter) -> Iterator[Said]:
     if item.alternative:
         yield said("Set by your choice of ", *_choice(device, item))
     if item.read_from:
-        span = limits(*(None if bound is None else Expression(bound) for bound in (item.min, item.max)))
+        span = limits(*map(_bound, (item.min, item.max)))
         between = (", ", *span) if span and not item.by_code else ()
         at = register_at(device.register(item.register))
         yield said(f"Read at run time from {at} (", register_field(device, item.read_from), ")", *between)

@@ -341,9 +341,9 @@ def _with_polynomial(crc: Crc, polynomial: int) -> Crc:
     """Return the CRC with another polynomial, and with start value and inversion of that width."""
     width = polynomial.bit_length() - 1
     mask = (1 << width) - 1
-    return replace(
-        crc, width=width, poly=polynomial & mask, init=mask if crc.init else 0, xorout=mask if crc.xorout else 0
-    )
+    init = mask if crc.init else 0
+    xorout = mask if crc.xorout else 0
+    return replace(crc, width=width, poly=polynomial & mask, init=init, xorout=xorout)
 
 
 def _of_length(placed: PlacedLayout, crc: Crc, other_crc: Crc, number: int, length: int) -> Try:

@@ -74,7 +74,8 @@ def explain_bits(
         return None
     failed = _known_to_fail(placed, crc, text)
     why = _why(device, in_bits.tries(device, variant, placed, crc, text), failed, (crc,))
-    flips = (1 << bit for bit in range(placed.bits if failed else 0))
+    bits = range(placed.bits) if failed else ()
+    flips = (1 << bit for bit in bits)
     fits = [in_bits.read_as("", "", placed, crc, text.number ^ flip).fits for flip in flips]
     return replace(why, disturbed=_fitting_bits(fits)) if why is not None else None
 
