@@ -98,6 +98,10 @@ class FamilyPair:
             if not value:
                 return value
             return {self.to_new("parameter", key): member for key, member in value.items()}
+        return self._text_to_new(kind, value, scope)
+
+    def _text_to_new(self, kind: str, value: str, scope: str) -> str:
+        """Return a text that is or contains old names, with the new ones."""
         if kind == "pattern":
             for old_name, new_name in self.names.get("part", {}).items():
                 value = value.replace(f"{{{old_name}}}", f"{{{new_name}}}")

@@ -62,10 +62,9 @@ def is_sound(layout: Layout, site: Site, low_byte_first: bool) -> bool:
     for selected in layout.selects:
         if selector is not None and selector.values and selected not in [value.value for value in selector.values]:
             site.report("undefined-reference", f"'{layout.selector}' has no value {selected}", "when")
-    for member in (*layout.fields, *layout.joins):
-        if layout.unused and member.name == "unused":
-            message = "decoded frames use the name 'unused' for all unused bits; rename the field"
-            site.report("duplicate-name", message, "fields", member.name)
+    if layout.unused and "unused" in layout.member_names:
+        message = "decoded frames use the name 'unused' for all unused bits; rename the field"
+        site.report("duplicate-name", message, "fields", "unused")
     check_joined(layout, site, low_byte_first)
     return len(site.context.report) == problems_before
 

@@ -281,7 +281,8 @@ class Layout:
     @cached_property
     def member_names(self) -> frozenset[str]:
         """Names of its fields and joins."""
-        return frozenset(member.name for member in (*self.fields, *self.joins))
+        field_names = {field.name for field in self.fields}
+        return frozenset(field_names.union(join.name for join in self.joins))
 
     @property
     def carried_as(self) -> str:

@@ -112,7 +112,8 @@ def _fields_by_code(layout: Layout) -> Iterator[tuple[Field, Only | None]]:
 
 def _reports(device: Device) -> Mapping[tuple[str, str], Report]:
     """Return the reports by frame and field."""
-    explained_fields, unexplained_fields = [], []
+    explained_fields: list[tuple[str, str, Field]] = []
+    unexplained_fields: list[tuple[str, str, Field]] = []
     for interface, layout in _sent(device):
         for field, only in _fields_by_code(layout):
             is_unexplained = only is not None and not only.holds

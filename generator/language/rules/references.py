@@ -324,7 +324,7 @@ def example_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of examples: their subject, the fields with values, and errata."""
     resolver = _Names(raw, report)
     named_layouts = ((layout.owner.get("name"), layout) for layout in layouts(raw))
-    known_layouts = {name: layout for name, layout in named_layouts if isinstance(name, str)}
+    known_layouts: dict[Any, Fields] = {name: layout for name, layout in named_layouts if isinstance(name, str)}
     for path, example in items(spec, "examples"):
         for key in ("procedure", "erratum", "register"):
             resolver.refer_by(key, path, example, key)

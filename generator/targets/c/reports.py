@@ -103,7 +103,7 @@ class FrameReports:
             conditions.append(joined("&&", terms))
         if unused:
             conditions.append(self._differ(unused))
-        return joined("||", conditions)
+        return joined("||", tuple(conditions))
 
     def _differ(self, unused: Sequence[Reserved]) -> Expr:
         """Return the condition that some of these bits differ from the manual."""
