@@ -114,7 +114,8 @@ class FamilyPair:
             field, _, value_name = value.partition(".")
             return f"{self.to_new('field', field, scope)}.{self.to_new('any-value', value_name)}"
         if kind == "limits":
-            return self.to_new("register", self.to_new("field", value, scope))
+            new_field: str = self.to_new("field", value, scope)
+            return self._text_to_new("register", new_field, "")
         if kind == "any-field" and value in self.frame_names:
             return value
         if kind == "field":
