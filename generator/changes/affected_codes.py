@@ -12,7 +12,7 @@ _BRACES = re.compile(r"\{(\w+)\}")
 _ALL = "…"
 
 
-def reach(device: Device, codes: Collection[str]) -> str:
+def describe_codes(device: Device, codes: Collection[str]) -> str:
     """Describe order codes of a family: ``all 12 BiSS order codes``, ``TV62-M…``, or some of them by name."""
     variants = device.variants
     if not codes:

@@ -15,10 +15,10 @@ from ..say.numbers import first_of
 from ..say.place import register_at
 from .change import Change, Subject
 from .counterparts import in_section, recognised
-from .expressions import Differing
+from .expressions import NumberDifferences
 from .family_pair import FamilyPair
 from .pairs import Pair
-from .value_text import arrow, differing_items, plain, shown, without_words
+from .value_text import arrow, differing_items, plain, short_value, without_words
 
 _Item = TypeVar("_Item")
 #: Rules whose changes are described only by their location.
@@ -107,11 +107,11 @@ def _allows_less(member: Member, old: int | None, new: int | None) -> bool:
     return new < old if member.is_upper else new > old
 
 
-def numbers(difference: Differing, old: Expression | None, new: Expression | None, notation: str = "") -> str:
+def numbers(difference: NumberDifferences, old: Expression | None, new: Expression | None, notation: str = "") -> str:
     """Return the differing values of two expressions: one pair of numbers, else the expressions, else some pairs."""
     if len(difference.values) == 1 and difference.everywhere:
         return arrow(*difference.values[0], notation)
-    texts = shown(old, notation), shown(new, notation)
+    texts = short_value(old, notation), short_value(new, notation)
     if texts[0] != texts[1]:
         return " → ".join(texts)
     return first_of([arrow(*pair, notation) for pair in difference.values], 2)

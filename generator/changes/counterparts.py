@@ -89,7 +89,7 @@ def _identity(family_pair: FamilyPair, is_old: bool, interface: str, scope: str,
         case Field():
             return family_pair.place(part, interface, is_old), part.carries_data
         case Procedure():
-            in_new_names: Callable[[Step], Step] = partial(step_in_new, family_pair) if is_old else bare
+            in_new_names: Callable[[Step], Step] = partial(step_in_new, family_pair) if is_old else without_words
             return part.interface, len(part.arguments), tuple(map(in_new_names, part.steps))
         case Parameter():
             device, codes = (
@@ -113,14 +113,16 @@ def _identity(family_pair: FamilyPair, is_old: bool, interface: str, scope: str,
     return tuple(values) if any(values) else None
 
 
-def bare(step: Step) -> Step:
+def without_words(step: Step) -> Step:
     """Return a step without its words."""
     return replace(step, meaning="", source=())
 
 
 def step_in_new(family_pair: FamilyPair, step: Step) -> Step:
     """Return an old step without its words and with the new names of the things that it uses."""
-    renamed_step = family_pair.in_new(bare(step), family_pair.to_new("register", getattr(step, "register", "")))
+    renamed_step = family_pair.in_new(
+        without_words(step), family_pair.to_new("register", getattr(step, "register", ""))
+    )
     if (
         isinstance(step, (WriteStep, ModifyStep))
         and isinstance(renamed_step, (WriteStep, ModifyStep))

@@ -60,13 +60,13 @@ def compare_family(old: Device, new: Device) -> list[Change]:
             )
         )
     )
-    if not changes and _bare(old) != _bare(new):
+    if not changes and _without_spec_data(old) != _without_spec_data(new):
         subject = Subject("", f"family {new.name}")
         changes.append(family_pair.change("order", subject, ": different order, same facts", None, None))
     return sorted(changes, key=lambda change: -change.impact)
 
 
-def _bare(device: Device) -> Device:
+def _without_spec_data(device: Device) -> Device:
     """Return a family without data about the spec itself: number of readings, history and version."""
     maker = replace(device.manufacturer, version="")
     return replace(device, times_read=None, releases=(), manufacturer=maker)

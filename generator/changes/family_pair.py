@@ -10,9 +10,9 @@ from typing import Any, TypeVar
 from ..model import Device, Field, Variant
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS
-from .affected_codes import reach
+from .affected_codes import describe_codes
 from .change import Change, Subject
-from .expressions import Differing, Point, differing, settings_of, with_setting
+from .expressions import NumberDifferences, Point, differing, settings_of, with_setting
 from .pairs import Pair, both_of
 from .rules import RULES, SAME
 from .value_text import plain
@@ -146,7 +146,7 @@ class FamilyPair:
                     points.setdefault(name, []).append(point)
         return points
 
-    def differing(self, interface: str, old: Expression | None, new: Expression | None) -> Differing | None:
+    def differing(self, interface: str, old: Expression | None, new: Expression | None) -> NumberDifferences | None:
         """Return the differences of two expressions for an interface, or for all, or None if they are equal."""
         return differing(old, new, self._points.get(interface, ()))
 
@@ -191,13 +191,13 @@ class FamilyPair:
     def _reach(self, side: str, codes: Collection[str]) -> str:
         """Describe order codes of the old family, of the new one, or of those that both have."""
         if side == "old":
-            return reach(self.old, codes)
+            return describe_codes(self.old, codes)
         shared_variants = tuple(variant for variant in self.new.variants if variant.code in self.kept)
-        text = reach(self.new, codes)
+        text = describe_codes(self.new, codes)
         none_or_all_stay = len(shared_variants) in (0, len(self.new.variants))
         if side == "new" or none_or_all_stay or text.startswith("all "):
             return text
-        shared_text = reach(replace(self.new, variants=shared_variants), codes)
+        shared_text = describe_codes(replace(self.new, variants=shared_variants), codes)
         return f"{shared_text} that stay" if shared_text.startswith("all ") else text
 
     def presence(self, kind: str, subject: Subject, old: Any, new: Any) -> Iterator[Change]:

@@ -10,7 +10,7 @@ from ..model.members import PARTS_BY_CLASS
 from ..say.register import access
 from .change import Change, Subject
 from .compare import compare_members, compare_parts
-from .counterparts import bare, step_in_new
+from .counterparts import step_in_new, without_words
 from .family_pair import FamilyPair
 from .fields import layout
 from .value_text import arrow, plain
@@ -48,7 +48,7 @@ def procedure(family_pair: FamilyPair, subject: Subject, old: Procedure, new: Pr
         yield family_pair.change("words", inner.unnamed, ": arguments", old.arguments, new.arguments)
     inner = subject.unnamed.inside("steps", subject.label)
     old_steps = [step_in_new(family_pair, step) for step in old.steps]
-    new_steps = [bare(step) for step in new.steps]
+    new_steps = [without_words(step) for step in new.steps]
     if old_steps != new_steps:
         yield family_pair.change("procedure-steps", inner, _steps(old_steps, new_steps), old_steps, new_steps)
     elif _meanings(old.steps) != _meanings(new.steps):

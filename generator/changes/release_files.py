@@ -10,7 +10,7 @@ from ..loading.history import history_beside, history_text, with_release
 from ..loading.library import Family
 from ..model import Manual, Release, ReleasedChange
 from .change import Change
-from .report import Found, outputs
+from .report import DiffResult, outputs
 from .version import Package
 
 _VERSION = re.compile(r"^(version:[ \t]*)(['\"]?)[0-9.]+\2", re.MULTILINE)
@@ -20,7 +20,7 @@ class NotRecorded(ValueError):
     """A file cannot be updated. The message says which one."""
 
 
-def records(findings: Found, families: Sequence[Family]) -> Iterator[tuple[Path, str]]:
+def records(findings: DiffResult, families: Sequence[Family]) -> Iterator[tuple[Path, str]]:
     """Yield the files to write with their new texts, except for manufacturers without changes.
 
     Raises:

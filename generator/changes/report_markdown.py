@@ -8,7 +8,7 @@ from ..say.markdown import code as in_code
 from ..say.markdown import text
 from .change import Change
 from .impact import Impact
-from .report import Found, about, versions
+from .report import DiffResult, about, versions
 
 _TITLES = {
     Impact.BREAKING: "Breaking",
@@ -18,7 +18,7 @@ _TITLES = {
 }
 
 
-def as_markdown(findings: Found) -> str:
+def as_markdown(findings: DiffResult) -> str:
     """Return the output of ``codewheel diff --markdown``: a heading for each package, family and impact."""
     lines = [f"## {'; '.join(map(versions, findings.packages)) or 'Changes'}", ""]
     lines += [line for notice in findings.notices for line in (text(notice), "")]

@@ -42,7 +42,7 @@ def plain(value: Any) -> Any:
     return value
 
 
-def shown(value: Any, notation: str = "") -> str:
+def short_value(value: Any, notation: str = "") -> str:
     """Return a value as short text, in the given notation of manuals if there is one."""
     if value is None or value in ("", (), [], {}):
         return "none"
@@ -51,15 +51,15 @@ def shown(value: Any, notation: str = "") -> str:
     if isinstance(value, Enum):
         return str(value.value).replace("_", " ")
     if isinstance(value, (tuple, list)):
-        return _cut(", ".join(shown(member, notation) for member in value))
+        return _cut(", ".join(short_value(member, notation) for member in value))
     if isinstance(value, (Expression, Supply, Scale, CodedValue)):
         return _quantity_text(value)
     if is_dataclass(value):
         value = {key: member for key, member in without_words(value).items() if member not in (None, "", [], {})}
         if len(value) == 1:
-            return shown(next(iter(value.values())), notation)
+            return short_value(next(iter(value.values())), notation)
     if isinstance(value, Mapping):
-        return _cut(", ".join(f"{key} = {shown(member)}" for key, member in value.items()))
+        return _cut(", ".join(f"{key} = {short_value(member)}" for key, member in value.items()))
     return _cut(str(value).replace("_", " ") if notation == "word" else str(value))
 
 
@@ -112,4 +112,4 @@ def _without(items: tuple[Any, ...], other_items: tuple[Any, ...]) -> tuple[Any,
 
 def arrow(old: Any, new: Any, notation: str = "") -> str:
     """Return ``old → new``."""
-    return f"{shown(old, notation)} → {shown(new, notation)}"
+    return f"{short_value(old, notation)} → {short_value(new, notation)}"

@@ -16,7 +16,7 @@ from typing import Any, TypedDict
 
 from ..cache import Cache, content_of
 from ..known_files import KnownFiles
-from ..language.files import Found, below, is_folder, is_spec, top_keys
+from ..language.files import FoundFiles, find_files, is_folder, is_spec, top_keys
 from ..language.problems import Report
 from ..loading.family_files import family_files
 from ..loading.shipped import packaged_masters
@@ -128,7 +128,7 @@ def _content(cache: Cache, paths: Sequence[Path], options: Sequence[str]) -> tup
     names_in = functools.cache(os.listdir)
     try:
         for spec_path in paths:
-            search_result = below(spec_path, is_known) if is_folder(spec_path) else Found((spec_path,), ())
+            search_result = find_files(spec_path, is_known) if is_folder(spec_path) else FoundFiles((spec_path,), ())
             passed_over += map(str, search_result.passed_over)
             content += [str(spec_path), *map(str, search_result.specs), "", *map(str, search_result.passed_over), ""]
             for spec in search_result.specs:

@@ -25,7 +25,7 @@ _UNNAMED = re.compile(r"[^a-z0-9_]")
 _Edit = Callable[[Any, Mark], tuple[Any, Mark]]
 
 
-class NothingThere(LookupError):
+class MissingPath(LookupError):
     """No value at a path. ``step`` is the missing step, ``known`` are the possible ones."""
 
     def __init__(self, step: str, known_steps: list[str], existing_path: Path) -> None:
@@ -54,7 +54,7 @@ def resolve(data: Any, text: str) -> Path:
         keys_by_step = _inside(data)
         if step not in keys_by_step:
             step_text = f"[{step + 1}]" if isinstance(step, int) else step
-            raise NothingThere(step_text, [str(key) for key in keys_by_step if isinstance(key, str)], path)
+            raise MissingPath(step_text, [str(key) for key in keys_by_step if isinstance(key, str)], path)
         key = keys_by_step[step]
         path, data = (*path, key), data[key]
     return path
@@ -72,7 +72,7 @@ def _inside(data: Any) -> dict[str | int, str | int]:
     return steps
 
 
-def named(data: Any, path: Path) -> Path:
+def named_path(data: Any, path: Path) -> Path:
     """Return the path with names of items instead of indices. The last step need not exist yet."""
     named_path: Path = ()
     for step in path:
@@ -102,7 +102,7 @@ def from_file(mark: Mark, file: str) -> Mark:
     return replace(mark, children=children, file=file)
 
 
-def put(data: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tuple[Any, Mark]:
+def with_value(data: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tuple[Any, Mark]:
     """Return data and marks with a value at ``path``: replaced, at a new key, or appended to a list."""
 
     def edit(holder: Any, holder_mark: Mark) -> tuple[Any, Mark]:
@@ -114,7 +114,7 @@ def put(data: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tuple[Any
     return _edited(data, marks, path[:-1], edit)
 
 
-def taken_away(data: Any, marks: Mark, path: Path) -> tuple[Any, Mark]:
+def without_value(data: Any, marks: Mark, path: Path) -> tuple[Any, Mark]:
     """Return data and marks without the value at ``path``."""
 
     def edit(holder: Any, holder_mark: Mark) -> tuple[Any, Mark]:

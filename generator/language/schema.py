@@ -38,7 +38,7 @@ class FileKind(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Checked:
+class SchemaResult:
     """Result of the schema check.
 
     ``data`` is a deep copy without the broken parts. It follows the schema, except that keys may be missing at the top
@@ -54,7 +54,7 @@ class Checked:
     stand_ins: Mapping[Path, Mapping[str, str]] = field(default_factory=dict)
 
 
-def check_schema(document: Document, report: Report, kind: FileKind | None = None) -> Checked | None:
+def check_schema(document: Document, report: Report, kind: FileKind | None = None) -> SchemaResult | None:
     """Check a document against the schema of its kind, report each error, and remove the broken parts.
 
     Args:
@@ -76,14 +76,14 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
     document.kept_indices.clear()
     broken = set(document.broken)
     if not broken and follows(document.data, shape_of(kind.value)):
-        return Checked(without(document, frozenset()), kind, complete=True)
+        return SchemaResult(without_places(document, frozenset()), kind, complete=True)
     validator = _validator(kind.value)
     findings = _findings(validator, document.data, broken, kind.value)
     _report_findings(findings, document, report)
     if len(findings) > MAX_PROBLEMS:
         return None
     if not findings and not broken:
-        return Checked(without(document, frozenset()), kind, complete=True)
+        return SchemaResult(without_places(document, frozenset()), kind, complete=True)
     removed_places = set(map(place_to_remove, broken))
     for finding in findings:
         if not _can_be_incomplete(finding.path) and not _is_missing_prose(finding):
@@ -127,7 +127,7 @@ def _kind_of(data: dict[str, Any]) -> FileKind | None:
     return FileKind.MANUFACTURER if "manufacturer" in data else None
 
 
-def without(
+def without_places(
     document: Document, cut: Collection[Path], stand_ins: Mapping[Path, Mapping[str, str]] = MappingProxyType({})
 ) -> dict[str, Any]:
     """Return the data without these places and with these stand-ins. The document records the removed list items."""
@@ -140,11 +140,11 @@ def without(
     return data
 
 
-def _cut_out(validator: Any, document: Document, cut: set[Path], kind: FileKind) -> Checked:
+def _cut_out(validator: Any, document: Document, cut: set[Path], kind: FileKind) -> SchemaResult:
     """Remove the items with broken places, and all that depend on them, until the rest follows the schema."""
     stand_ins: dict[Path, Mapping[str, str]] = {}
     while True:
-        data = without(document, cut, stand_ins)
+        data = without_places(document, cut, stand_ins)
         is_complete, new_paths = True, set()
         stand_ins_before = len(stand_ins)
         for error in validator.iter_errors(data):
@@ -156,7 +156,7 @@ def _cut_out(validator: Any, document: Document, cut: set[Path], kind: FileKind)
             elif path:
                 new_paths.add(path)
         if new_paths <= cut and len(stand_ins) == stand_ins_before:
-            return Checked(data, kind, is_complete, cut=frozenset(cut), stand_ins=stand_ins)
+            return SchemaResult(data, kind, is_complete, cut=frozenset(cut), stand_ins=stand_ins)
         cut |= new_paths
 
 

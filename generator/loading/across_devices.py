@@ -18,7 +18,7 @@ _COMMON = {
 _Fact = tuple[Path, str]
 
 
-def check_alike(documents: Sequence[Document], report: Report) -> None:
+def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
     """Report differences between devices of a manufacturer in facts that its file lists under ``alike``."""
     devices = [document for document in documents if "device" in document.data and not report.faults(document)]
     for maker in documents:

@@ -61,7 +61,7 @@ from .repeated_facts import check_agreement
 from .run_time_parameters import coded_values, held_in_registers
 from .samples import samples
 from .spi_registers import check_spi_registers
-from .valid_parts import sound_so_far
+from .valid_parts import valid_parts_so_far
 from .verdicts import check_errata
 
 
@@ -326,7 +326,7 @@ def _bounded_part(register: Register, placed: PlacedLayout, default: int) -> int
 def _check_control_bytes(device: Device, report: DocumentReport) -> None:
     """Check that each printed control byte is the encoding of its data ID."""
     interface = device.over(Rs485)
-    if interface is None or not sound_so_far(report).has_frames:
+    if interface is None or not valid_parts_so_far(report).has_frames:
         return
     variants = device.variants_over(interface.name)
     for data_id in interface.data_ids if variants else ():
@@ -352,7 +352,7 @@ def _check_control_bytes(device: Device, report: DocumentReport) -> None:
 def _check_requests(device: Device, report: DocumentReport) -> None:
     """Check that an encoder can distinguish its requests by constants in the bytes that two of them share."""
     interface = device.over(Rs485)
-    if interface is None or not interface.exchanges or not sound_so_far(report).has_frames:
+    if interface is None or not interface.exchanges or not valid_parts_so_far(report).has_frames:
         return
     layouts = {layout.name: layout for layout in interface.layouts}
     requests = [layouts[exchange.request] for exchange in interface.exchanges if exchange.request in layouts]

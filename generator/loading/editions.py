@@ -13,13 +13,13 @@ from typing import Any
 
 from ..language.document import Path
 from ..language.overlay import KINDS, Layer, LayeredSpec, LayerKind
-from ..language.places import NothingThere, as_affected, resolve
+from ..language.places import MissingPath, as_affected, resolve
 from ..language.problems import DocumentReport, Report, listed, quoted
 from ..language.rules.walk import leaves
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition
 from ..order_codes.narrowing import for_codes
 from .from_mapping import record
-from .overlays import Build, Family, errata_of, few, without_examples
+from .overlays import Build, Family, errata_of, shortened, without_examples
 
 #: Largest number of editions times values. Each edition is checked like a spec. The largest manual needs 26,000.
 MOST_VALUES = 500_000
@@ -154,7 +154,7 @@ def _note(raw: Raw, change: Raw, name: str, number: int, kind: str) -> Erratum:
         Erratum,
         {"severity": "wrong_data", **{key: change[key] for key in ("why", "source", "severity") if key in change}},
         name=f"edition_{re.sub('[^a-z0-9]+', '_', name.lower())}_{number}",
-        printed=few(without_examples([text.removeprefix("registers.") for text in texts])),
+        printed=shortened(without_examples([text.removeprefix("registers.") for text in texts])),
         used=used,
         status="open" if used == NOT_KNOWN else "settled",
         affects=tuple(dict.fromkeys(filter(None, affects))),
@@ -178,7 +178,7 @@ def _text(value: object) -> str:
 def _affected(raw: Raw, text: str) -> str:
     try:
         return as_affected(raw, resolve(raw, text))
-    except NothingThere as nothing:
+    except MissingPath as nothing:
         return as_affected(raw, nothing.found)
 
 

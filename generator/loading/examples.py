@@ -26,7 +26,7 @@ from ..reference import codec
 from ..reference.crc import compute_bytes, in_order, start_for
 from ..reference.procedures import register_writes
 from .from_mapping import Raw, record
-from .valid_parts import sound_so_far
+from .valid_parts import valid_parts_so_far
 
 #: Path in an example, and the error there.
 Wrong = tuple[Path, str]
@@ -46,7 +46,7 @@ def _example(raw: Raw) -> Example:
 
 def check_examples(device: Device, report: DocumentReport) -> None:
     """Report every example that contradicts its layout, CRC or procedure, if these are valid themselves."""
-    valid_parts = sound_so_far(report)
+    valid_parts = valid_parts_so_far(report)
     for example in device.examples:
         for inner_path, problem in (
             _faults(device, example) if valid_parts.holds(example) and _is_built(device, example) else ()

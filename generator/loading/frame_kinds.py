@@ -7,7 +7,7 @@ from itertools import combinations
 
 from ..language.problems import DocumentReport, Path
 from ..model import Biss, Constant, Device, Field, Interface, Layout, Number, Rs485, Spi, Ssi
-from .valid_parts import sound_so_far
+from .valid_parts import valid_parts_so_far
 
 
 def check_frame_kinds(device: Device, report: DocumentReport) -> None:
@@ -15,7 +15,7 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
 
     Over RS-485, only the request tells the frames apart.
     """
-    for interface in device.interfaces if sound_so_far(report).has_frames else ():
+    for interface in device.interfaces if valid_parts_so_far(report).has_frames else ():
         _check_replies(interface, device.position_names(interface.name), report)
         if not isinstance(interface, Rs485):
             _check_positions(device, interface, report)

@@ -35,7 +35,7 @@ LARGEST_NUMBER = 64
 LARGEST_BYTES = 128
 
 
-def is_sound(layout: Layout, site: Site, low_byte_first: bool) -> bool:
+def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
     """Return True if a layout is valid with the parameters of every order code, otherwise report why.
 
     ``low_byte_first`` is true if the spec says so, also for a layout that is carried as bits.

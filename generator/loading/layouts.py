@@ -17,7 +17,7 @@ from ..model.record import dataclass
 from ..model.scale import WIDEST
 from .fields import Context, Site, bit_range, build_combinations, equals, kind, pieces, zero_field
 from .from_mapping import Raw, record, sources
-from .layout_rules import is_sound
+from .layout_rules import check_layout
 from .verdicts import with_verdicts_of_reserved_bits
 
 ZERO = Expression(0)
@@ -61,7 +61,7 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
         fields = [replace(field, pieces=pieces(field, site.widest(bits) // 8, low_first)) for field in fields]
     fields = _with_joins_covered(raw, fields, site)
     layout = _layout(raw, site, byte_order, bits, _in_order(fields, low_first and total is None), gaps)
-    if not is_sound(layout, site, raw.get("byte_order") == "low_byte_first"):
+    if not check_layout(layout, site, raw.get("byte_order") == "low_byte_first"):
         return None
     return with_verdicts_of_reserved_bits(layout, raw["fields"], site) if total is None else layout
 

@@ -43,7 +43,7 @@ class _NotSelectable(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class _Found:
+class _DeviceFile:
     """A device file: its name, and the beginnings of its order codes or None if the text does not show them."""
 
     path: Path
@@ -93,7 +93,7 @@ def has_family(paths: Sequence[Path], name: str, cache: Cache) -> bool:
         return False
 
 
-def _device_files(paths: Sequence[Path], cache: Cache) -> Iterator[_Found]:
+def _device_files(paths: Sequence[Path], cache: Cache) -> Iterator[_DeviceFile]:
     """Yield each device file.
 
     Raises:
@@ -112,7 +112,7 @@ def _device_files(paths: Sequence[Path], cache: Cache) -> Iterator[_Found]:
         if not fits([kind, name, *(beginnings or ())], list[str]):
             raise _NotSelectable
         if kind == _DEVICE and not is_second(path) and has_maker(path.parent):
-            yield _Found(path, str(name), None if beginnings is None else tuple(map(str, beginnings)))
+            yield _DeviceFile(path, str(name), None if beginnings is None else tuple(map(str, beginnings)))
         elif kind != _MASTER and (kind != _MAKER or path.name != MANUFACTURER):
             raise _NotSelectable
     known_files.keep()
@@ -152,7 +152,7 @@ def _beginnings_of_parts(spec: Path) -> tuple[str, ...]:
 
     If these data have problems or refer to other data, the result matches any label.
     """
-    from ..language.yaml import Refused, parse
+    from ..language.yaml import Unreadable, parse
     from ..order_codes.labels import beginnings
     from .device import code_grammar
 
@@ -161,7 +161,7 @@ def _beginnings_of_parts(spec: Path) -> tuple[str, ...]:
     try:
         data, _ = parse(section[0] if section else "", problems.append, problems.append)
         prefixes = beginnings(code_grammar(data["order_code"]))
-    except (Refused, LookupError, TypeError, ValueError, AttributeError, StopIteration):
+    except (Unreadable, LookupError, TypeError, ValueError, AttributeError, StopIteration):
         return ("",)
     return ("",) if problems or "{" in "".join(prefixes) else prefixes
 

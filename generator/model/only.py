@@ -22,7 +22,7 @@ class Restricted(Protocol):
 _Fact = TypeVar("_Fact", bound=Restricted)
 
 
-def applying(facts: Iterable[_Fact], code: str) -> tuple[_Fact, ...]:
+def facts_for_code(facts: Iterable[_Fact], code: str) -> tuple[_Fact, ...]:
     """Return the facts that apply to an order code."""
     return tuple(fact for fact in facts if fits(fact.only, code))
 

@@ -255,7 +255,7 @@ def _speaks(judgement: verdicts.Judgement) -> Iterator[Speaks]:
             yield Speaks(verdict, name, unless, _mask(speaker.by), speaker.only, when, speaker.chosen)
 
 
-def _tells(told_report: reports.Told) -> Tells:
+def _tells(told_report: reports.ReportCause) -> Tells:
     name, mask, when = Name(told_report.by.field.name), _mask(told_report.by), _when(told_report.by)
     return Tells(told_report.report.name, name, mask, told_report.only, when, _answered(told_report.made_of))
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..model import Device, Field, Flag, Interface, Layout, Verdict
 from ..model.kinds import Unused
 from .codec import Codec, codec_of
-from .verdicts import Cause, Judgement, Only, by_code, judgement_of, telling, unexplained
+from .verdicts import Cause, Judgement, Only, by_code, judgement_of, unexplained, verdict_causes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,7 +29,7 @@ class Report:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class ReportCause:
     """Report in a frame: an active flag, reserved bits that differ from the manual, or values with a verdict.
 
     Without ``only`` it applies to all order codes.
@@ -57,7 +57,7 @@ class Reporting:
 
     interface: Interface
     codec: Codec
-    told: tuple[Told, ...]
+    told: tuple[ReportCause, ...]
     judgement: Judgement | None
 
 
@@ -74,10 +74,10 @@ def reportings(device: Device) -> Iterator[Reporting]:
     reports = _reports(device)
     for interface, layout in _sent(device):
         codec = codec_of(device, layout)
-        causes: list[Told] = []
-        for cause in telling(codec):
+        causes: list[ReportCause] = []
+        for cause in verdict_causes(codec):
             reported = ((field, only) for field, only in by_code(cause.field) if _is_told(field))
-            causes += [Told(reports[layout.name, field.name], cause, only) for field, only in reported]
+            causes += [ReportCause(reports[layout.name, field.name], cause, only) for field, only in reported]
         judgement = judgement_of(codec) if device.tells_position(interface.name, layout) else None
         if causes or judgement is not None:
             yield Reporting(interface, codec, tuple(causes), judgement)

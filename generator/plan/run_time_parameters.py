@@ -11,7 +11,7 @@ from .values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, Z
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class HeldParameter:
     """A parameter in a register.
 
     ``meaning`` converts its bits to an unsigned number. ``low`` and ``high`` are None if no value of the field can be
@@ -29,28 +29,28 @@ class Held:
 
 
 @dataclass(frozen=True, slots=True)
-class HeldBy:
+class HoldingRegister:
     """A register, and the parameters that it holds."""
 
     register: Register
-    parameters: tuple[Held, ...]
+    parameters: tuple[HeldParameter, ...]
 
 
-def held_parameters(device: Device) -> Iterator[HeldBy]:
+def held_parameters(device: Device) -> Iterator[HoldingRegister]:
     """Yield the registers that hold parameters, without duplicates."""
     by_register: dict[str, list[Parameter]] = {}
     for parameter in device.run_time_parameters:
         by_register.setdefault(parameter.register, []).append(parameter)
     for name, parameters in by_register.items():
         register = device.register(name)
-        yield HeldBy(register, tuple(_held(register, parameter) for parameter in parameters))
+        yield HoldingRegister(register, tuple(_held_parameter(register, parameter) for parameter in parameters))
 
 
-def _held(register: Register, parameter: Parameter) -> Held:
+def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
     field = register.layout.field(parameter.field)
     bits = bits_of(register.layout, field)
     if parameter.by_code:
-        return Held(
+        return HeldParameter(
             parameter=parameter,
             field=field,
             bits=bits,
@@ -64,7 +64,7 @@ def _held(register: Register, parameter: Parameter) -> Held:
         lowest, highest = 1, max(highest, meaning.number)
     low = parameter.min if parameter.min is not None and parameter.min > lowest else None
     high = parameter.max if parameter.max is not None and parameter.max < highest else None
-    return Held(
+    return HeldParameter(
         parameter=parameter,
         field=field,
         bits=bits,

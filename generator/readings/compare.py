@@ -14,9 +14,9 @@ from ..language.problems import Path
 from ..say.numbers import first_of
 from ..say.place import bits
 from .cited import NUMBERS
-from .fact import NOTHING, Bit, Case, Fact, Facts, Key, Names, Placed, Sort, Value, Word
-from .frame_bits import continues, run
-from .mistaken_names import are_settled, mistaken
+from .fact import NOTHING, Bit, Case, Fact, Facts, Key, Names, Sort, Value, Word, WordCase
+from .frame_bits import continues_item, describe_bits
+from .mistaken_names import are_settled, mistaken_pairs
 from .reading import same_name
 
 #: Items that each reader defines as needed, so that none is missing if the other has a different set.
@@ -180,7 +180,7 @@ def _compare_names(
     comparison: Comparison, spec: Mapping[Key, Names], second: Mapping[Key, Names]
 ) -> Iterator[Disagreement]:
     for kind, names in spec.items():
-        for own_name, other_name in mistaken(names, second.get(kind, {}), comparison.settled):
+        for own_name, other_name in mistaken_pairs(names, second.get(kind, {}), comparison.settled):
             yield Disagreement(
                 own_name.sort,
                 own_name.what,
@@ -281,7 +281,7 @@ def _compare_words(comparison: Comparison, word: Word, other_word: Word | None) 
         )
 
 
-def _note_all(comparison: Comparison, placed: Placed) -> None:
+def _note_all(comparison: Comparison, placed: WordCase) -> None:
     for bit in placed.bits:
         comparison.note(Sort.POSITION, bit.place, Read.ONCE)
     for properties in placed.fields.values():
@@ -289,7 +289,9 @@ def _note_all(comparison: Comparison, placed: Placed) -> None:
             comparison.note(fact.sort, fact.place, Read.ONCE)
 
 
-def _in_case(comparison: Comparison, word: Word, own_placed: Placed, other_placed: Placed) -> Iterator[Disagreement]:
+def _in_case(
+    comparison: Comparison, word: Word, own_placed: WordCase, other_placed: WordCase
+) -> Iterator[Disagreement]:
     """Yield the differences in one case. Different lengths are reported with the other facts."""
     if len(own_placed.bits) != len(other_placed.bits):
         return
@@ -297,10 +299,15 @@ def _in_case(comparison: Comparison, word: Word, own_placed: Placed, other_place
         own_bits, other_bits = own_placed.bits[low : high + 1][::-1], other_placed.bits[low : high + 1][::-1]
         description = f"{bits(high, low)} of {word.what}"
         yield Disagreement(
-            Sort.POSITION, description, run(own_bits), run(other_bits), own_bits[0].place, other_bits[0].place
+            Sort.POSITION,
+            description,
+            describe_bits(own_bits),
+            describe_bits(other_bits),
+            own_bits[0].place,
+            other_bits[0].place,
         )
     for own_bit, other_bit in zip(own_placed.bits, other_placed.bits, strict=True):
-        if _alike(own_bit, other_bit):
+        if _have_same_value(own_bit, other_bit):
             comparison.note(Sort.POSITION, own_bit.place, Read.TWICE)
     for span, properties in own_placed.fields.items():
         near = next((fact.place for fact in properties.values()), word.place)
@@ -314,7 +321,7 @@ def _unless_mild(near: Path, fact: Fact) -> Path | None:
     return None if fact.mild else near
 
 
-def _alike(bit: Bit, other_bit: Bit) -> bool:
+def _have_same_value(bit: Bit, other_bit: Bit) -> bool:
     return (bit.part, bit.weight, bit.fixed) == (other_bit.part, other_bit.weight, other_bit.fixed)
 
 
@@ -322,12 +329,12 @@ def _runs(own_bits: tuple[Bit, ...], other_bits: tuple[Bit, ...]) -> list[tuple[
     """Return ranges of different bits, grouped if they differ in the same way."""
     ranges: list[tuple[int, int]] = []
     for index in range(len(own_bits) - 1, -1, -1):
-        if _alike(own_bits[index], other_bits[index]):
+        if _have_same_value(own_bits[index], other_bits[index]):
             continue
         if (
             ranges
             and ranges[-1][1] == index + 1
-            and all(continues(*side[index : index + 2]) for side in (own_bits, other_bits))
+            and all(continues_item(*side[index : index + 2]) for side in (own_bits, other_bits))
         ):
             ranges[-1] = ranges[-1][0], index
         else:

@@ -98,7 +98,7 @@ class Bit:
 
 
 @dataclass(frozen=True, slots=True)
-class Placed:
+class WordCase:
     """A word in one case: its bits, lowest first, and the properties of its fields by low bit and width.
 
     ``names`` contains the names of the fields, and of the values of each field.
@@ -115,10 +115,10 @@ class Word:
 
     what: str
     place: Path
-    cases: Mapping[Case, Placed]
+    cases: Mapping[Case, WordCase]
 
     @property
-    def everywhere(self) -> Placed | None:
+    def everywhere(self) -> WordCase | None:
         """The word if it is the same in every case, so that it can be compared independently of the order codes."""
         distinct = {id(placed): placed for placed in self.cases.values()}
         return next(iter(distinct.values())) if len(distinct) == 1 else None

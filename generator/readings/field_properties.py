@@ -8,7 +8,7 @@ from dataclasses import replace
 from ..model import CrcValue, Field, PlacedField, Register, Unused
 from ..say.place import bits
 from .fact import Fact, Facts, Sort
-from .reading import Parameters, as_delivered, in_hex, over
+from .reading import Parameters, as_delivered, in_hex, interface_label
 from .stated import Subject
 
 
@@ -52,7 +52,7 @@ def _of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
         place = reading.first(fact.place, subject.place) if is_verdict else fact.place
         yield replace(fact, place=place, mild=is_verdict and isinstance(field.kind, Unused))
     if isinstance(field.kind, CrcValue):
-        crc = Subject(reading, ("crc",), ("crcs", field.kind.crc), f"the CRC over {over(subject.interface)}")
+        crc = Subject(reading, ("crc",), ("crcs", field.kind.crc), f"the CRC over {interface_label(subject.interface)}")
         yield from crc.stated(reading.device.crc(field.kind.crc))
     for named_value in field.values:
         place = reading.first((*subject.place, "values", named_value.name), subject.place)

@@ -25,7 +25,7 @@ from ..model import (
 )
 from ..order_codes.parameters import deciding_parameters
 from ..say.place import bits
-from .fact import Bit, Case, Facts, Placed, Word
+from .fact import Bit, Case, Facts, Word, WordCase
 from .field_properties import add_names, properties
 from .reading import Parameters
 from .stated import Subject
@@ -33,9 +33,9 @@ from .stated import Subject
 
 def word(owner: Subject, layout: Layout, register: Register | None = None) -> Word:
     """Return a frame or register, which ``owner`` describes, in each case of its interface."""
-    placed_by_values: dict[tuple[int, ...], Placed] = {}
+    placed_by_values: dict[tuple[int, ...], WordCase] = {}
     deciding = deciding_parameters(layout)
-    cases: dict[Case, Placed] = {}
+    cases: dict[Case, WordCase] = {}
     for case, parameters in owner.reading.cases(owner.interface).items():
         values = tuple(parameters[name] for name in deciding)
         if values not in placed_by_values:
@@ -44,7 +44,7 @@ def word(owner: Subject, layout: Layout, register: Register | None = None) -> Wo
     return Word(owner.what, owner.place, cases)
 
 
-def _placed(owner: Subject, placed: PlacedLayout, parameters: Parameters, register: Register | None) -> Placed:
+def _placed(owner: Subject, placed: PlacedLayout, parameters: Parameters, register: Register | None) -> WordCase:
     placed_bits = [Bit("unspecified", None, None, (*owner.place, "other_bits"))] * placed.bits
     fields = {}
     names = Facts()
@@ -59,7 +59,7 @@ def _placed(owner: Subject, placed: PlacedLayout, parameters: Parameters, regist
         facts = properties(subject, placed_field, parameters, register)
         fields[placed_field.low, placed_field.width] = {fact.key: fact for fact in facts}
         add_names(subject, placed_field, owner.place[-1], names)
-    return Placed(tuple(placed_bits), fields, names.names)
+    return WordCase(tuple(placed_bits), fields, names.names)
 
 
 def _bits(placed_field: PlacedField, placed: PlacedLayout, place: Path) -> Iterator[Bit]:
@@ -129,7 +129,7 @@ def _joined(placed_field: PlacedField, placed: PlacedLayout) -> int | None:
     return max(weights, key=itemgetter(0))[1]
 
 
-def run(adjacent_bits: Sequence[Bit]) -> str:
+def describe_bits(adjacent_bits: Sequence[Bit]) -> str:
     """Describe adjacent bits, highest first: ``bits 7:0 of a number``, ``constant 0010``."""
     first, last = adjacent_bits[0], adjacent_bits[-1]
     if first.fixed is not None:
@@ -139,7 +139,7 @@ def run(adjacent_bits: Sequence[Bit]) -> str:
     return f"{bits(first.weight, last.weight)} of {first.part}"
 
 
-def continues(bit: Bit, above: Bit) -> bool:
+def continues_item(bit: Bit, above: Bit) -> bool:
     """Return True if a bit continues the same item as ``above``, the next higher bit."""
     if (bit.part, bit.place) != (above.part, above.place) or (bit.fixed is None) is not (above.fixed is None):
         return False

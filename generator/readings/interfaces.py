@@ -11,7 +11,7 @@ from ..model import Biss, Constant, ControlField, Flag, Interface, Layout, Place
 from ..say.place import bits as bit_text
 from .fact import Fact, Facts, Key, Sort
 from .frame_bits import word
-from .reading import Reading, in_hex, over, plain
+from .reading import Reading, in_hex, interface_label, plain
 from .stated import Subject
 
 #: Width of a frame without byte order, even if a reader states one.
@@ -177,7 +177,7 @@ def _exchanges(interface: Rs485 | Spi) -> Iterator[Fact]:
 
 def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[Fact]:
     """Yield timings, identified by their printed symbols, or by their numbers if they have none."""
-    interface_text = f" over {over(interface)}" if interface else ""
+    interface_text = f" over {interface_label(interface)}" if interface else ""
     for timing in printed_timings:
         bounds = {name: getattr(timing, name) for name in ("at_least_us", "typical_us", "at_most_us")}
         times = {name: f"{value} µs" for name, value in bounds.items() if value is not None}

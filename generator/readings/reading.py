@@ -68,7 +68,7 @@ class Reading:
         register, field = self._field_at(path)
         if register is None or field is None:
             return path
-        return f"{at(register)} {self.bits_of(register.interface, field)}"
+        return f"{register_text(register)} {self.bits_of(register.interface, field)}"
 
     def state(self, path: str, name: str) -> str:
         """Return the condition that ``register.field`` has the value ``name``, in words without names."""
@@ -135,13 +135,13 @@ class Reading:
         return (*key, "read" if register.readable else "write")
 
 
-def at(register: Register) -> str:
+def register_text(register: Register) -> str:
     """Return text such as ``register 0x49``, with its bank."""
     bank = f" of bank {register.bank}" if register.bank is not None else ""
     return f"register 0x{register.address:02X}{bank}"
 
 
-def over(interface: str) -> str:
+def interface_label(interface: str) -> str:
     """Return the short name of an interface."""
     return INTERFACES[interface].short
 

@@ -9,7 +9,7 @@ from ..model.limits import bounded
 from ..say.place import bits
 from .fact import NOTHING, Fact, Facts, Sort
 from .frame_bits import word
-from .reading import Reading, as_delivered, at, in_hex
+from .reading import Reading, as_delivered, in_hex, register_text
 from .stated import Subject
 
 
@@ -17,7 +17,7 @@ def add_registers(reading: Reading, facts: Facts) -> None:
     """Add every register, its bits, and its behaviour."""
     for register in reading.device.registers:
         key, place = reading.key_of(register), ("registers", register.name)
-        subject = Subject(reading, key, place, at(register), register.interface)
+        subject = Subject(reading, key, place, register_text(register), register.interface)
         facts.add(_facts(subject, register))
         _add_names(subject, register, facts)
         facts.derived[Sort.POSITION] += len(register.layout.joins)
@@ -54,8 +54,8 @@ def _opened_by(reading: Reading, register: Register) -> str:
     for field in opener.layout.fields:
         value = next((value for value in field.values if value.name == register.opened_by_value), None)
         if value is not None and register.opened_by_field in ("", field.name):
-            return f"{in_hex(value.value)} in {at(opener)} {reading.bits_of(opener.interface, field)}"
-    return at(opener)
+            return f"{in_hex(value.value)} in {register_text(opener)} {reading.bits_of(opener.interface, field)}"
+    return register_text(opener)
 
 
 def _limits(subject: Subject, register: Register) -> Iterator[Fact]:

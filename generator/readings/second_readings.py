@@ -31,7 +31,7 @@ _MEND = "check the manual; if it prints both, add an erratum with both under 're
 
 
 @dataclass(frozen=True)
-class Second:
+class SecondReading:
     """A second reading: its file and its facts, or no facts if it has problems."""
 
     document: Document
@@ -39,26 +39,26 @@ class Second:
 
 
 #: Function that reads the second reading of a family, if there is one, and adds its problems to the report.
-Reader = Callable[[Family, Report], Second | None]
+Reader = Callable[[Family, Report], SecondReading | None]
 
 
-def read_beside(family: Family, report: Report, cache: Cache = NOTHING_KEPT) -> Second | None:
+def read_beside(family: Family, report: Report, cache: Cache = NOTHING_KEPT) -> SecondReading | None:
     """Read the second reading next to the spec of a family."""
     file = second_reading_path(File(family.document.file))
     document = read_document(file, report, cache=cache) if file.is_file() else None
     return second_of(document, family.device.manufacturer, report) if document is not None else None
 
 
-def second_of(document: Document, manufacturer: Manufacturer, report: Report) -> Second:
+def second_of(document: Document, manufacturer: Manufacturer, report: Report) -> SecondReading:
     """Return the second reading in a document, and add its problems to ``report``."""
     problems_before = len(report)
     data = check_second(document, report)
     device = build_device(data, manufacturer, report.for_document(document)) if data is not None else None
     is_valid = device is not None and len(report) == problems_before
-    return Second(document, facts_of(Reading(device, document)) if device is not None and is_valid else None)
+    return SecondReading(document, facts_of(Reading(device, document)) if device is not None and is_valid else None)
 
 
-def sound_specs(families: Iterable[Family], report: Report) -> frozenset[str]:
+def comparable_specs(families: Iterable[Family], report: Report) -> frozenset[str]:
     """Return the files of the families without problems in their facts so far, which can be compared."""
     valid_families = (family for family in families if not report.faults((family.plain or family).document))
     return frozenset(family.document.file for family in valid_families)

@@ -15,7 +15,7 @@ from ..model.members import PARTS_BY_CLASS, Member
 from ..model.record import dataclass
 from .fact import Fact, Key, Sort, Value
 from .procedures import programs
-from .reading import Reading, at, in_hex, short
+from .reading import Reading, in_hex, register_text, short
 
 _UNITS = {"mv": " mV", "us": " µs", "ms": " ms", "hz": " Hz", "ns": " ns"}
 
@@ -122,4 +122,4 @@ def _referred(reading: Reading, member: Member, value: Any, interface: str) -> s
 def _register_text(reading: Reading, name: str) -> str:
     """Return the address of a register, or its name if there is no such register."""
     register = reading.register(name)
-    return at(register) if register is not None else name
+    return register_text(register) if register is not None else name

@@ -10,7 +10,7 @@ from ..language.problems import Path
 from ..model import Alarm, Connector, Edition, Manual
 from .cited import numbers_in
 from .fact import Fact, Key, Sort
-from .reading import Reading, at, over, plain
+from .reading import Reading, interface_label, plain, register_text
 from .stated import Subject
 
 
@@ -42,7 +42,7 @@ def _connectors(reading: Reading) -> Iterator[Fact]:
 
 def _contacts(reading: Reading, connector: Connector, interface: str, number: int) -> Iterator[Fact]:
     """Yield a connector or cable of an interface, and its contacts."""
-    description = f"{connector.kind} {number}" + (f" for {over(interface)}" if interface else "")
+    description = f"{connector.kind} {number}" + (f" for {interface_label(interface)}" if interface else "")
     key: Key = ("connector", interface, connector.kind, number)
     owner = Subject(reading, key, ("connectors", connector.name), description)
     yield owner.first(Sort.PIN, "present", name=connector.name)
@@ -60,7 +60,7 @@ def _bits_of(reading: Reading, alarm: Alarm) -> Iterator[str]:
     """Yield the places of the bits of an alarm, in words without names."""
     register = reading.register(alarm.register) if alarm.register else None
     if register is not None:
-        yield reading.bits_at(f"{alarm.register}.{alarm.field}") if alarm.field else at(register)
+        yield reading.bits_at(f"{alarm.register}.{alarm.field}") if alarm.field else register_text(register)
     for interface, layout in reading.device.layouts():
         for field in layout.fields:
             if alarm.group and (field.group, field.name) == (alarm.group, alarm.field):

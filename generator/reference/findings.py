@@ -78,7 +78,7 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
     if register:
         reported = [field for field in active if alarms[field.name] is not None]
     else:
-        reported = [field for field in active if _worth(field.kind) is not Verdict.USABLE]
+        reported = [field for field in active if _verdict_of_kind(field.kind) is not Verdict.USABLE]
     differences = tuple(_differences(variant, decoded, values, bool(register)))
     verdict = _verdict(layout, active) if device.tells_position(variant.interface, layout) else None
     return Findings(tuple(_report(field, alarms[field.name]) for field in reported), verdict, differences)
@@ -116,7 +116,7 @@ def _decoded(field: Field, number: int) -> str | bool:
     return field.value_of(number).name
 
 
-def _worth(kind: Kind) -> Verdict | None:
+def _verdict_of_kind(kind: Kind) -> Verdict | None:
     return kind.makes_position if isinstance(kind, (Flag, Unused)) else None
 
 
@@ -126,7 +126,7 @@ def _report(field: Field, alarm: Alarm | None) -> Report:
         field.printed_name,
         meaning(field, alarm),
         remedy(field, alarm),
-        _worth(field.kind),
+        _verdict_of_kind(field.kind),
         cite(source(field, alarm)),
     )
 
@@ -137,7 +137,7 @@ def _verdict(layout: Layout, active: Sequence[Field]) -> Verdict:
     # A flag that combines others adds no information if one of them is active.
     flags = {field.name: field.kind for field in active if isinstance(field.kind, Flag)}
     silent_names = {name for name, flag in flags.items() if not names.isdisjoint(flag.sums_up)}
-    verdicts = [_worth(field.kind) for field in active if field.name not in silent_names]
+    verdicts = [_verdict_of_kind(field.kind) for field in active if field.name not in silent_names]
     verdicts.append(Verdict.USABLE if layout.tells_validity else Verdict.UNKNOWN)
     return min(filter(None, verdicts), key=list(Verdict).index)
 

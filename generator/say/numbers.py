@@ -25,7 +25,8 @@ def decimal(value: Fraction) -> str:
     If the decimals never end, return six of them after ``≈``.
     """
     digits = next(
-        (digit_count for digit_count in range(_most(value)) if 10**digit_count % value.denominator == 0), None
+        (digit_count for digit_count in range(_enough_decimals(value)) if 10**digit_count % value.denominator == 0),
+        None,
     )
     places = _ROUNDED if digits is None else digits
     whole, part = divmod(round(abs(value) * 10**places), 10**places)
@@ -81,7 +82,7 @@ def _decimal(number: int, power: int) -> str:
     return f"{digits[: len(digits) - places]}.{digits[len(digits) - places :]}".rstrip("0").rstrip(".")
 
 
-def _most(value: Fraction) -> int:
+def _enough_decimals(value: Fraction) -> int:
     """Return a number of decimals that is enough for any fraction whose decimals end."""
     return value.denominator.bit_length() + 1
 

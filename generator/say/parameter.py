@@ -9,14 +9,14 @@ from ..model.expressions import Expression
 from .name import register_field
 from .place import hexadecimal, register_at
 from .register import limits
-from .text import Code, Part, Ref, Said, said, told
+from .text import Code, Part, Ref, Statement, spec_text, statement
 from .words import number
 
 
-def parameter(device: Device, item: Parameter) -> Iterator[Said]:
+def parameter(device: Device, item: Parameter) -> Iterator[Statement]:
     """Yield all statements about it in order, for running text."""
-    yield from told(item.meaning, source=item.source)
-    yield from told(item.unit, label="Unit")
+    yield from spec_text(item.meaning, source=item.source)
+    yield from spec_text(item.unit, label="Unit")
     yield from origin(device, item)
 
 
@@ -24,20 +24,20 @@ def _bound(number: int | None) -> Expression | None:
     return Expression(number) if number is not None else None
 
 
-def origin(device: Device, item: Parameter) -> Iterator[Said]:
+def origin(device: Device, item: Parameter) -> Iterator[Statement]:
     """Yield the source of its value if no order code sets it."""
     if item.equals is not None:
-        yield said("Equals ", item.equals)
+        yield statement("Equals ", item.equals)
     if item.alternative:
-        yield said("Set by your choice of ", *_choice(device, item))
+        yield statement("Set by your choice of ", *_choice(device, item))
     if item.read_from:
         span = limits(*map(_bound, (item.min, item.max)))
         between = (", ", *span) if span and not item.by_code else ()
         at = register_at(device.register(item.register))
-        yield said(f"Read at run time from {at} (", register_field(device, item.read_from), ")", *between)
+        yield statement(f"Read at run time from {at} (", register_field(device, item.read_from), ")", *between)
     if item.by_code:
         codes = (f"{one.code} means {value(item, one.value)}" for one in item.by_code)
-        yield said(f"The register holds a code: {', '.join(codes)}")
+        yield statement(f"The register holds a code: {', '.join(codes)}")
 
 
 def _choice(device: Device, item: Parameter) -> Iterator[Part]:

@@ -22,7 +22,7 @@ from ..model import (
 )
 from .field import short
 from .steps import with_steps
-from .text import Code, Part, Said, parted, said
+from .text import Code, Part, Statement, parted, statement
 from .words import sentence
 
 
@@ -67,9 +67,9 @@ def deciding(field: Field) -> str:
             assert_never(field.kind)
 
 
-def conditions(values: Iterable[tuple[Field, int]]) -> Said:
+def conditions(values: Iterable[tuple[Field, int]]) -> Statement:
     """Return the values that lead to a verdict together, with the bits of each field. 1 stands for an active flag."""
-    return said(*parted((_condition(field, value) for field, value in values), " and "))
+    return statement(*parted((_condition(field, value) for field, value in values), " and "))
 
 
 def _condition(field: Field, value: int) -> tuple[Part, ...]:
@@ -80,10 +80,10 @@ def _condition(field: Field, value: int) -> tuple[Part, ...]:
 
 def remedy(field: Field, alarm: Alarm | None) -> str:
     """Return the remedy with the titles of its manual steps, or an empty string."""
-    return with_steps(advice(field, alarm), by_hand(field, alarm))
+    return with_steps(remedy_text(field, alarm), by_hand(field, alarm))
 
 
-def advice(field: Field, alarm: Alarm | None) -> str:
+def remedy_text(field: Field, alarm: Alarm | None) -> str:
     """Return the remedy without its manual steps."""
     return field.remedy or (alarm.remedy if alarm is not None else "")
 

@@ -15,7 +15,7 @@ from ..reference.codec import binary_to_gray, gray_to_binary
 from ..reference.crc import reflect
 from ..say.numbers import counted, first_of
 from .bit_text import BitText
-from .tries import NOT_INVERTED, Try, fixed_bits, usual
+from .tries import NOT_INVERTED, Try, fixed_bits, likelihood
 
 #: Polynomials, including their top bit, that BiSS masters offer: those of the Microchip dsPIC33A by length, and 0x97,
 #: which Beckhoff names next to 0x43.
@@ -33,7 +33,7 @@ OtherCrc = tuple[str, str, Crc]
 
 
 @dataclass(frozen=True, slots=True)
-class Slip:
+class FrameOffset:
     """Bits that do not begin and end with the frame.
 
     ``front`` are extra bits before the frame (``?`` is any bit), ``missing`` are missing first bits of the frame,
@@ -53,44 +53,44 @@ class Slip:
 
 
 SLIPS = (
-    Slip(
+    FrameOffset(
         "first_bit_missing",
         "started one clock late: the first bit (0) is missing, and an extra bit follows",
         missing="0",
         behind=1,
     ),
-    Slip(
+    FrameOffset(
         "first_bit_missing",
         "started one clock late: the first bit (1) is missing, and an extra bit follows",
         missing="1",
         behind=1,
     ),
-    Slip(
+    FrameOffset(
         "bits_in_front",
         "started one clock early: an extra bit such as CDS is in front, and the last bit is missing",
         front="?",
         lost=1,
     ),
-    Slip(
+    FrameOffset(
         "bits_in_front",
         "started two clocks early: start bit and CDS are in front, and the last two bits are missing",
         front="1?",
         lost=2,
     ),
-    Slip("bits_in_front", "an extra bit in front, such as CDS", front="?"),
-    Slip("bits_behind", "an extra bit at the end, such as the stop bit", behind=1),
-    Slip("bits_in_front", "two extra bits in front: start bit and CDS", front="1?"),
-    Slip(
+    FrameOffset("bits_in_front", "an extra bit in front, such as CDS", front="?"),
+    FrameOffset("bits_behind", "an extra bit at the end, such as the stop bit", behind=1),
+    FrameOffset("bits_in_front", "two extra bits in front: start bit and CDS", front="1?"),
+    FrameOffset(
         "bits_in_front",
         "an extra bit in front, such as CDS, and one at the end, such as the stop bit",
         front="?",
         behind=1,
     ),
-    Slip("bits_behind", "two extra bits at the end", behind=2),
-    Slip("first_bit_missing", "the first bit (0) is missing", missing="0"),
-    Slip("first_bit_missing", "the first bit (1) is missing", missing="1"),
-    Slip("last_bits_missing", "the last bit is missing", lost=1),
-    Slip("last_bits_missing", "the last two bits are missing", lost=2),
+    FrameOffset("bits_behind", "two extra bits at the end", behind=2),
+    FrameOffset("first_bit_missing", "the first bit (0) is missing", missing="0"),
+    FrameOffset("first_bit_missing", "the first bit (1) is missing", missing="1"),
+    FrameOffset("last_bits_missing", "the last bit is missing", lost=1),
+    FrameOffset("last_bits_missing", "the last two bits are missing", lost=2),
 )
 
 
@@ -142,7 +142,7 @@ def read_as(
         crc.width - lost,
         demanded=demanded + fixed,
         holds=holds and are_right,
-        usual=usual(placed, number),
+        usual=likelihood(placed, number),
         number=number,
         placed=placed,
         codes=tuple(codes),
@@ -153,7 +153,7 @@ def as_sent(placed: PlacedLayout, crc: Crc, number: int) -> Try:
     """Return a try of the frame as sent, to which the caller adds the mistake."""
     fixed, are_right = fixed_bits(placed, number)
     try_as_sent = Try("", "", crc, *_covered(placed, number), number & crc.mask, crc.width)
-    return replace(try_as_sent, fixed=fixed if are_right else 0, usual=usual(placed, number))
+    return replace(try_as_sent, fixed=fixed if are_right else 0, usual=likelihood(placed, number))
 
 
 def _covered(placed: PlacedLayout, number: int) -> tuple[int, int]:
@@ -162,7 +162,7 @@ def _covered(placed: PlacedLayout, number: int) -> tuple[int, int]:
     return number >> low & (1 << bits) - 1, bits
 
 
-def _slipped(placed: PlacedLayout, crc: Crc, slip: Slip, number: int, length: int) -> Try:
+def _slipped(placed: PlacedLayout, crc: Crc, slip: FrameOffset, number: int, length: int) -> Try:
     body_bits = length - len(slip.front) - slip.behind
     body = number >> slip.behind
     starts = [bit for bit in range(len(slip.front)) if slip.front[bit] == "1"]
@@ -196,7 +196,7 @@ def _status_otherwise(try_as_sent: Try, placed: PlacedLayout, number: int) -> It
     description = "error and warning were converted to active high"
     inverted = number ^ status
     yield replace(
-        try_as_sent, kind="status_turned", text=description, data=inverted >> width, usual=usual(placed, inverted)
+        try_as_sent, kind="status_turned", text=description, data=inverted >> width, usual=likelihood(placed, inverted)
     )
 
 
@@ -288,7 +288,7 @@ def _without_status(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[T
             bits,
             received,
             crc.width,
-            usual=usual(placed, frame),
+            usual=likelihood(placed, frame),
             number=frame,
             placed=placed,
         )
@@ -368,7 +368,7 @@ def _of_length(placed: PlacedLayout, crc: Crc, other_crc: Crc, number: int, leng
         demanded=zeros + (0 if has_own_length else fixed),
         holds=(has_own_length or are_right) and not crc_part & ((1 << zeros) - 1),
         fixed=zeros + (fixed if are_right else 0),
-        usual=usual(placed, data << crc.width),
+        usual=likelihood(placed, data << crc.width),
     )
 
 

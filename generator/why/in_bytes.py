@@ -31,7 +31,7 @@ def tries(device: Device, variant: Variant, sender: str, expected: PlacedLayout 
         yield from _moved(placed, crc, data)
 
 
-def is_sound(device: Device, placed: PlacedLayout, data: bytes) -> bool:
+def is_valid(device: Device, placed: PlacedLayout, data: bytes) -> bool:
     """Return whether the CRC and the constants of the frame are correct."""
     crc = device.crc_of(placed.layout)
     return crc is not None and crc.width == 8 and _read_as("", "", placed, crc, data).fits

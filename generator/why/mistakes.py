@@ -111,7 +111,7 @@ def explain_bytes(
     if why is None or placed is None or 8 * len(data) != placed.bits:
         return why
     flipped = ((number ^ 1 << bit).to_bytes(len(data), "big") for bit in range(placed.bits))
-    return replace(why, disturbed=_fitting_bits([in_bytes.is_sound(device, placed, frame) for frame in flipped]))
+    return replace(why, disturbed=_fitting_bits([in_bytes.is_valid(device, placed, frame) for frame in flipped]))
 
 
 def _fitting_bits(fits: Sequence[bool]) -> tuple[int, ...]:

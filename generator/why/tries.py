@@ -69,7 +69,7 @@ class Try:
     ``data`` are the ``bits`` bits that the CRC with parameters ``crc`` would cover. ``received`` are the first
     ``known`` bits of the CRC to compare with. ``demanded`` is the number of other bits whose value the mistake
     determines, and ``holds`` is true if they have it. ``fixed`` is the number of frame bits that have their constant
-    value. They prove nothing, but make one reading more likely than another, as do inactive flags (``usual``).
+    value. They prove nothing, but make one reading more likely than another, as do inactive flags (``likelihood``).
     ``number`` is the frame with the layout ``placed`` without the mistake, if that changes the frame. ``codes`` are
     the order codes that would send it.
     """
@@ -146,7 +146,7 @@ def _fixed_value(placed: PlacedLayout, placed_field: PlacedField, number: int) -
             assert_never(kind)
 
 
-def usual(placed: PlacedLayout, number: int) -> float:
+def likelihood(placed: PlacedLayout, number: int) -> float:
     """Return the likelihood of the flags and reserved bits, relative to random bits."""
     likelihood = 1.0
     for placed_field in placed.fields:

@@ -9,7 +9,7 @@ from ...model import Field
 from ...model.expressions import Expression
 from ...plan.refusals import OutsideLimits, depends
 from .about import about_bits_crc, about_member, about_unused, about_word_crc
-from .alternatives import AlternativeCode, asked
+from .alternatives import AlternativeCode, alternatives_in
 from .comments import Paragraph
 from .decode import Decoder
 from .encode import Encoder
@@ -114,7 +114,7 @@ class StructCodec:
 
     def asks(self, *expressions: Expression) -> tuple[AlternativeCode, ...]:
         """Return the alternatives whose answers these expressions need."""
-        return asked(self.asked, *expressions)
+        return alternatives_in(self.asked, *expressions)
 
     @property
     def decoder_depends(self) -> bool:

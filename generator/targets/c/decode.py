@@ -7,11 +7,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from ...model import Field, assert_never
 from ...model.record import dataclass
 from ...plan.codec import AlwaysIs, Check, ParityIs, Part, Whole, ZerosAbove, characters, is_plain_flag
-from ...plan.unused import Moved
+from ...plan.unused import ShiftedBits
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
 from ...say.name import words
 from .bits import digits
-from .expr import Call, Cast, Either, Expr, Name, Number, Operation, joined, masked
+from .expr import Call, Cast, Conditional, Expr, Name, Number, Operation, joined, masked
 from .reserved import c_name
 from .structs import Struct
 from .types import unsigned
@@ -148,7 +148,7 @@ class Decoder:
         if unused and (self.plan.by_word or unused.single):
             yield UnusedAre(unused.gathered)
 
-    def _gather_unused(self, waiting: dict[int, Moved], byte: int, bits: Expr) -> Iterator[UnusedIn | UnusedAre]:
+    def _gather_unused(self, waiting: dict[int, ShiftedBits], byte: int, bits: Expr) -> Iterator[UnusedIn | UnusedAre]:
         """Yield the unused bits of a byte, and after the last such byte the whole member."""
         unused, moved = self.struct.unused, waiting.pop(byte)
         if len(unused.moved) > 1:
@@ -180,7 +180,7 @@ class Decoder:
                 width = self.struct.scope.of(part.field.width)
                 yield name, Cast(type_, Call("cw_signed", (bits, width)))
             case ZeroMeans(number):
-                yield name, Cast(type_, Either(Operation("==", (bits, Number(0))), Number(number), bits))
+                yield name, Cast(type_, Conditional(Operation("==", (bits, Number(0))), Number(number), bits))
             case Active(low):
                 bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits
                 yield name, Name(Operation("==" if low else "!=", (bit, Number(0))).operand)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 
 from ...model import Field, Piece, assert_never
-from ...plan.codec import Fixed, Given, ParityIs, ParityOf, Term, Turned, Whole, ZerosAbove, characters
+from ...plan.codec import Fixed, ParityIs, ParityOf, ReservedBits, Term, ValueOfField, Whole, ZerosAbove, characters
 from ...plan.refusals import NoPowerOfTwo, OutsideLimits, Refusal, TooWide, refusals
 from ...plan.values import (
     Active,
@@ -19,7 +19,7 @@ from ...plan.values import (
     meaning_of,
     widest_value,
 )
-from .expr import Cast, Either, Expr, Name, Number, Operation, joined, left, masked, right
+from .expr import Cast, Conditional, Expr, Name, Number, Operation, joined, masked, shifted_left, shifted_right
 from .reserved import c_name
 from .structs import Struct
 from .types import size_of, unsigned
@@ -60,14 +60,16 @@ class Encoder:
 
     @property
     def word(self) -> tuple[Expr, ...]:
-        terms = (op for op in self.plan.terms if not isinstance(op.value, Turned) and not self._is_always_zero(op))
+        terms = (
+            op for op in self.plan.terms if not isinstance(op.value, ReservedBits) and not self._is_always_zero(op)
+        )
         return (*map(self._term, terms), *self.struct.unused.in_word)
 
     def _term(self, op: Term) -> Expr:
         value = self._value(op)
         if op.field.low.is_constant and not op.field.low.constant:
             return Cast("uint64_t", value) if isinstance(value, Name) else value
-        return left(Cast("uint64_t", value), self.struct.scope.of(op.field.low))
+        return shifted_left(Cast("uint64_t", value), self.struct.scope.of(op.field.low))
 
     def _value(self, op: Term) -> Expr:
         match op.value:
@@ -79,9 +81,9 @@ class Encoder:
                     parts = [(Cast("uint32_t", parts[0][0]), parts[0][1])]
                 ones = self.reader.parity(parts, mask)
                 return Operation("^", (ones, Number(1))) if odd else ones
-            case Given(field):
+            case ValueOfField(field):
                 return self._bits_of_member(field)
-            case Turned():
+            case ReservedBits():
                 return self.struct.unused.given(op.field)
 
     def _is_always_zero(self, op: Term) -> bool:
@@ -100,11 +102,11 @@ class Encoder:
         name = self.given(field)
         match meaning_of(field):
             case Active(low):
-                return Either(name, *((Number(0), Number(1)) if low else (Number(1), Number(0))))
+                return Conditional(name, *((Number(0), Number(1)) if low else (Number(1), Number(0))))
             case TwosComplement():
                 return Operation("&", (Cast("uint64_t", name), self.struct.scope.mask(field.width)))
             case ZeroMeans(number):
-                return Either(Operation("==", (name, Number(number))), Number(0), name)
+                return Conditional(Operation("==", (name, Number(number))), Number(0), name)
             case Raw() | Named() | DigitRuns() | Characters():
                 return name
             case never:
@@ -151,13 +153,13 @@ class Encoder:
     def _term_bytes(self, op: Term) -> Iterator[tuple[int, Expr]]:
         """Yield the contributions of a term that is not constant."""
         match op.value:
-            case Turned() | Fixed():
+            case ReservedBits() | Fixed():
                 return
-            case Given(field):
+            case ValueOfField(field):
                 yield from self._given_bytes(op, field)
             case ParityOf():
                 for piece in op.field.pieces:
-                    yield piece.byte, left(right(self._value(op), piece.left), piece.right)
+                    yield piece.byte, shifted_left(shifted_right(self._value(op), piece.left), piece.right)
             case _:
                 assert_never(op.value)
 
@@ -171,7 +173,7 @@ class Encoder:
             case Active(low):
                 for piece in field.pieces:
                     bit, zero = Number(piece.mask << piece.right, hexadecimal=True), Number(0, hexadecimal=True)
-                    yield piece.byte, Either(name, zero, bit) if low else Either(name, bit, zero)
+                    yield piece.byte, Conditional(name, zero, bit) if low else Conditional(name, bit, zero)
             case TwosComplement():
                 # Copies of the sign must not reach the zeros above the field.
                 bits = self._value(op) if field.name in self._padded else Cast("uint64_t", name)
@@ -189,11 +191,11 @@ class Encoder:
 
     def _placed_piece(self, field: Field, piece: Piece, bits: Expr, may_be_wider: bool) -> Expr:
         """Return one piece of the bits of a field, shifted to its place in its byte."""
-        value = right(bits, piece.left)
+        value = shifted_right(bits, piece.left)
         if may_be_wider and piece.mask != 0xFF:
             value = masked(value, piece.mask)
         if piece.right:
-            return left(Cast("uint32_t", value), piece.right)
+            return shifted_left(Cast("uint32_t", value), piece.right)
         is_wide = isinstance(value, Name) and self.struct.type_of(field) != unsigned(8)
         return Cast("uint32_t", value) if is_wide else value
 

@@ -25,7 +25,7 @@ from ...model import (
 )
 from ...model.record import dataclass
 from ...plan.codec import Part
-from ...plan.receive_lengths import SSI_AROUND, Received, received
+from ...plan.receive_lengths import SSI_AROUND, FrameSize, received
 from ...plan.steps import Sends
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.name import title, words
@@ -35,7 +35,7 @@ from .alternatives import AlternativeCode
 from .chosen import Chosen, Frame, NoFrame
 from .comments import ascii_text
 from .device import DeviceView
-from .interfaces import Asking
+from .interfaces import ReplyRequest
 from .positions import Positions
 from .procedures import ProcedureCode, Row
 from .reports import FrameReports
@@ -86,7 +86,7 @@ class Memory:
 
 
 @dataclass(frozen=True, slots=True)
-class Printed:
+class PrintedMember:
     """A member with its name, the ``form`` and arguments for ``printf``, and the meanings of its values."""
 
     name: str
@@ -96,7 +96,7 @@ class Printed:
 
 
 @dataclass(frozen=True, slots=True)
-class Sampled:
+class ReceivedBytes:
     """The bytes received over SPI for the frame, and macros for its length in bits and bytes."""
 
     bits: str
@@ -149,7 +149,7 @@ class ExampleCode:
         return ", ".join(("encoder", *(question.constant for question in self.asked)))
 
     @property
-    def received(self) -> list[Received]:
+    def received(self) -> list[FrameSize]:
         """The lengths of the frame as received, by order code."""
         answers = [question.item.answers[0] for question in self.asked]
         received_frames = received(self.view.device, self.interface)
@@ -191,7 +191,7 @@ class ExampleCode:
         return number_to_bytes(layout, self.frame.wire, layout.place(self._chosen.variant.parameters).bits)
 
     @property
-    def raw(self) -> Sampled | None:
+    def raw(self) -> ReceivedBytes | None:
         """The data line of SSI: high until the first clock has stored the position, the word, and the 0 after it."""
         received_frame = next(
             (candidate for candidate in self.received if candidate.variant is self._chosen.variant), None
@@ -201,7 +201,7 @@ class ExampleCode:
         bits, size = (macro.name for macro in self.view.lengths.macros_of(received_frame))
         around = (1 << received_frame.bits | self.frame.wire) << 1
         unused_bits = 8 * received_frame.bytes - received_frame.bits - SSI_AROUND
-        return Sampled(bits, size, (around << unused_bits).to_bytes(received_frame.bytes, "big"))
+        return ReceivedBytes(bits, size, (around << unused_bits).to_bytes(received_frame.bytes, "big"))
 
     @property
     def session(self) -> Session | None:
@@ -223,7 +223,7 @@ class ExampleCode:
         return Session(request, initial, macro, data, (request.layout.widest + 7) // 8)
 
     @property
-    def asking(self) -> Asking | None:
+    def asking(self) -> ReplyRequest | None:
         """The request frame over RS-485 that the frame answers, or None if the request has only a control field."""
         placed = self.frame.layout.place(self._chosen.variant.parameters)
         numbers = (field for field in placed.fields if isinstance(meaning_of(field.field), Raw))
@@ -351,16 +351,16 @@ class ExampleCode:
             else:
                 yield Memory(register.address, example.bytes, title(register))
 
-    def printed(self, part: Part, variable: str) -> Iterator[Printed]:
+    def printed(self, part: Part, variable: str) -> Iterator[PrintedMember]:
         """Yield the members of a part of a struct as ``printf`` shows them."""
         member = f"{variable}.{c_name(part.field.name)}"
         match part.meaning:
             case Characters():
-                yield Printed(part.field.name, "%.*s", f"(int)sizeof({member}), {member}")
+                yield PrintedMember(part.field.name, "%.*s", f"(int)sizeof({member}), {member}")
             case Active():
-                yield Printed(part.field.name, "%s", f'{member} ? "yes" : "no"')
+                yield PrintedMember(part.field.name, "%s", f'{member} ? "yes" : "no"')
             case TwosComplement():
-                yield Printed(part.field.name, "%lld", f"(long long){member}")
+                yield PrintedMember(part.field.name, "%lld", f"(long long){member}")
             case Named(values):
                 yield replace(self.number(part.field.name, variable), known=_value_meanings(values))
             case DigitRuns(runs):
@@ -372,12 +372,12 @@ class ExampleCode:
                 assert_never(never)
 
     @staticmethod
-    def number(name: str, variable: str) -> Printed:
+    def number(name: str, variable: str) -> PrintedMember:
         """Return an unsigned member as ``printf`` shows it."""
-        return Printed(name, "%llu", f"(unsigned long long){variable}.{c_name(name)}")
+        return PrintedMember(name, "%llu", f"(unsigned long long){variable}.{c_name(name)}")
 
 
-def _has_only_answers(frame: Received, answers: Sequence[Answer]) -> bool:
+def _has_only_answers(frame: FrameSize, answers: Sequence[Answer]) -> bool:
     """Return True if the length of a frame depends on no other answers than these."""
     return all(answer in answers for answer in frame.answers)
 

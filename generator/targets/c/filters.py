@@ -21,7 +21,7 @@ from .bits import digits
 from .comments import comment, comment_lines, in_comment
 from .decode import ByteIs, FlagsIn, UnusedAre, UnusedIn
 from .folds import FoldOperation
-from .lines import beside, in_lines, literals
+from .lines import end_comment, in_lines, literals
 from .positions import Positions
 from .procedures import FilledRows
 from .reserved import c_name
@@ -67,7 +67,7 @@ def _bytes(count: int) -> str:
 
 FILTERS: dict[str, Callable[..., object]] = {
     "addresses": addresses,
-    "beside": beside,
+    "end_comment": end_comment,
     "bytes": _bytes,
     "c_name": c_name,
     "comment": comment,

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from copy import copy
 
 from ...model import Biss, Device, Interface, Layout
-from ...plan.receive_lengths import BISS_ACKNOWLEDGE, Received, received
+from ...plan.receive_lengths import BISS_ACKNOWLEDGE, FrameSize, received
 from ...say.parameter import initial
 from ...say.words import hertz, nanoseconds, timeout_words
 from .context import Context
@@ -73,7 +73,7 @@ class LengthCode:
         """Return the arguments of a decoder that takes this variable."""
         return f"bytes{index}, {self.length}" if self.length else f"word{index}"
 
-    def code_of(self, frame: Received) -> str:
+    def code_of(self, frame: FrameSize) -> str:
         """Return the name of an order code in names of lengths, with the answers on which these depend."""
         names = [frame.layout.name] if len(self.layouts) > 1 else []
         return "_".join((self._codes[id(frame.variant)], *names, *(answer.name for answer in frame.answers))).upper()
@@ -82,14 +82,14 @@ class LengthCode:
         names = (*(macro.name for macro in self.macros), self.receive)
         yield from ((name, ("interfaces", self.interface.name)) for name in names if name)
 
-    def macros_of(self, frame: Received) -> Iterator[Macro]:
+    def macros_of(self, frame: FrameSize) -> Iterator[Macro]:
         """Yield the macros of the number of bits and of the bytes of a buffer."""
         stem = f"{self._prefix}{self.code_of(frame)}"
         yield Macro(f"{stem}_BITS", number(frame.bits), "number of bits in its frame")
         yield Macro(f"{stem}_RX_BYTES", number(frame.bytes), "number of bytes in its buffer")
 
 
-def _register_access(device: Device, interface: Interface, frames: Sequence[Received]) -> Iterator[str]:
+def _register_access(device: Device, interface: Interface, frames: Sequence[FrameSize]) -> Iterator[str]:
     """Yield the deadlines for the control bit of a master, with the numbers of the family, if the interface is BiSS."""
     if not isinstance(interface, Biss) or not frames:
         return

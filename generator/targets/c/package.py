@@ -102,7 +102,7 @@ def _package_names(namespace: str, makers: Sequence[Manufacturer]) -> Named:
         "namespace": namespace,
         "option": package.replace("-", "_").upper(),
         "version": max((maker.version for maker in makers), key=_version_numbers),
-        "title": bare(f"Headers for encoders by {' and '.join(maker.title for maker in makers)}"),
+        "title": without_special_characters(f"Headers for encoders by {' and '.join(maker.title for maker in makers)}"),
     }
 
 
@@ -202,6 +202,6 @@ def _version_numbers(version: str) -> tuple[int, ...]:
     return tuple(map(int, version.split(".")))
 
 
-def bare(text: str) -> str:
+def without_special_characters(text: str) -> str:
     """Remove from ``text`` all characters that are special to CMake, Kconfig or pkg-config."""
     return " ".join(re.sub(r"[^A-Za-z0-9 .,:/+&-]+", " ", ascii_text(text)).split())

@@ -9,13 +9,13 @@ from ...model import Device, Layout, Verdict, cite
 from ...plan.codec import Part, Reserved
 from ...plan.reports import Report, Reporting, reportings, reports_of
 from ...plan.values import Active
-from ...plan.verdicts import Cause, Match, Only, Speaks
+from ...plan.verdicts import Cause, Match, Only, VerdictCause
 from ...say.name import title
 from ...say.report import alarm_of, meaning, remedy, source
-from ...say.text import said
+from ...say.text import statement
 from .. import TargetError
 from .enumerations import Entry, Enumeration
-from .expr import Cast, Either, Expr, Name, Number, Operation, joined, masked
+from .expr import Cast, Conditional, Expr, Name, Number, Operation, joined, masked
 from .names import Declared
 from .reserved import c_name
 from .style import S
@@ -54,7 +54,7 @@ class FrameReports:
         """The terms of the mask of its reports."""
         for report_cause in self.reporting.told:
             says = joined("&&", (*map(_holds, report_cause.conditions), self._says(report_cause.by)))
-            yield Either(says, self.family.constant(report_cause.report), Number(0))
+            yield Conditional(says, self.family.constant(report_cause.report), Number(0))
 
     @property
     def verdict_depends(self) -> bool:
@@ -67,7 +67,7 @@ class FrameReports:
         return any(report_cause.only for report_cause in self.reporting.told)
 
     @property
-    def _levels(self) -> tuple[tuple[Verdict, tuple[Speaks, ...]], ...]:
+    def _levels(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
         return self.judgement.worst_first if self.judgement is not None else ()
 
     def _says(self, by: Cause) -> Expr:
@@ -92,7 +92,7 @@ class FrameReports:
         for verdict, speaking in self._levels:
             yield self._any(speaking), verdict
 
-    def _any(self, speaking: Sequence[Speaks]) -> Expr:
+    def _any(self, speaking: Sequence[VerdictCause]) -> Expr:
         """Return the condition that one of these is active. Unused bits are checked together."""
         conditions, unused = [], []
         for cause in speaking:
@@ -168,7 +168,7 @@ def _note(device: Device, report: Report) -> str:
     """Return its name in the manual and the source of its meaning."""
     field = report.field
     unused = ", unused" if report.is_unused else ""
-    return S.sentence(said(title(field), unused, source=source(field, alarm_of(device, field))))
+    return S.sentence(statement(title(field), unused, source=source(field, alarm_of(device, field))))
 
 
 def _holds(only: Only) -> Expr:

@@ -7,14 +7,14 @@ from collections.abc import Iterator, Sequence
 from ...language.problems import listed
 from ...model import assert_never
 from ...model.record import dataclass
-from ...plan.run_time_parameters import Held, HeldBy
+from ...plan.run_time_parameters import HeldParameter, HoldingRegister
 from ...plan.values import Raw, ZeroMeans, widest_value
 from ...say.name import title
 from .. import TargetError
 from .access import Access
 from .bits import of_bytes
 from .context import Context
-from .expr import Cast, Either, Expr, Name, Number, Operation, joined
+from .expr import Cast, Conditional, Expr, Name, Number, Operation, joined
 from .names import Declared
 from .reserved import c_name
 from .types import unsigned
@@ -26,7 +26,7 @@ _TAKEN = frozenset(("failure", "result", "taken", "transport", "variant"))
 class HeldValue:
     """A parameter held by a register, and its local."""
 
-    def __init__(self, context: Context, parameter_in_register: Held) -> None:
+    def __init__(self, context: Context, parameter_in_register: HeldParameter) -> None:
         parameter, field = parameter_in_register.parameter, parameter_in_register.field
         if not field.pieces:
             problem = f"the place of '{parameter.read_from}' depends on the order code; the C target cannot read it"
@@ -57,7 +57,7 @@ class HeldValue:
             case ZeroMeans(number):
                 raw = Name(f"{self.local}_raw")
                 yield type_, raw.text, bits
-                chosen = Either(Operation("==", (raw, Number(0))), Number(number), raw)
+                chosen = Conditional(Operation("==", (raw, Number(0))), Number(number), raw)
                 type_ = unsigned(widest_value(self.held.field))
                 yield type_, self.local, Cast(type_, chosen)
             case Raw():
@@ -106,7 +106,7 @@ def _case(code: int, values: Sequence[HeldValue]) -> tuple[str, tuple[tuple[str,
 class Taker:
     """The function that updates a variant from the content of a register."""
 
-    def __init__(self, context: Context, register_parameters: HeldBy, access: Access) -> None:
+    def __init__(self, context: Context, register_parameters: HoldingRegister, access: Access) -> None:
         register = register_parameters.register
         self.name = f"{context.prefix}_take_{register.name}"
         names = listed(parameter.parameter.name for parameter in register_parameters.parameters)

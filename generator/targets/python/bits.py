@@ -8,7 +8,7 @@ from itertools import pairwise
 from ...model import Piece
 from ...model.expressions import Expression
 from ...plan.codec import Bits, Codec, Reserved
-from ...plan.unused import Moved, moved_bits
+from ...plan.unused import ShiftedBits, moved_bits
 from .expr import Atom, Expr, Operation, Scope, call, joined, mask, moved, number
 
 
@@ -61,7 +61,7 @@ class Reader:
         number_of_data = number_of_bytes if codec.by_word or codec.length > 1 else "data[0]"
         return Operation(Atom(number_of_data), "&", others(self.scope, codec))
 
-    def _unused_at_fixed_place(self, bits: Moved) -> Expr:
+    def _unused_at_fixed_place(self, bits: ShiftedBits) -> Expr:
         source = Atom(self.source) if bits.byte is None else self._atom(bits.byte)
         down, up = max(bits.shift, 0), max(-bits.shift, 0)
         expression = moved(source, ">>", number(down))

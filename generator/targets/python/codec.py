@@ -28,8 +28,8 @@ from ...plan.values import (
 from ...say.name import words
 from ...say.words import sentence
 from . import text
-from .context import Asked, Context
-from .decode import Decoder, Once, assigned
+from .context import Context, OpenQuestion
+from .decode import Decoder, NamedValues, assigned
 from .expr import Atom, Expr, Negative, Operation, Scope, coded, number
 from .joins import Maker
 from .literals import quoted
@@ -70,7 +70,7 @@ class Coder:
         self.names = ClassNames(layout, register, context.crcs.values())
         self.make = Maker(context.scope, self.plan, self.names)
         answered = frozenset(parameter for question in self.asked for parameter, _ in question.members)
-        scope = Once(context.scope.names, answered) if register is None else context.scope
+        scope = NamedValues(context.scope.names, answered) if register is None else context.scope
         self.decoding = Decoder(scope, self.plan, self.names, self.enum)
         #: Questions whose answers the decoder accepts: those of all frames among which it is chosen.
         self.passed = self.asked
@@ -94,7 +94,7 @@ class Coder:
         )
 
     @cached_property
-    def asked(self) -> list[Asked]:
+    def asked(self) -> list[OpenQuestion]:
         """Questions that the manual leaves open and the caller must answer."""
         return self.context.asked_of(self.layout)
 

@@ -49,7 +49,7 @@ def _runs(field: Field) -> list[str]:
 
 
 @dataclass(frozen=True)
-class Asked:
+class OpenQuestion:
     """Question that the manual leaves open, as an argument ``name`` whose values are members of the Enum ``kind``.
 
     ``members`` are the parameters that an answer sets, with their attribute names in the Enum.
@@ -89,15 +89,15 @@ class Context:
         """Return the parameters as attributes of ``owner``."""
         return Scope({name: f"{owner}.{member}" for name, member in self.parameters.items()})
 
-    def _asked(self, alternative: Alternative, names: Names) -> Asked:
+    def _asked(self, alternative: Alternative, names: Names) -> OpenQuestion:
         layouts = [layout for layout in self.coded_layouts() if alternative in self.device.alternatives_of(layout)]
         frame_names = {name for layout in layouts for field in layout.fields for name in (field.name, *_runs(field))}
         frame_names |= {join.name for layout in layouts for join in layout.joins}
         members = [(name, attribute(name, ("name", "value"))) for name in alternative.answers[0].sets]
         name = attribute(alternative.name, (*frame_names, *CLASS_NAMES, *LOCAL_NAMES, "frame"))
-        return Asked(alternative, names.take(camel(alternative.name), "Alternative"), name, tuple(members))
+        return OpenQuestion(alternative, names.take(camel(alternative.name), "Alternative"), name, tuple(members))
 
-    def asked_of(self, layout: Layout) -> list[Asked]:
+    def asked_of(self, layout: Layout) -> list[OpenQuestion]:
         """Return the questions that must be answered to decode or encode a frame of this layout."""
         return [self.asked[alternative.name] for alternative in self.device.alternatives_of(layout)]
 

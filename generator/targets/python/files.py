@@ -23,7 +23,7 @@ from .filters import FILTERS, FUNCTIONS, TESTS
 from .imports import Imports, imports_of
 from .module import Module
 from .names import BISS, FACTS, PACKAGE, SHAPES, STANDARD
-from .readme import Shown, start
+from .readme import ReadmeExample, start
 
 #: Files that each package has once, next to its folder and in it.
 _PROJECT_FILES = ("README.md", "pyproject.toml")
@@ -45,7 +45,7 @@ class Package(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
     notices: Annotated[list[str], "notices on trademarks"]
     modules: Annotated[list[Module], "the module of each family"]
-    start: Annotated[Shown, "the first example of the README"]
+    start: Annotated[ReadmeExample, "the first example of the README"]
     families: Annotated[list[str], "the names of all family modules"]
     specials: Annotated[list[tuple[str, str]], "the modules of special models, and the suffixes of their order codes"]
     biss: Annotated[tuple[str, ...], "the name of the module for all BiSS encoders, if there is one"]

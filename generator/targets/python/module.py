@@ -14,7 +14,7 @@ from ...say.name import words
 from . import facts, text
 from .bits import from_pieces
 from .codec import Coder
-from .context import Asked, Context, is_one_choice
+from .context import Context, OpenQuestion, is_one_choice
 from .docstrings import Block, Lines, docstring
 from .expr import Expr
 from .literals import Call
@@ -66,7 +66,7 @@ class Dispatcher:
         return sorted(value for branch in self.plan.branches for value in branch.values)
 
     @property
-    def asked(self) -> list[Asked]:
+    def asked(self) -> list[OpenQuestion]:
         """Questions that the manual leaves open about any of the frames."""
         questions = (question for coder in self.members for question in coder.asked)
         return list({question.name: question for question in questions}.values())
@@ -197,7 +197,7 @@ class Module:
             yield Lines((*start, f"frame = encoder.decode({frame.text}{frame.answers})", *frame.lines))
 
     @property
-    def alternatives(self) -> list[tuple[Asked, str]]:
+    def alternatives(self) -> list[tuple[OpenQuestion, str]]:
         """Questions that the manual leaves open, with their docstrings."""
         questions = self.context.asked.values()
         return [(question, text.of_alternative(self.device, question.alternative)) for question in questions]

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 from ...model import Field, Flag, Verdict, first_of
 from ...plan.codec import Codec, Part, Reserved
-from ...plan.reports import Reporting, Told
-from ...plan.verdicts import Match, Only, Speaks
+from ...plan.reports import ReportCause, Reporting
+from ...plan.verdicts import Match, Only, VerdictCause
 from .expr import Atom, Expr, Not, Operation, coded, joined, mask
 from .names import ClassNames
 
@@ -34,7 +34,10 @@ class FrameReports:
     def depends(self) -> bool:
         """True if any condition depends on the order code."""
         judged = self._judgement.worst_first if self._judgement is not None else ()
-        causes: list[Told | Speaks] = [*self._told, *(cause for _, speakers in judged for cause in speakers)]
+        causes: list[ReportCause | VerdictCause] = [
+            *self._told,
+            *(cause for _, speakers in judged for cause in speakers),
+        ]
         return any(cause.conditions for cause in causes)
 
     def _holds(self, only: Only) -> Expr:
@@ -74,7 +77,7 @@ class FrameReports:
         reserved_bits = sum(bits.mask for bits in reserved)
         return unused if reserved_bits == all_bits else Operation(unused, "&", mask(reserved_bits))
 
-    def _conditions(self, causes: Sequence[Speaks]) -> list[str]:
+    def _conditions(self, causes: Sequence[VerdictCause]) -> list[str]:
         """Return a condition for each flag and each match of values, and one for all unused bits."""
         conditions, reserved = [], []
         for cause in causes:

@@ -19,7 +19,7 @@ from .bits import others
 from .codec import Coder
 from .context import byte_order
 from .expr import joined
-from .literals import Call, Code, Literal, Member, Sometimes, call, literal, record
+from .literals import Call, Code, ConditionalItem, Literal, Member, call, literal, record
 from .reports import holding
 
 #: Number of members that are printed without their names, by class.
@@ -127,7 +127,7 @@ class Shape:
                 return Code(f"Verdict.{verdict.name} if {self._member(parameter)} else None")
         conditions: list[Only | None] = [getattr(value, name, None) for name in _CONDITIONS]
         holds = [holding(only, self._member(only.parameter)) for only in conditions if only is not None]
-        return Sometimes(self._record(value), str(joined("and", holds))) if holds else self._record(value)
+        return ConditionalItem(self._record(value), str(joined("and", holds))) if holds else self._record(value)
 
     def _member(self, parameter: str) -> str:
         return f"variant.{self.coder.context.parameters[parameter]}"

@@ -13,18 +13,18 @@ from ...order_codes.labels import beginnings
 from ...plan.measurement import (
     Cases,
     PositionRange,
-    also_measured,
     by_interface,
     counts,
+    parameters_in_measurement,
     position_ranges,
 )
 from ...plan.replies import Exchanged, exchanges
-from ...plan.run_time_parameters import Held, held_parameters
+from ...plan.run_time_parameters import HeldParameter, held_parameters
 from ...plan.values import meaning_of
 from ...say.parameter import initial
 from . import text
 from .codec import Coder
-from .context import Asked, Context, byte_order
+from .context import Context, OpenQuestion, byte_order
 from .expr import Atom, Expr, Operation, joined, number
 from .literals import Call, Code, Literal, record
 from .meanings import of_number
@@ -39,7 +39,7 @@ class FrameKind:
     coder: Coder
     dispatch: str
     union: str
-    asked: Sequence[Asked] = ()
+    asked: Sequence[OpenQuestion] = ()
     members: tuple[Coder, ...] = ()
 
     @property
@@ -83,7 +83,7 @@ class FrameKind:
 
 
 @dataclass(frozen=True)
-class Listed:
+class ListedCodes:
     """Listed order codes of one interface: the name of their type, the class of the encoder, and the codes."""
 
     literal: str
@@ -137,14 +137,14 @@ class Variants:
         return beginnings(self.device.order_code)
 
     @cached_property
-    def listed_by_interface(self) -> list[Listed]:
+    def listed_by_interface(self) -> list[ListedCodes]:
         """Listed order codes of each interface, for type checkers."""
         listed_codes = []
         for interface in self.device.interfaces:
             codes = tuple(variant.code for variant in self.device.variants_over(interface.name))
             literal = f"{camel(self.context.module)}{interface.name.capitalize()}"
             if codes:
-                listed_codes.append(Listed(literal, encoder_name(interface.name), codes))
+                listed_codes.append(ListedCodes(literal, encoder_name(interface.name), codes))
         return listed_codes
 
     @property
@@ -154,7 +154,7 @@ class Variants:
     @property
     def derived(self) -> list[tuple[str, str, Expr]]:
         """Name, meaning and value of the parameters that are derived from others, except those for measurements."""
-        derived, measured = [], also_measured(self.device)
+        derived, measured = [], parameters_in_measurement(self.device)
         for parameter in self.device.parameters:
             if parameter.equals is not None and parameter.name not in measured:
                 meaning = text.of_parameter(self.device, parameter)
@@ -361,7 +361,7 @@ class Variants:
     # -- answers with a default
 
     @property
-    def answers(self) -> list[Asked]:
+    def answers(self) -> list[OpenQuestion]:
         """Questions whose default applies unless the user chooses another answer."""
         optional = self.device.optional_alternatives
         return [self.context.asked[alternative.name] for alternative in optional]
@@ -374,7 +374,7 @@ class Variants:
         variants = (variant for variant in reversed(self.device.variants) if variant.interface in interfaces)
         return first_of(variants, "no order code has a frame whose verdict an answer decides").code
 
-    def answered(self, question: Asked) -> list[tuple[str, str]]:
+    def answered(self, question: OpenQuestion) -> list[tuple[str, str]]:
         """Return the parameters that an answer sets, with the names of their values in its Enum."""
         return [(self.context.parameters[name], member) for name, member in question.members]
 
@@ -401,7 +401,7 @@ class Variants:
         registers = (group.register for group in held_parameters(self.device))
         return ", ".join(f"{register.name} at {register.address:02X}h" for register in registers)
 
-    def _held(self, register: Register, held_parameter: Held) -> Call:
+    def _held(self, register: Register, held_parameter: HeldParameter) -> Call:
         parameter, width = held_parameter.parameter, held_parameter.field.widest
         needed: dict[str, Literal] = {
             "parameter": self.context.parameters[parameter.name],
