@@ -116,7 +116,7 @@ def _marks(data: Any, numbers: Iterator[tuple[int, int, int, int]]) -> Mark:
 def read_specs(paths: Iterable[pathlib.Path], report: Report, cache: Cache = NOTHING_KEPT) -> list[Document]:
     """Read files and whole folders, each file once.
 
-    A folder stands for the specs in it and below it, in sorted order. ``files.find_files`` finds them. A file given by name
+    A folder stands for the specs in it and below it, in sorted order, which ``find_files`` lists. A file given by name
     is always read, except for a second reading, which belongs to a spec.
     """
     documents = []

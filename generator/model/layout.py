@@ -103,7 +103,7 @@ class Field:
         assert isinstance(self.kind, Flag)
         return replace(self, kind=self.kind.unexplained, meaning="", note="", remedy="", by_hand=())
 
-    def held_by(self, parameters: Mapping[str, int]) -> Field:
+    def for_parameters(self, parameters: Mapping[str, int]) -> Field:
         """Return the field as it is for an order code with these parameters, and with the verdict that they decide."""
         if not isinstance(self.kind, Flag):
             return self
@@ -115,7 +115,7 @@ class Field:
 
     def place(self, parameters: Mapping[str, int]) -> PlacedField:
         """Return the field at its bits, as it is for an order code with these parameters."""
-        return PlacedField(self.held_by(parameters), self.low.value(parameters), self.width.value(parameters))
+        return PlacedField(self.for_parameters(parameters), self.low.value(parameters), self.width.value(parameters))
 
     @property
     def is_fixed(self) -> bool:

@@ -57,7 +57,7 @@ class Reporting:
 
     interface: Interface
     codec: Codec
-    told: tuple[ReportCause, ...]
+    causes: tuple[ReportCause, ...]
     judgement: Judgement | None
 
 

@@ -59,7 +59,7 @@ class Telling:
     def __init__(self, device: Device) -> None:
         self.device = device
         self._bits = {
-            item.codec.layout.name: {said_by(device, told): 1 << told.report.number for told in item.told}
+            item.codec.layout.name: {said_by(device, told): 1 << told.report.number for told in item.causes}
             for item in reportings(device)
         }
 

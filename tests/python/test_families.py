@@ -114,7 +114,7 @@ def test_frame_examples(lika: Any, devices: Mapping[str, Device]) -> None:
             else {}
         )
         answers = {
-            name: getattr(module, names.asked[name].kind)[answer.upper()]
+            name: getattr(module, names.questions[name].kind)[answer.upper()]
             for name, answer in {**first, **example.alternatives}.items()
         }
         decode = variant.decode if example.sender == "encoder" else partial(module.decode_request, variant=variant)
@@ -616,7 +616,7 @@ def test_bit_fields_are_those_of_the_model(lika: Any, devices: Mapping[str, Devi
                     continue
                 given = [module.VARIANTS[variant.code]] if "variant" in view._fields else []
                 # The model uses the first answer to an open question.
-                given += [next(iter(getattr(module, item.kind))) for item in names.asked_of(layout)]
+                given += [next(iter(getattr(module, item.kind))) for item in names.questions_of(layout)]
                 fields = view.bit_fields(*given)
                 assert {item.name: (item.low, item.width) for item in fields if item.width} == {
                     item.name: (item.low, item.width) for item in layout.place(variant.parameters).fields

@@ -40,7 +40,7 @@ def frame(device: Device, layout: Layout, reporting: Reporting | None) -> Data:
     """Return a frame with its verdict and reports."""
     codec = codec_of(device, layout)
     description = describe(codec, reporting)
-    reported = reporting.told if reporting is not None else ()
+    reported = reporting.causes if reporting is not None else ()
     tells = [_report(device, *pair) for pair in zip(description.tells, reported, strict=True)]
     # Use the order of the frame, without flags first. Values with a verdict come last.
     names = [*(field.name for field in layout.fields), *(sign.flag.name for sign in layout.signs)]

@@ -71,7 +71,7 @@ class Decoder:
         return Name(c_name(field.name, _LOCALS))
 
     @property
-    def taken(self) -> tuple[Field, ...]:
+    def fields_with_local(self) -> tuple[Field, ...]:
         """The fields that have a local."""
         untaken = self._plain_flags | self._only_reported | self.plan.constants.keys()
         untaken |= {part.field.name for part in self.plan.parts if isinstance(part.meaning, Characters)}
@@ -146,7 +146,7 @@ class Decoder:
         for byte in tuple(waiting):
             yield from self._gather_unused(waiting, byte, Name(f"bytes[{byte}]"))
         if unused and (self.plan.by_word or unused.single):
-            yield UnusedAre(unused.gathered)
+            yield UnusedAre(unused.member)
 
     def _gather_unused(self, waiting: dict[int, ShiftedBits], byte: int, bits: Expr) -> Iterator[UnusedIn | UnusedAre]:
         """Yield the unused bits of a byte, and after the last such byte the whole member."""
@@ -155,7 +155,7 @@ class Decoder:
             yield UnusedIn(unused.at_place(moved, bits), len(waiting) + 1 == len(unused.moved))
             bits = Name("unused")
         if not waiting:
-            yield UnusedAre(unused.told(bits))
+            yield UnusedAre(unused.member_from(bits))
 
     @property
     def _members(self) -> Iterator[FlagsIn | Part | Whole]:

@@ -138,20 +138,20 @@ class ExampleCode:
     # -- the frame
 
     @property
-    def asked(self) -> tuple[AlternativeCode, ...]:
+    def alternatives(self) -> tuple[AlternativeCode, ...]:
         """The alternatives that the user must answer to decode the frame. The program uses the first answers."""
         codecs = (codec for codec in self.view.interface.codecs if codec.struct is self.struct)
-        return first_of(codecs, f"no codec is for '{self.struct.layout.name}'").asked
+        return first_of(codecs, f"no codec is for '{self.struct.layout.name}'").alternatives
 
     @property
     def encoder(self) -> str:
         """The first arguments of the decoder."""
-        return ", ".join(("encoder", *(question.constant for question in self.asked)))
+        return ", ".join(("encoder", *(question.constant for question in self.alternatives)))
 
     @property
     def received(self) -> list[FrameSize]:
         """The lengths of the frame as received, by order code."""
-        answers = [question.item.answers[0] for question in self.asked]
+        answers = [question.item.answers[0] for question in self.alternatives]
         received_frames = received(self.view.device, self.interface)
         of_layout = (frame for frame in received_frames if frame.layout is self.frame.layout)
         return [frame for frame in of_layout if _has_only_answers(frame, answers)]
@@ -178,7 +178,7 @@ class ExampleCode:
         return self.view.reports.of(self.frame.layout, self.struct.name, self.struct.type)
 
     @property
-    def worth(self) -> tuple[str, ...]:
+    def verdict_words(self) -> tuple[str, ...]:
         """The verdicts in words, ordered by number."""
         return tuple(WORTH[verdict] for verdict in Verdict)
 

@@ -42,7 +42,7 @@ class FrameReports:
         self._choices = choices
         self.judgement = reporting.judgement
         self.verdict = f"{frame}_verdict" if reporting.judgement is not None else ""
-        self.reports = f"{frame}_reports" if reporting.told else ""
+        self.reports = f"{frame}_reports" if reporting.causes else ""
         self._every_unused = sum(op.mask for op in reporting.codec.reserved)
 
     def names(self) -> Iterator[str]:
@@ -50,9 +50,9 @@ class FrameReports:
         return filter(None, (self.verdict, self.reports))
 
     @property
-    def told(self) -> Iterator[Expr]:
+    def mask_terms(self) -> Iterator[Expr]:
         """The terms of the mask of its reports."""
-        for report_cause in self.reporting.told:
+        for report_cause in self.reporting.causes:
             says = joined("&&", (*map(_holds, report_cause.conditions), self._says(report_cause.by)))
             yield Conditional(says, self.family.constant(report_cause.report), Number(0))
 
@@ -64,7 +64,7 @@ class FrameReports:
     @property
     def reports_depend(self) -> bool:
         """True if the reports depend on the order code."""
-        return any(report_cause.only for report_cause in self.reporting.told)
+        return any(report_cause.only for report_cause in self.reporting.causes)
 
     @property
     def _levels(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
@@ -152,7 +152,7 @@ class Reports:
     def _path(self, report: Report) -> Path:
         """Return the path of the first frame with this report."""
         for reporting in self._by_frame.values():
-            if report.number in [report_cause.report.number for report_cause in reporting.told]:
+            if report.number in [report_cause.report.number for report_cause in reporting.causes]:
                 return ("interfaces", reporting.interface.name, "layouts", reporting.codec.layout.name)
         raise LookupError(f"no frame reports {report.name}")
 

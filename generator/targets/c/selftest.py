@@ -228,7 +228,7 @@ class SelfTest:
     def _answers(self, codec: StructCodec, example: FrameExample) -> str:
         """Return the answers for the example, or the first answer if it states none."""
         answers = ""
-        for question in codec.asked:
+        for question in codec.alternatives:
             names = [answer.name for answer in question.item.answers]
             at = names.index(example.alternatives.get(question.item.name, names[0]))
             answers += f"{question.enumeration.entries[at].name}, "

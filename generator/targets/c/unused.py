@@ -43,7 +43,7 @@ class Unused:
     # -- decoding
 
     @property
-    def gathered(self) -> Expr:
+    def member(self) -> Expr:
         """The member, from the word, or from bytes if the fields are extracted one by one."""
         parts = (*map(self._moved_bits, self.moved), *map(self._single_bits, self.single))
         documented = sum(bits.value for bits in self.moved)
@@ -53,7 +53,7 @@ class Unused:
         """Return a byte shifted to the place of its bits in the member."""
         return shifted_left(Cast(self.work, byte), -moved.shift) if moved.shift else byte
 
-    def told(self, bits: Expr) -> Expr:
+    def member_from(self, bits: Expr) -> Expr:
         """Return the member from bytes that are at their positions."""
         mask = sum(moved.mask for moved in self.moved)
         value = sum(moved.value for moved in self.moved)

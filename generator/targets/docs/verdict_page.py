@@ -137,7 +137,7 @@ def _unless(field: Field, layout: Layout) -> str:
 
 def _frames(device: Device, reporting: Sequence[Reporting]) -> Iterator[Row]:
     """Yield rows of interface, frames, possible reports."""
-    reports_by_frame = {reporting.codec.layout.name: reporting.told for reporting in reporting}
+    reports_by_frame = {reporting.codec.layout.name: reporting.causes for reporting in reporting}
     layouts_by_reports: dict[tuple[str, tuple[str, ...]], list[Layout]] = {}
     for interface, layout in device.layouts():
         if layout.sender == "encoder":

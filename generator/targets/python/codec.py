@@ -69,11 +69,11 @@ class Coder:
         self.interface, self.encoder = interface_name(interface), encoder_name(interface)
         self.names = ClassNames(layout, register, context.crcs.values())
         self.make = Maker(context.scope, self.plan, self.names)
-        answered = frozenset(parameter for question in self.asked for parameter, _ in question.members)
+        answered = frozenset(parameter for question in self.questions for parameter, _ in question.members)
         scope = NamedValues(context.scope.names, answered) if register is None else context.scope
         self.decoding = Decoder(scope, self.plan, self.names, self.enum)
         #: Questions whose answers the decoder accepts: those of all frames among which it is chosen.
-        self.passed = self.asked
+        self.passed = self.questions
 
     def number(self, value: Expression) -> Expr:
         return self.context.scope.of(value)
@@ -94,23 +94,23 @@ class Coder:
         )
 
     @cached_property
-    def asked(self) -> list[OpenQuestion]:
+    def questions(self) -> list[OpenQuestion]:
         """Questions that the manual leaves open and the caller must answer."""
-        return self.context.asked_of(self.layout)
+        return self.context.questions_of(self.layout)
 
     @property
     def given(self) -> list[tuple[str, str]]:
         """Attributes other than fields: the encoder and answers, with their types."""
         return [
             *([("variant", self.encoder)] if self.takes_variant else []),
-            *((question.name, question.kind) for question in self.asked),
+            *((question.name, question.kind) for question in self.questions),
         ]
 
     @property
     def given_about(self) -> list[tuple[str, str]]:
         """The arguments in ``given``, each with its description."""
         answer = "Answer to a question that the manual leaves open, as a member of ``%s``."
-        about = {question.name: answer % question.kind for question in self.asked}
+        about = {question.name: answer % question.kind for question in self.questions}
         return [(name, about.get(name, "The encoder.")) for name, _ in self.given]
 
     @property
@@ -134,7 +134,7 @@ class Coder:
     def bases(self) -> str:
         """Bases of the class, except the NamedTuple of its fields."""
         mixin = "Sent, " if self.reports is not None else ""
-        if self.asked:
+        if self.questions:
             return f"{mixin}{'InBytes' if self.plan.in_bytes else 'InBits'}"
         kind = "Bytes" if self.plan.in_bytes else "Bits"
         if self.register is not None:
@@ -340,7 +340,7 @@ class Coder:
         else:
             interface = device.interface_of(self.layout)
             description, kind = text.of_layout(device, interface, self.layout), "frame"
-        attributes = [(question.name, sentence(question.alternative.meaning)) for question in self.asked]
+        attributes = [(question.name, sentence(question.alternative.meaning)) for question in self.questions]
         attributes += [(attribute.name, attribute.meaning) for attribute in self.attributes]
         reserved = self.plan.reserved
         unused_bits = [(text.of_unused(bits.field, bits.place), self.about(bits.field)) for bits in reserved]

@@ -66,15 +66,15 @@ class Dispatcher:
         return sorted(value for branch in self.plan.branches for value in branch.values)
 
     @property
-    def asked(self) -> list[OpenQuestion]:
+    def questions(self) -> list[OpenQuestion]:
         """Questions that the manual leaves open about any of the frames."""
-        questions = (question for coder in self.members for question in coder.asked)
+        questions = (question for coder in self.members for question in coder.questions)
         return list({question.name: question for question in questions}.values())
 
     @property
     def listed(self) -> list[tuple[str, str]]:
         """Arguments for the answers, with their descriptions."""
-        return [(question.name, question.about) for question in self.asked]
+        return [(question.name, question.about) for question in self.questions]
 
     @property
     def told_by(self) -> str:
@@ -199,7 +199,7 @@ class Module:
     @property
     def alternatives(self) -> list[tuple[OpenQuestion, str]]:
         """Questions that the manual leaves open, with their docstrings."""
-        questions = self.context.asked.values()
+        questions = self.context.questions.values()
         return [(question, text.of_alternative(self.device, question.alternative)) for question in questions]
 
     @property
@@ -258,7 +258,7 @@ class Module:
             fallback=coder_of[plan.fallback.name] if plan.fallback is not None else None,
         )
         for coder in dispatcher.members:
-            coder.passed = dispatcher.asked
+            coder.passed = dispatcher.questions
         return dispatcher
 
     def _register(self, register: Register) -> Coder | Enumeration:
@@ -280,10 +280,10 @@ class Module:
             dispatchers = (dispatcher for dispatcher in section.dispatchers if dispatcher.plan.sender == "encoder")
             dispatcher = next(dispatchers, None)
             if dispatcher is None:
-                yield FrameKind(interface, first, "", "", first.asked, (first,))
+                yield FrameKind(interface, first, "", "", first.questions, (first,))
             else:
                 names = (dispatcher.name, dispatcher.union)
-                yield FrameKind(interface, first, *names, dispatcher.asked, dispatcher.members)
+                yield FrameKind(interface, first, *names, dispatcher.questions, dispatcher.members)
 
 
 def _enumeration_doc(field: Field) -> str:

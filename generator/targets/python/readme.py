@@ -130,8 +130,8 @@ class Readme:
             judged=coder.reports is not None and bool(coder.reports.otherwise),
             bits=0 if layout.in_bytes else placed.bits,
             digits="" if layout.in_bytes else f"{number:0{placed.bits}b}",
-            answers="".join(map(self._first_answer, coder.asked)),
-            module=self.device.name if coder.asked else "",
+            answers="".join(map(self._first_answer, coder.questions)),
+            module=self.device.name if coder.questions else "",
         )
         if not example.judged or coder.reports is None or sample.spoilt is None:
             return example

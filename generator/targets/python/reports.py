@@ -26,7 +26,7 @@ class FrameReports:
         parameters: Mapping[str, str],
         attribute_of: Callable[[str], str] = "self.{}".format,
     ) -> None:
-        self._told = reporting.told if reporting is not None else ()
+        self._told = reporting.causes if reporting is not None else ()
         self._judgement = reporting.judgement if reporting is not None else None
         self._reserved, self._names, self._parameters, self._own = codec.reserved, names, parameters, attribute_of
 
@@ -45,7 +45,7 @@ class FrameReports:
         return holding(only, f"{self._own('variant')}.{self._parameters[only.parameter]}")
 
     @property
-    def worth(self) -> list[tuple[str, list[str]]]:
+    def verdict_conditions(self) -> list[tuple[str, list[str]]]:
         """Verdicts that flags or bits of the frame lead to, worst first. Any of a verdict's conditions is enough."""
         if self._judgement is None:
             return []

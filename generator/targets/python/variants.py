@@ -39,7 +39,7 @@ class FrameKind:
     coder: Coder
     dispatch: str
     union: str
-    asked: Sequence[OpenQuestion] = ()
+    questions: Sequence[OpenQuestion] = ()
     members: tuple[Coder, ...] = ()
 
     @property
@@ -54,13 +54,13 @@ class FrameKind:
     @property
     def has_open_length(self) -> bool:
         """True if the length of the frame depends on a question that the manual leaves open."""
-        answered = {name for question in self.asked for name, _ in question.members}
+        answered = {name for question in self.questions for name, _ in question.members}
         return not answered.isdisjoint(self.coder.layout.bits.parameters)
 
     @property
     def listed(self) -> list[tuple[str, str]]:
         """Arguments for questions that the manual leaves open, with their descriptions."""
-        return [(question.name, question.about) for question in self.asked]
+        return [(question.name, question.about) for question in self.questions]
 
     @property
     def arguments(self) -> list[tuple[str, str]]:
@@ -364,7 +364,7 @@ class Variants:
     def answers(self) -> list[OpenQuestion]:
         """Questions whose default applies unless the user chooses another answer."""
         optional = self.device.optional_alternatives
-        return [self.context.asked[alternative.name] for alternative in optional]
+        return [self.context.questions[alternative.name] for alternative in optional]
 
     @property
     def some_code(self) -> str:
