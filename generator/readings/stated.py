@@ -45,10 +45,10 @@ class Subject:
         place = (*self.place, at) if at else self.place
         return Fact(sort, self.key, value, self.what, place, under or self.under or (), name=name)
 
-    def present(self, sort: Sort, item: Any, value: str = "present", at: str = "") -> Iterator[Fact]:
-        """Yield the fact that the subject exists, and those that are stated about its part of the model, ``item``."""
-        yield self.first(sort, value, at, getattr(item, "name", ""))
-        yield from self.stated(item)
+    def present(self, sort: Sort, model_part: Any, value: str = "present", at: str = "") -> Iterator[Fact]:
+        """Yield the fact that the subject exists, and those that are stated about its ``model_part``."""
+        yield self.first(sort, value, at, getattr(model_part, "name", ""))
+        yield from self.stated(model_part)
 
     def fact(self, sort: Sort, name: str, value: Value, noun: str, at: Path | None = None, mild: bool = False) -> Fact:
         """Return another fact about the subject, which ``noun`` describes."""
@@ -56,17 +56,17 @@ class Subject:
         place = (*self.place, name) if at is None else at
         return Fact(sort, (*self.key, name), value, f"{noun}{self.joint}{self.what}", place, under, mild)
 
-    def stated(self, item: Any, without: Collection[str] = ()) -> Iterator[Fact]:
+    def stated(self, model_part: Any, without: Collection[str] = ()) -> Iterator[Fact]:
         """Yield a fact for each stated member that the table assigns to a class of facts, and for each printed name."""
-        own = {each.name for each in fields(item)}
-        for member in PARTS_BY_CLASS[type(item).__name__].members:
-            value = getattr(item, member.attribute) if member.read and member.attribute in own else None
+        own_names = {member_field.name for member_field in fields(model_part)}
+        for member in PARTS_BY_CLASS[type(model_part).__name__].members:
+            value = getattr(model_part, member.attribute) if member.read and member.attribute in own_names else None
             if member.is_stated(value) and member.name not in without:
                 # The spec uses its name in the model or in the data.
                 place = self.reading.first((*self.place, member.attribute), (*self.place, member.name))
                 text = _text(self.reading, member, value, self.interface)
                 yield self.fact(Sort(member.read), member.name, text, member.noun or member.words, place)
-        for language, text in self.reading.printed_names(item).items():
+        for language, text in self.reading.printed_names(model_part).items():
             places = (*self.place, "names", language), (*self.place, "printed_name"), self.place
             place = self.reading.first(*places)
             yield self.fact(Sort.PRINTED, f"name in {language}", text, "printed name", place, mild=True)
@@ -77,7 +77,7 @@ def _text(reading: Reading, member: Member, value: Any, interface: str) -> Value
     if member.refers_to:
         return _referred(reading, member, value, interface)
     if isinstance(value, Expression):
-        return {case: short(value.value(each)) for case, each in reading.cases(interface).items()}
+        return {case: short(value.value(parameters)) for case, parameters in reading.cases(interface).items()}
     if isinstance(value, bool):
         words = {"level": ("high", "low")}.get(member.form, ("no", "yes") if "=" in member.shape else ("false", "true"))
         return words[value]

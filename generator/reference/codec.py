@@ -197,7 +197,7 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
         bits = unused_bits(placed, number)
         fields.append(DecodedField(UNUSED, bits, bits, "", "unused bits that differ from the manual", -1, -1))
     if problems:
-        problems.sort(key=lambda item: list(Fault).index(item.fault))
+        problems.sort(key=lambda problem: list(Fault).index(problem.fault))
     return Decoded(placed, number, tuple(fields), crc, tuple(problems))
 
 

@@ -28,8 +28,8 @@ def access(register: Register) -> str:
 
 def head(device: Device, register: Register, name: Part) -> Statement:
     """Return the register's ``name``, address, access and interface."""
-    over = device.interface(register.interface).title
-    return statement(name, f", {register_at(register)}, {access(register)}, over {over}", source=register.source)
+    interface = device.interface(register.interface).title
+    return statement(name, f", {register_at(register)}, {access(register)}, over {interface}", source=register.source)
 
 
 def register(device: Device, device_register: Register) -> Iterator[Statement]:

@@ -381,14 +381,14 @@ class Variants:
     # -- parameters in registers
 
     @cached_property
-    def held(self) -> list[tuple[str, Call]]:
+    def held_records(self) -> list[tuple[str, Call]]:
         """Parameters that registers hold at run time: name and record."""
         names = self.context.parameters
-        held: list[tuple[str, Call]] = []
+        records: list[tuple[str, Call]] = []
         for group in held_parameters(self.device):
             members = group.parameters
-            held += [(names[member.parameter.name], self._held(group.register, member)) for member in members]
-        return held
+            records += [(names[member.parameter.name], self._held_record(group.register, member)) for member in members]
+        return records
 
     @property
     def initial(self) -> str:
@@ -401,7 +401,7 @@ class Variants:
         registers = (group.register for group in held_parameters(self.device))
         return ", ".join(f"{register.name} at {register.address:02X}h" for register in registers)
 
-    def _held(self, register: Register, held_parameter: HeldParameter) -> Call:
+    def _held_record(self, register: Register, held_parameter: HeldParameter) -> Call:
         parameter, width = held_parameter.parameter, held_parameter.field.widest
         needed: dict[str, Literal] = {
             "parameter": self.context.parameters[parameter.name],
