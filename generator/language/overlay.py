@@ -171,9 +171,11 @@ class LayeredSpec:
         try:
             path = resolve(self._data, text)
         except MissingPath as nothing:
-            if nothing.step == text.rpartition(".")[2] and isinstance(value_at(self._data, nothing.found), dict):
-                if self._is_free(layer, place, (*nothing.found, nothing.step)):
-                    self._put_value(layer, place, (*nothing.found, nothing.step), f"no {_short(text)}")
+            if nothing.step == text.rpartition(".")[2] and isinstance(
+                value_at(self._data, nothing.existing_path), dict
+            ):
+                if self._is_free(layer, place, (*nothing.existing_path, nothing.step)):
+                    self._put_value(layer, place, (*nothing.existing_path, nothing.step), f"no {_short(text)}")
                 return
             self._report_missing_place(layer, place, text, nothing)
             return
@@ -245,8 +247,8 @@ class LayeredSpec:
         return lines[mark.line - 1][mark.column - 1 :]
 
     def _report_missing_place(self, layer: Layer, place: Path, text: str, nothing: MissingPath) -> None:
-        parent_name = self._base.name_path(nothing.found) or "the spec"
-        hint = suggestion(nothing.step, nothing.known, "known")
+        parent_name = self._base.name_path(nothing.existing_path) or "the spec"
+        hint = suggestion(nothing.step, nothing.known_steps, "known")
         message = f"there is nothing at {quoted(text)}: {quoted(parent_name)} has no {quoted(nothing.step)}{hint}"
         self._report_problem("overlay-unused", layer, place, message.replace("'the spec'", "the spec"))
 

@@ -26,11 +26,11 @@ _Edit = Callable[[Any, Mark], tuple[Any, Mark]]
 
 
 class MissingPath(LookupError):
-    """No value at a path. ``step`` is the missing step, ``known`` are the possible ones."""
+    """No value at a path. ``step`` is the missing step, ``known_steps`` are the possible ones."""
 
     def __init__(self, step: str, known_steps: list[str], existing_path: Path) -> None:
         super().__init__(step)
-        self.step, self.known, self.found = step, known_steps, existing_path
+        self.step, self.known_steps, self.existing_path = step, known_steps, existing_path
 
 
 def steps_of(text: str) -> tuple[str | int, ...]:

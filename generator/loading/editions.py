@@ -179,7 +179,7 @@ def _affected(raw: Raw, text: str) -> str:
     try:
         return as_affected(raw, resolve(raw, text))
     except MissingPath as nothing:
-        return as_affected(raw, nothing.found)
+        return as_affected(raw, nothing.existing_path)
 
 
 def check_editions(raw: Raw, device: Device, report: DocumentReport) -> None:

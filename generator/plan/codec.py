@@ -72,8 +72,8 @@ class ZerosAbove:
 class ParityIs:
     """The bit is the parity of the fields ``of``: 1 for an odd number of ones or, with ``odd``, for an even number.
 
-    ``mask`` is the mask of the bits of each field that count, or 0 if all of them count. ``known`` is the only valid
-    value of the bit in this frame if each field in ``of`` has a single value.
+    ``mask`` is the mask of the bits of each field that count, or 0 if all of them count. ``known_parity`` is the only
+    valid value of the bit in this frame if each field in ``of`` has a single value.
     """
 
     field: Field
@@ -82,7 +82,7 @@ class ParityIs:
     of_bits: tuple[Bits, ...]
     odd: bool
     mask: int
-    known: int | None
+    known_parity: int | None
     fault = Fault.CONSTANT
 
     @property
@@ -489,7 +489,7 @@ def _constants(layout: Layout, by_word: bool) -> Iterator[Check]:
                     of_bits=of_bits,
                     odd=odd,
                     mask=_parity_mask(kind, fields),
-                    known=_known_parity(layout, fields, kind),
+                    known_parity=_known_parity(layout, fields, kind),
                 )
 
 

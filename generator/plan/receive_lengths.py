@@ -21,16 +21,16 @@ SSI_AROUND = 2
 class FrameSize:
     """Size of a frame for one order code: its length in bits, and the bytes of a buffer for it and the bits around it.
 
-    ``answers`` are the user's decisions on which the length depends. ``held`` is true if registers change the length at
-    run time. The number of bits is then that of the factory default, and the buffer is large enough for any register
-    value.
+    ``answers`` are the user's decisions on which the length depends. ``depends_on_registers`` is true if registers
+    change the length at run time. The number of bits is then that of the factory default, and the buffer is large
+    enough for any register value.
     """
 
     variant: Variant
     layout: Layout
     bits: int
     bytes: int
-    held: bool
+    depends_on_registers: bool
     answers: tuple[Answer, ...] = ()
 
 

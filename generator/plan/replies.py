@@ -44,7 +44,7 @@ class Exchanged:
     ``repeats_first`` is true if the reply begins with the first byte of the request.
     """
 
-    item: Exchange
+    exchange: Exchange
     request: Layout
     reply: Layout | None
     repeats_first: bool

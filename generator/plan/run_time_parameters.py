@@ -15,7 +15,7 @@ class HeldParameter:
     """A parameter in a register.
 
     ``meaning`` converts its bits to an unsigned number. ``low`` and ``high`` are None if no value of the field can be
-    outside them. ``most`` is the highest valid value. If the parameter has codes, its bits are one of them, and
+    outside them. ``highest_value`` is the highest valid one. If the parameter has codes, its bits are one of them, and
     ``low`` and ``high`` are None.
     """
 
@@ -25,7 +25,7 @@ class HeldParameter:
     meaning: Raw | ZeroMeans
     low: int | None
     high: int | None
-    most: int
+    highest_value: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
             meaning=Raw(),
             low=None,
             high=None,
-            most=max(row.value for row in parameter.by_code),
+            highest_value=max(row.value for row in parameter.by_code),
         )
     meaning, lowest, highest = _unsigned_meaning(field), 0, (1 << field.widest) - 1
     if isinstance(meaning, ZeroMeans):
@@ -71,7 +71,7 @@ def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
         meaning=meaning,
         low=low,
         high=high,
-        most=highest if high is None else high,
+        highest_value=highest if high is None else high,
     )
 
 

@@ -43,7 +43,7 @@ class Disagreement:
     """
 
     sort: Sort
-    what: str
+    description: str
     used: str
     other: str
     place: Path
@@ -121,11 +121,11 @@ def _container(place: Path) -> Path:
 def _by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
     """Yield the facts that the second reading gives by paths: numbers in texts, and sections."""
     paths = {_dotted(fact.place): fact for fact in spec.facts.values() if fact.sort in _WORDS}
-    for path, (value, place) in second.found.items():
+    for path, (value, place) in second.printed_numbers.items():
         spec_fact = paths.get(path) or Fact(Sort.TEXT, (NUMBERS, path), "", f"numbers in {path}", ())
         yield spec_fact.key, replace(spec_fact, value=value, place=place)
     for key, fact in spec.facts.items():
-        if fact.sort is Sort.SECTION and _dotted(fact.place) not in second.found:
+        if fact.sort is Sort.SECTION and _dotted(fact.place) not in second.printed_numbers:
             enclosing_paths = (_dotted(fact.place[:end]) for end in range(len(fact.place), 0, -1))
             if sections := next((second.sections[path] for path in enclosing_paths if path in second.sections), None):
                 yield key, replace(fact, value=", ".join(sorted(sections)), place=("sections", sections[0]))
@@ -142,7 +142,7 @@ def _mark(comparison: Comparison, spec: Facts, second: Facts) -> None:
         if read is not Read.TWICE:
             continue
         is_name = sort is Sort.CHARACTERISTIC and len(place) == 2 and (NUMBERS, *place, "value") not in spec.facts
-        if is_name or (sort in _WORDS and path in second.found):
+        if is_name or (sort in _WORDS and path in second.printed_numbers):
             comparison.read[sort, place] = Read.ONCE
         elif sort not in _WORDS and _is_decided(sort, path, second.decided):
             comparison.read[sort, place] = Read.DECIDED
@@ -164,16 +164,16 @@ def _codes_differ(spec: Facts, second: Facts) -> Iterator[Disagreement]:
         missing = [fact for key, fact in codes.items() if key not in other_codes]
         if missing and other_codes:
             fact, known_fact = missing[0], next(iter(other_codes.values()))
-            description = fact.what + (f" and of {len(missing) - 1} more" if len(missing) > 1 else "")
+            description = fact.description + (f" and of {len(missing) - 1} more" if len(missing) > 1 else "")
             if codes is spec_codes:
                 yield Disagreement(fact.sort, description, _shown(fact.value), NOTHING, fact.place, known_fact.place)
             else:
-                yield _lacking(replace(fact, what=description), known_fact.place)
+                yield _lacking(replace(fact, description=description), known_fact.place)
 
 
 def _lacking(fact: Fact, near: Path) -> Disagreement:
     """Return the disagreement on a fact that only the second reading has."""
-    return Disagreement(fact.sort, fact.what, NOTHING, _shown(fact.value), (), fact.place, near)
+    return Disagreement(fact.sort, fact.description, NOTHING, _shown(fact.value), (), fact.place, near)
 
 
 def _compare_names(
@@ -183,7 +183,7 @@ def _compare_names(
         for own_name, other_name in mistaken_pairs(names, second.get(kind, {}), comparison.settled):
             yield Disagreement(
                 own_name.sort,
-                own_name.what,
+                own_name.description,
                 f"'{own_name.value}'",
                 f"'{other_name.value}'",
                 own_name.place,
@@ -228,14 +228,14 @@ def _compare_values(comparison: Comparison, fact: Fact, other_fact: Fact) -> Ite
         if own_value == other_value or (fact.sort is Sort.PRINTED and same_name(*values)):
             comparison.note(fact.sort, fact.place, Read.TWICE)
         else:
-            yield Disagreement(fact.sort, fact.what, *values, *places)
+            yield Disagreement(fact.sort, fact.description, *values, *places)
         return
     common = [case for case in own_value if case in other_value]
     missing = [case for case in own_value if case not in other_value and not _is_default(own_value, case)]
     differing = [case for case in common if own_value[case] != other_value[case]]
     if differing:
         values = own_value[differing[0]], other_value[differing[0]]
-        yield Disagreement(fact.sort, fact.what + _with(differing), *values, *places)
+        yield Disagreement(fact.sort, fact.description + _with(differing), *values, *places)
     comparison.note(fact.sort, fact.place, Read.ONCE if missing else Read.TWICE)
 
 
@@ -277,7 +277,9 @@ def _compare_words(comparison: Comparison, word: Word, other_word: Word | None) 
     for disagreement, cases in first_cases.values():
         is_everywhere = len(cases) == len(word.cases)
         comparison.differ(
-            disagreement if is_everywhere else replace(disagreement, what=disagreement.what + _with(cases))
+            disagreement
+            if is_everywhere
+            else replace(disagreement, description=disagreement.description + _with(cases))
         )
 
 
@@ -297,7 +299,7 @@ def _in_case(
         return
     for high, low in _runs(own_placed.bits, other_placed.bits):
         own_bits, other_bits = own_placed.bits[low : high + 1][::-1], other_placed.bits[low : high + 1][::-1]
-        description = f"{bits(high, low)} of {word.what}"
+        description = f"{bits(high, low)} of {word.description}"
         yield Disagreement(
             Sort.POSITION,
             description,

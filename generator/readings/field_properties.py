@@ -57,7 +57,7 @@ def _of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
     for named_value in field.values:
         place = reading.first((*subject.place, "values", named_value.name), subject.place)
         value_subject = Subject(
-            reading, ("value", named_value.value), place, f"value {in_hex(named_value.value)} of {subject.what}"
+            reading, ("value", named_value.value), place, f"value {in_hex(named_value.value)} of {subject.description}"
         )
         yield value_subject.first(Sort.VALUE, "named")
         yield from value_subject.stated(named_value)

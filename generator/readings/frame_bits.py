@@ -41,7 +41,7 @@ def word(owner: Subject, layout: Layout, register: Register | None = None) -> Wo
         if values not in placed_by_values:
             placed_by_values[values] = _placed(owner, layout.place(parameters), parameters, register)
         cases[case] = placed_by_values[values]
-    return Word(owner.what, owner.place, cases)
+    return Word(owner.description, owner.place, cases)
 
 
 def _placed(owner: Subject, placed: PlacedLayout, parameters: Parameters, register: Register | None) -> WordCase:
@@ -51,7 +51,7 @@ def _placed(owner: Subject, placed: PlacedLayout, parameters: Parameters, regist
     for placed_field in placed.fields:
         place, description = (
             owner.reading.field_place(owner.place, placed_field.field),
-            f"{bits(placed_field.high, placed_field.low)} of {owner.what}",
+            f"{bits(placed_field.high, placed_field.low)} of {owner.description}",
         )
         for index, bit in enumerate(_bits(placed_field, placed, place), placed_field.low):
             placed_bits[index] = bit

@@ -61,7 +61,7 @@ def _add_frames(reading: Reading, interface: Interface, layout: Layout, identity
         for field in layout.fields:
             if field.group:
                 bits = reading.bits_of(interface.name, field)
-                description, place = f"group of {bits} of {frame.what}", reading.field_place(owner, field)
+                description, place = f"group of {bits} of {frame.description}", reading.field_place(owner, field)
                 facts.call(
                     ("group", interface.name), Fact(Sort.POSITION, (*key, bits), field.group, description, place)
                 )
@@ -92,7 +92,7 @@ def _combinations(frame: Subject, layout: Layout) -> Iterator[Fact]:
         conditions = ((placed[name], value) for name, value in signs[combination.name].conditions)
         values = ", ".join(sorted(_condition(field, value) for field, value in conditions))
         path = ("combinations", combination.name)
-        subject = frame.inside(("combination", values), path, f"the combination of {values} in {frame.what}")
+        subject = frame.inside(("combination", values), path, f"the combination of {values} in {frame.description}")
         yield subject.first(Sort.VERDICT, combination.makes_position.value, "makes_position")
         yield from subject.stated(combination)
 
@@ -138,7 +138,7 @@ def _control(reading: Reading, control_field: ControlField, offset: int) -> Iter
     subject = Subject(reading, ("control", offset), place, f"field of the control frame from bit {offset + 1}")
     yield from subject.present(Sort.POSITION, control_field, f"{control_field.bits} bits")
     for named_value in control_field.values:
-        description = f"value {in_hex(named_value.value)} of {subject.what}"
+        description = f"value {in_hex(named_value.value)} of {subject.description}"
         value_subject = subject.inside(("value", named_value.value), ("values", named_value.name), description)
         yield from value_subject.present(Sort.VALUE, named_value, "named")
     if control_field.crc:

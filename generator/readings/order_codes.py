@@ -134,5 +134,5 @@ def _range_of(measured: Subject, interface: Interface, layout: Layout) -> Iterat
     place: Path = ("interfaces", interface.name, "layouts", layout.name, "position_range")
     key = (*measured.key, "range", layout.sender, *layout.selects)
     description = f"position range of '{layout.name}'"
-    subject = replace(measured, key=key, place=place, what=description, under=measured.key)
+    subject = replace(measured, key=key, place=place, description=description, under=measured.key)
     yield from subject.present(Sort.MEASUREMENT, layout.position_range)

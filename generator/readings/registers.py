@@ -26,10 +26,10 @@ def add_registers(reading: Reading, facts: Facts) -> None:
 
 def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
     """Add the names that a register refers to: the field with limits, and the field that opens it."""
-    description, place = f"field that the limits of {subject.what} apply to", (*subject.place, "limits_of")
+    description, place = f"field that the limits of {subject.description} apply to", (*subject.place, "limits_of")
     facts.call(("bounded",), Fact(Sort.LIMIT, subject.key, register.limits_of, description, place))
     if register.opened_by:
-        name, description = register.opened_by_field or NOTHING, f"field that opens {subject.what}"
+        name, description = register.opened_by_field or NOTHING, f"field that opens {subject.description}"
         place = (*subject.place, "opened_by")
         facts.call(("opener",), Fact(Sort.BEHAVIOUR, subject.key, name, description, place))
 
@@ -64,11 +64,11 @@ def _limits(subject: Subject, register: Register) -> Iterator[Fact]:
     limited_parts: list[Register | RegisterMeaning] = [register, *register.meanings]
     if any(limited_part.min is not None or limited_part.max is not None for limited_part in limited_parts):
         place = reading.first((*subject.place, "limits_of"), subject.place)
-        description = f"bits that the limits of {subject.what} apply to"
+        description = f"bits that the limits of {subject.description} apply to"
         value = {case: _bounded(register, parameters) for case, parameters in reading.cases(register.interface).items()}
         yield Fact(Sort.LIMIT, (*subject.key, "bounded"), value, description, place, subject.key)
     for meaning in register.meanings:
-        description = f"{subject.what} while {reading.state(meaning.when, meaning.value)}"
+        description = f"{subject.description} while {reading.state(meaning.when, meaning.value)}"
         yield from subject.inside((description,), ("meanings", meaning.name), description).stated(meaning)
 
 

@@ -112,7 +112,7 @@ def _report_disagreement(
     disagreement: Disagreement, place: Path, spec: Document, second: Document, report: Report
 ) -> None:
     """Report a disagreement at its places in the spec and in the second reading."""
-    fact, used, second_value = disagreement.what, disagreement.used, disagreement.other
+    fact, used, second_value = disagreement.description, disagreement.used, disagreement.other
     line, _ = second.position(disagreement.second)
     report.add(RULE, spec, place, f"{fact}: {used} here, {second_value} in {File(second.file).name}:{line}; {_MEND}")
     if disagreement.sort is Sort.ORDER_CODE and NOTHING in (used, second_value):

@@ -31,19 +31,19 @@ class Subject:
     reading: Reading
     key: Key
     place: Path
-    what: str
+    description: str
     interface: str = ""
     under: Key | None = None
     joint: str = " of "
 
-    def inside(self, key: Key, place: Path, what: str) -> Subject:
+    def inside(self, key: Key, place: Path, description: str) -> Subject:
         """Return a part of the subject, about which there are only facts if there is the subject."""
-        return Subject(self.reading, (*self.key, *key), (*self.place, *place), what, self.interface, self.key)
+        return Subject(self.reading, (*self.key, *key), (*self.place, *place), description, self.interface, self.key)
 
     def first(self, sort: Sort, value: Value, at: str = "", name: str = "", under: Key = ()) -> Fact:
         """Return the fact that the subject exists. ``name`` is the reader's name of it."""
         place = (*self.place, at) if at else self.place
-        return Fact(sort, self.key, value, self.what, place, under or self.under or (), name=name)
+        return Fact(sort, self.key, value, self.description, place, under or self.under or (), name=name)
 
     def present(self, sort: Sort, model_part: Any, value: str = "present", at: str = "") -> Iterator[Fact]:
         """Yield the fact that the subject exists, and those that are stated about its ``model_part``."""
@@ -54,7 +54,7 @@ class Subject:
         """Return another fact about the subject, which ``noun`` describes."""
         under = self.key if self.under is None else self.under
         place = (*self.place, name) if at is None else at
-        return Fact(sort, (*self.key, name), value, f"{noun}{self.joint}{self.what}", place, under, mild)
+        return Fact(sort, (*self.key, name), value, f"{noun}{self.joint}{self.description}", place, under, mild)
 
     def stated(self, model_part: Any, without: Collection[str] = ()) -> Iterator[Fact]:
         """Yield a fact for each stated member that the table assigns to a class of facts, and for each printed name."""

@@ -20,7 +20,7 @@ def surroundings(reading: Reading) -> Iterator[Fact]:
     for alarm in reading.device.alarms:
         for place in _bits_of(reading, alarm):
             subject = Subject(reading, ("alarm", place), ("alarms", alarm.name), f"the alarm '{alarm.name}'")
-            yield replace(subject.first(Sort.ALARM, "present", name=alarm.name), what=f"alarm at {place}")
+            yield replace(subject.first(Sort.ALARM, "present", name=alarm.name), description=f"alarm at {place}")
             yield from subject.stated(alarm)
     for number, hardware_input in enumerate(reading.device.inputs, 1):
         subject = Subject(reading, ("input", number), ("inputs", hardware_input.name), f"input {number}")
@@ -48,7 +48,7 @@ def _contacts(reading: Reading, connector: Connector, interface: str, number: in
     yield owner.first(Sort.PIN, "present", name=connector.name)
     for contact in connector.contacts:
         place: Path = (*owner.place, "contacts", contact.contact)
-        description = f"contact {contact.contact} of {owner.what}"
+        description = f"contact {contact.contact} of {owner.description}"
         subject = Subject(reading, (*owner.key, plain(contact.contact)), place, description, joint=" with ")
         # Two readers differ in capitals and blanks, but not in the sign of a signal.
         signal = "".join(contact.signal.casefold().split())
@@ -74,8 +74,8 @@ def _history(reading: Reading, manual: Manual) -> Iterator[Fact]:
     editions += [(("manual", "editions", edition.revision), edition) for edition in manual.editions]
     for place, edition in editions:
         subject = Subject(reading, ("edition", edition.language), place, f"the edition '{edition.language}'")
-        description = f"revision of {subject.what}"
-        yield replace(subject.first(Sort.HISTORY, edition.revision, at="revision"), what=description)
+        description = f"revision of {subject.description}"
+        yield replace(subject.first(Sort.HISTORY, edition.revision, at="revision"), description=description)
         yield from subject.stated(edition)
     for row in manual.history:
         key, place = ("revision", row.revision), ("manual", "history", row.revision)
@@ -89,7 +89,7 @@ def _characteristics(reading: Reading) -> Iterator[Fact]:
         subject = Subject(reading, key, place, f"the characteristic '{characteristic.name}'")
         yield from subject.present(Sort.CHARACTERISTIC, characteristic)
         for index, value in enumerate(characteristic.values):
-            description = f"{value.quantity} {index + 1} of {subject.what}"
+            description = f"{value.quantity} {index + 1} of {subject.description}"
             yield from subject.inside((index,), ("values", index), description).stated(value)
 
 
@@ -111,6 +111,6 @@ def _leds(reading: Reading) -> Iterator[Fact]:
         owner = Subject(reading, ("led", led.name), ("leds", led.name), f"the LED '{led.name}'")
         yield owner.first(Sort.LED, f"{len(led.states)} states", name=led.name)
         for number, state in enumerate(led.states):
-            subject = owner.inside((number,), ("states", number), f"state {number + 1} of {owner.what}")
+            subject = owner.inside((number,), ("states", number), f"state {number + 1} of {owner.description}")
             yield subject.fact(Sort.LED, "state", state.state.casefold(), "words")
             yield from subject.stated(state)

@@ -47,7 +47,7 @@ class Difference:
     """A value that differs from the manual. ``of_register`` is true if it is in a register."""
 
     field: str
-    found: int | str
+    actual: int | str
     documented: int | str
     message: str
     of_register: bool

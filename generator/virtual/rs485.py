@@ -25,7 +25,7 @@ class _ReceivedRequest(NamedTuple):
 
     length: int
     values: dict[str, int | str | bool] | None
-    asked: DataId | None
+    data_id: DataId | None
     reply: Layout | None
 
 

@@ -142,7 +142,7 @@ def read_as(
         crc.width - lost,
         demanded=demanded + fixed,
         holds=holds and are_right,
-        usual=likelihood(placed, number),
+        likelihood=likelihood(placed, number),
         number=number,
         placed=placed,
         codes=tuple(codes),
@@ -153,7 +153,7 @@ def as_sent(placed: PlacedLayout, crc: Crc, number: int) -> Try:
     """Return a try of the frame as sent, to which the caller adds the mistake."""
     fixed, are_right = fixed_bits(placed, number)
     try_as_sent = Try("", "", crc, *_covered(placed, number), number & crc.mask, crc.width)
-    return replace(try_as_sent, fixed=fixed if are_right else 0, usual=likelihood(placed, number))
+    return replace(try_as_sent, fixed=fixed if are_right else 0, likelihood=likelihood(placed, number))
 
 
 def _covered(placed: PlacedLayout, number: int) -> tuple[int, int]:
@@ -196,7 +196,11 @@ def _status_otherwise(try_as_sent: Try, placed: PlacedLayout, number: int) -> It
     description = "error and warning were converted to active high"
     inverted = number ^ status
     yield replace(
-        try_as_sent, kind="status_turned", text=description, data=inverted >> width, usual=likelihood(placed, inverted)
+        try_as_sent,
+        kind="status_turned",
+        text=description,
+        data=inverted >> width,
+        likelihood=likelihood(placed, inverted),
     )
 
 
@@ -288,7 +292,7 @@ def _without_status(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[T
             bits,
             received,
             crc.width,
-            usual=likelihood(placed, frame),
+            likelihood=likelihood(placed, frame),
             number=frame,
             placed=placed,
         )
@@ -368,7 +372,7 @@ def _of_length(placed: PlacedLayout, crc: Crc, other_crc: Crc, number: int, leng
         demanded=zeros + (0 if has_own_length else fixed),
         holds=(has_own_length or are_right) and not crc_part & ((1 << zeros) - 1),
         fixed=zeros + (fixed if are_right else 0),
-        usual=likelihood(placed, data << crc.width),
+        likelihood=likelihood(placed, data << crc.width),
     )
 
 

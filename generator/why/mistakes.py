@@ -157,7 +157,7 @@ def _distinct(tries: Iterable[Try], failed: Sequence[Try]) -> list[Try]:
     failed_questions = {attempt.question for attempt in failed}
     distinct_tries: dict[object, Try] = {}
     for attempt in tries:
-        if attempt.known + attempt.demanded >= _LEAST_BITS and attempt.question not in failed_questions:
+        if attempt.known_bits + attempt.demanded >= _LEAST_BITS and attempt.question not in failed_questions:
             leads_to = (attempt.number, _places(attempt.placed)) if attempt.placed is not None else attempt.text
             distinct_tries.setdefault((attempt.question, leads_to), attempt)
     return list(distinct_tries.values())

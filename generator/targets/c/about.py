@@ -143,7 +143,7 @@ def about_member(struct: Struct, member: Field) -> str:
     """Return the facts of a field that its enumeration does not show."""
     choice = struct.enumeration(member)
     statements = say_field.field(struct.device, member)
-    about = [statement for statement in statements if choice is None or statement not in choice.said]
+    about = [statement for statement in statements if choice is None or statement not in choice.statements]
     ending = "No terminator." if isinstance(meaning_of(member), Characters) else ""
     return " ".join(filter(None, (S.paragraph(about) or f"{title(member)}.", ending)))
 

@@ -34,7 +34,7 @@ class Context:
             for held_parameter in group.parameters:
                 name = held_parameter.parameter.name
                 if name in largest:
-                    largest[name] = max(largest[name], held_parameter.most)
+                    largest[name] = max(largest[name], held_parameter.highest_value)
         answers = {name: code.argument for code in self.alternatives for name in code.item.answers[0].sets}
         self.scope = Scope(self.prefix, largest, answers)
         self.enumerations = Enumerations(device, self.prefix)

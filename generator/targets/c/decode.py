@@ -89,13 +89,13 @@ class Decoder:
         """The checks in order. A parity bit of the selector comes last, since its check covers both."""
         checks = self.plan.checks
         parities = [op for op in checks if isinstance(op, ParityIs)]
-        checked_selectors = {op.selector.name for op in parities if op.known is not None}
+        checked_selectors = {op.selector.name for op in parities if op.known_parity is not None}
         if self.plan.by_word:
             yield from (op for op in checks if isinstance(op, AlwaysIs))
         else:
             yield from (op for op in checks if isinstance(op, ZerosAbove) and op.may_reach)
             yield from _constant_bytes(checks)
-        yield from sorted(parities, key=lambda op: op.known is not None)
+        yield from sorted(parities, key=lambda op: op.known_parity is not None)
         for op in checks:
             if not isinstance(op, (AlwaysIs, ZerosAbove, ParityIs)) and op.field.name not in checked_selectors:
                 yield op
@@ -105,15 +105,15 @@ class Decoder:
 
         A byte that holds both is compared once.
         """
-        assert op.known is not None
+        assert op.known_parity is not None
         (selected,) = self.plan.layout.selects
         pieces = [
             *((piece, selected) for piece in op.of_bits[0].pieces),
-            *((piece, op.known) for piece in op.bits.pieces),
+            *((piece, op.known_parity) for piece in op.bits.pieces),
         ]
         byte = pieces[0][0].byte if pieces else 0
         if self.plan.by_word or any(piece.byte != byte for piece, _ in pieces):
-            other_parity = Operation("!=", (self.local(op.field), Number(op.known)))
+            other_parity = Operation("!=", (self.local(op.field), Number(op.known_parity)))
             other_value = self.struct.is_none_of(
                 op.selector, self.local(op.selector), self.plan.layout.selects, is_raw=True
             )

@@ -37,7 +37,7 @@ class Encoder:
         self._padded = frozenset(op.field.name for op in self.plan.checks if isinstance(op, ZerosAbove))
         self._reserved = frozenset(op.field.name for op in self.plan.reserved)
 
-    def given(self, field: Field) -> Expr:
+    def member_of(self, field: Field) -> Expr:
         """Return the member of the struct that is encoded."""
         return Name(f"in->{c_name(field.name)}")
 
@@ -45,7 +45,7 @@ class Encoder:
 
     def number(self, field: Field) -> Expr:
         """Return a member as a number, with a cast if it is of an enumeration."""
-        return Cast("uint32_t", self.given(field)) if self.struct.enumeration(field) else self.given(field)
+        return Cast("uint32_t", self.member_of(field)) if self.struct.enumeration(field) else self.member_of(field)
 
     def joined(self, whole: Whole) -> Expr:
         return self.reader.joined(whole, self._bits_in_whole)
@@ -84,7 +84,7 @@ class Encoder:
             case ValueOfField(field):
                 return self._bits_of_member(field)
             case ReservedBits():
-                return self.struct.unused.given(op.field)
+                return self.struct.unused.bits_of(op.field)
 
     def _is_always_zero(self, op: Term) -> bool:
         """Return True if none of its bits is ever set."""
@@ -98,8 +98,8 @@ class Encoder:
 
     def _bits_of_member(self, field: Field) -> Expr:
         if field.name in self._reserved:
-            return self.struct.unused.given(field)
-        name = self.given(field)
+            return self.struct.unused.bits_of(field)
+        name = self.member_of(field)
         match meaning_of(field):
             case Active(low):
                 return Conditional(name, *((Number(0), Number(1)) if low else (Number(1), Number(0))))
@@ -165,7 +165,7 @@ class Encoder:
 
     def _given_bytes(self, op: Term, field: Field) -> Iterator[tuple[int, Expr]]:
         """Yield the contributions of a member to its bytes."""
-        name = self.given(field)
+        name = self.member_of(field)
         match meaning_of(field):
             case Characters():
                 for index, byte in characters(field):

@@ -28,12 +28,12 @@ class Entry:
 class Enumeration:
     """The named values of a field, each with ``digits`` hexadecimal digits. Values too large for an int become macros.
 
-    ``said`` contains the statements about the field that are in its comment.
+    ``statements`` contains the statements about the field that are in its comment.
     """
 
     type: str
     about: Sequence[Paragraph] | str
-    said: tuple[Statement, ...]
+    statements: tuple[Statement, ...]
     entries: tuple[Entry, ...]
     digits: int
     path: Path

@@ -92,7 +92,7 @@ class PrintedMember:
     name: str
     form: str
     arguments: str
-    known: str = ""
+    value_names: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -362,7 +362,7 @@ class ExampleCode:
             case TwosComplement():
                 yield PrintedMember(part.field.name, "%lld", f"(long long){member}")
             case Named(values):
-                yield replace(self.number(part.field.name, variable), known=_value_meanings(values))
+                yield replace(self.number(part.field.name, variable), value_names=_value_meanings(values))
             case DigitRuns(runs):
                 names = (part.field.name, *(run.name for run in runs))
                 yield from (self.number(name, variable) for name in names)

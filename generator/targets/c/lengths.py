@@ -35,7 +35,7 @@ class LengthCode:
         kinds = sorted({frame.layout.in_bytes for frame in received_frames})
         self.receivers = " and ".join(names[in_bytes] for in_bytes in kinds)
         self._context = context
-        self.held = any(frame.held for frame in received_frames)
+        self.depends_on_registers = any(frame.depends_on_registers for frame in received_frames)
         #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
         self.register_access = "".join(_register_access(context.device, interface, received_frames))
@@ -65,11 +65,11 @@ class LengthCode:
         """Declare the variable that receives a frame, or an array of them."""
         return f"uint8_t bytes{index}[{self.length}]" if self.length else f"uint64_t word{index}"
 
-    def into(self, index: str = "") -> str:
+    def receiver_argument(self, index: str = "") -> str:
         """Return the last argument of a receiver that fills this variable."""
         return f"bytes{index}" if self.length else f"&word{index}"
 
-    def given(self, index: str = "") -> str:
+    def decoder_arguments(self, index: str = "") -> str:
         """Return the arguments of a decoder that takes this variable."""
         return f"bytes{index}, {self.length}" if self.length else f"word{index}"
 
@@ -95,7 +95,7 @@ def _register_access(device: Device, interface: Interface, frames: Sequence[Fram
         return
     bits, clock = min(frame.bits for frame in frames), interface.clock
     after = f"{bits} clock periods after its CDS"
-    depends_on_registers = any(frame.held for frame in frames)
+    depends_on_registers = any(frame.depends_on_registers for frame in frames)
     after = f"{after} with {initial(device)}" if depends_on_registers else f"at least {after}"
     limits = [hz for hz in (clock.max_hz, clock.min_hz) if hz is not None]
     clocks = limits or [clock.fastest_hz]

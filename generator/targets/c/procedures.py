@@ -101,7 +101,7 @@ class FilledRows:
 class ArgumentCode:
     """An argument, its comment, and the reasons to refuse it."""
 
-    given: CheckedArgument
+    checked: CheckedArgument
     type: str
     name: str
     about: str
@@ -160,7 +160,7 @@ class ProcedureCode:
         return list(self._wholes.values())
 
     def whole(self, argument: ArgumentCode, register: Register) -> Whole:
-        return self._wholes[argument.given.argument.name, register.name]
+        return self._wholes[argument.checked.argument.name, register.name]
 
     @property
     def variant(self) -> str:
@@ -209,7 +209,7 @@ class ProcedureCode:
             refusals += self._byte_refusals(write)
         distinct = [refusal for index, refusal in enumerate(refusals) if refusal not in refusals[:index]]
         return ArgumentCode(
-            given=parameter,
+            checked=parameter,
             type=self._argument_type(parameter.written[0]),
             name=self._names[parameter.argument.name],
             about=about_argument(self.context.device, parameter.argument),

@@ -167,7 +167,7 @@ class SelfTest:
     def _procedure_check(self, example: ProcedureExample) -> ProcedureCheck:
         codes = {code.run.procedure.name: code for code in self.view.procedures}
         code = codes[example.procedure]
-        names = (argument.given.argument.name for argument in code.arguments)
+        names = (argument.checked.argument.name for argument in code.arguments)
         return ProcedureCheck(
             code=code,
             variant=self._variant(example.order_code),

@@ -121,7 +121,7 @@ class Unused:
                     _shifted(_masked_byte(shifted_right(self._given(op), piece.left), piece.mask), -piece.right),
                 )
 
-    def given(self, field: Field) -> Expr:
+    def bits_of(self, field: Field) -> Expr:
         """Return the bits of one field."""
         operations = (op for op in self.plan.reserved if op.field is field)
         return self._given(first_of(operations, f"'{field.name}' is not an unused field"))

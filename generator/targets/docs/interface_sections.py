@@ -158,8 +158,8 @@ def _exchange_rows(interface: Interface) -> Rows:
             frame(exchange.request),
             frame(exchange.reply),
             *((f"{exchange.request.bits.render()} bits",) if lengths else ()),
-            PURPOSES[exchange.item.purpose],
-            cited(exchange.item.source),
+            PURPOSES[exchange.exchange.purpose],
+            cited(exchange.exchange.source),
         )
         for exchange in frame_exchanges
     ]

@@ -99,7 +99,7 @@ class Coder:
         return self.context.questions_of(self.layout)
 
     @property
-    def given(self) -> list[tuple[str, str]]:
+    def encoder_and_answers(self) -> list[tuple[str, str]]:
         """Attributes other than fields: the encoder and answers, with their types."""
         return [
             *([("variant", self.encoder)] if self.takes_variant else []),
@@ -107,11 +107,11 @@ class Coder:
         ]
 
     @property
-    def given_about(self) -> list[tuple[str, str]]:
+    def about_encoder_and_answers(self) -> list[tuple[str, str]]:
         """The arguments in ``given``, each with its description."""
         answer = "Answer to a question that the manual leaves open, as a member of ``%s``."
         about = {question.name: answer % question.kind for question in self.questions}
-        return [(name, about.get(name, "The encoder.")) for name, _ in self.given]
+        return [(name, about.get(name, "The encoder.")) for name, _ in self.encoder_and_answers]
 
     @property
     def finds_constants(self) -> bool:
@@ -292,7 +292,7 @@ class Coder:
 
     def by_index(self, name: str) -> str:
         """Return an expression that reads an attribute by its index, or by its name if it has none."""
-        other_names = (attribute_name for attribute_name, _ in self.given)
+        other_names = (attribute_name for attribute_name, _ in self.encoder_and_answers)
         names = [*other_names, *(attribute.name for attribute in self.attributes)]
         return f"self[{names.index(name)}]" if name in names else f"self.{name}"
 

@@ -412,7 +412,7 @@ class Variants:
             "low": held_parameter.field.low.constant,
             "width": width,
             "min": parameter.min or 0,
-            "max": parameter.max if parameter.max is not None else held_parameter.most,
+            "max": parameter.max if parameter.max is not None else held_parameter.highest_value,
         }
         if parameter.by_code:
             needed["codes"] = tuple((by_code.code, by_code.value) for by_code in parameter.by_code)
