@@ -42,7 +42,7 @@ def compare_family(old: Device, new: Device) -> list[Change]:
     family_pair = FamilyPair(old, new)
     note_all(family_pair)
     changes = list(
-        _merged(
+        _merge_repeated(
             chain(
                 family(family_pair),
                 order_codes(family_pair),
@@ -72,7 +72,7 @@ def _without_spec_data(device: Device) -> Device:
     return replace(device, times_read=None, releases=(), manufacturer=maker)
 
 
-def _merged(changes: Iterable[Change]) -> Iterator[Change]:
+def _merge_repeated(changes: Iterable[Change]) -> Iterator[Change]:
     """Return each change once. Changes of a field group in many frames are reported for the group."""
     merged: dict[tuple[str, str], Change] = {}
     for change in changes:

@@ -35,7 +35,7 @@ def records(findings: DiffResult, families: Sequence[Family]) -> Iterator[tuple[
         files: set[str] = set()
         for family in families_of_maker:
             files |= family.files - {family.document.file}
-        yield from _version(package, files)
+        yield from _version_text(package, files)
         for family in changed_families:
             changes = [change for change in findings.changes if change.family == family.device.name]
             release = _release(package, family.device.manual, changes)
@@ -43,7 +43,7 @@ def records(findings: DiffResult, families: Sequence[Family]) -> Iterator[tuple[
             yield history_beside(Path(family.document.file)), text
 
 
-def _version(package: Package, files: set[str]) -> Iterator[tuple[Path, str]]:
+def _version_text(package: Package, files: set[str]) -> Iterator[tuple[Path, str]]:
     if package.new == package.stated:
         return
     for file in map(Path, sorted(files)):

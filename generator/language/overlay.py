@@ -199,10 +199,10 @@ class LayeredSpec:
             return
         current = value_at(self._data, path)
         if kind == "set" and _is_equal(layer.changes[place_number(place)]["to"], current):
-            message = f"the spec already has {_shown(current, self._text_from(path))} here; leave the change out"
+            message = f"the spec already has {_value_text(current, self._text_from(path))} here; leave the change out"
             self._report_problem("overlay-unused", layer, place, message)
         elif kind == "set":
-            self._put_value(layer, place, path, f"{_short(text)}: {_shown(current, self._text_from(path))}")
+            self._put_value(layer, place, path, f"{_short(text)}: {_value_text(current, self._text_from(path))}")
         else:
             affects, above = as_affected(self._data, path), as_affected(self._data, path[:-1])
             self._data, self._marks = without_value(self._data, self._marks, path)
@@ -217,7 +217,7 @@ class LayeredSpec:
         mark = mark_at(layer.document.marks, (*layer.path, number, key))
         overlay_file = "" if layer.document.file == self._base.file else layer.document.file
         self._data, self._marks = with_value(self._data, self._marks, path, value, from_file(mark, overlay_file))
-        now = _shown(value, layer.document.line(mark.line)[mark.column - 1 :])
+        now = _value_text(value, layer.document.line(mark.line)[mark.column - 1 :])
         self._record_change(layer, place, was=was, now=now, affects=as_affected(self._data, path), is_known=True)
 
     def _record_change(self, layer: Layer, place: Path, *, was: str, now: str, affects: str, is_known: bool) -> None:
@@ -269,7 +269,7 @@ def _short(text: str) -> str:
     return text.removeprefix("registers.")
 
 
-def _shown(value: Any, written: str) -> str:
+def _value_text(value: Any, written: str) -> str:
     """Return a value as text: numbers as written in the file, maps and lists in braces and brackets."""
     if isinstance(value, int) and not isinstance(value, bool):
         word = written.split(maxsplit=1)[0].rstrip(",}]") if written.split() else ""

@@ -51,7 +51,7 @@ def resolve(data: Any, text: str) -> Path:
     """
     path: Path = ()
     for step in steps_of(text):
-        keys_by_step = _inside(data)
+        keys_by_step = _inner_steps(data)
         if step not in keys_by_step:
             step_text = f"[{step + 1}]" if isinstance(step, int) else step
             raise MissingPath(step_text, [str(key) for key in keys_by_step if isinstance(key, str)], path)
@@ -60,7 +60,7 @@ def resolve(data: Any, text: str) -> Path:
     return path
 
 
-def _inside(data: Any) -> dict[str | int, str | int]:
+def _inner_steps(data: Any) -> dict[str | int, str | int]:
     """Return the possible next steps of a path, each with its key or index."""
     if isinstance(data, dict):
         return {key: key for key in data}

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from .document import Document
 from .messages import RENAMED, Finding, explain
 from .problems import MAX_PROBLEMS, TOO_MANY, WORDS_ONLY, Path, Report
-from .quick_validation import follows, matches
+from .quick_validation import follows_schema, matches
 from .schema_files import load_schema
 from .second_reading import is_second
 
@@ -75,7 +75,7 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
         return None
     document.kept_indices.clear()
     broken = set(document.broken)
-    if not broken and follows(document.data, shape_of(kind.value)):
+    if not broken and follows_schema(document.data, shape_of(kind.value)):
         return SchemaResult(without_places(document, frozenset()), kind, complete=True)
     validator = _validator(kind.value)
     findings = _findings(validator, document.data, broken, kind.value)
@@ -88,7 +88,7 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
     for finding in findings:
         if not _can_be_incomplete(finding.path) and not _is_missing_prose(finding):
             removed_places.add(finding.path if finding.alone else place_to_remove(finding.path))
-    return _cut_out(validator, document, removed_places, kind)
+    return _remove_broken_items(validator, document, removed_places, kind)
 
 
 def _report_findings(findings: Sequence[Finding], document: Document, report: Report) -> None:
@@ -132,7 +132,7 @@ def without_places(
 ) -> dict[str, Any]:
     """Return the data without these places and with these stand-ins. The document records the removed list items."""
     document.kept_indices.clear()
-    data: dict[str, Any] = _without(document.data, cut, (), document.kept_indices)
+    data: dict[str, Any] = _pruned(document.data, cut, (), document.kept_indices)
     for path, words in stand_ins.items():
         holder_data = value_at(data, path, document.kept_indices)
         if isinstance(holder_data, dict):
@@ -140,7 +140,7 @@ def without_places(
     return data
 
 
-def _cut_out(validator: Any, document: Document, cut: set[Path], kind: FileKind) -> SchemaResult:
+def _remove_broken_items(validator: Any, document: Document, cut: set[Path], kind: FileKind) -> SchemaResult:
     """Remove the items with broken places, and all that depend on them, until the rest follows the schema."""
     stand_ins: dict[Path, Mapping[str, str]] = {}
     while True:
@@ -196,16 +196,16 @@ def place_to_remove(path: Path) -> Path:
     return next((path[:end] for end in range(len(path), 0, -1) if isinstance(path[end - 1], int)), path)
 
 
-def _without(value: Any, cut: Collection[Path], path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Any:
+def _pruned(value: Any, cut: Collection[Path], path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Any:
     """Return a copy of the value without the places in ``cut``. ``kept_indices`` records the remaining list items."""
     if isinstance(value, dict):
         keys = [key for key in value if (*path, key) not in cut]
-        return {key: _without(value[key], cut, (*path, key), kept_indices) for key in keys}
+        return {key: _pruned(value[key], cut, (*path, key), kept_indices) for key in keys}
     if isinstance(value, list):
         indices = tuple(index for index in range(len(value)) if (*path, index) not in cut)
         if len(indices) < len(value):
             kept_indices[path] = indices
-        return [_without(value[index], cut, (*path, index), kept_indices) for index in indices]
+        return [_pruned(value[index], cut, (*path, index), kept_indices) for index in indices]
     return value
 
 

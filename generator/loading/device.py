@@ -172,7 +172,7 @@ def code_grammar(raw: Raw) -> OrderCode:
 
 def _code_part(raw: Raw) -> CodePart:
     values = tuple(_code_value(text, value or {}, raw) for text, value in raw["values"].items())
-    return record(CodePart, raw, values=values, open_only_with=_only(raw, "open_only_with"))
+    return record(CodePart, raw, values=values, open_only_with=_allowed_values(raw, "open_only_with"))
 
 
 def _spelling(raw: Raw) -> Spelling:
@@ -190,10 +190,12 @@ def _answer(name: str, raw: Raw) -> Answer:
 
 
 def _code_value(text: str, raw: Raw, part: Raw) -> CodeValue:
-    return record(CodeValue, raw, text=text, only_with=_only(raw, "only_with"), supply=supply(raw, sources(part)))
+    return record(
+        CodeValue, raw, text=text, only_with=_allowed_values(raw, "only_with"), supply=supply(raw, sources(part))
+    )
 
 
-def _only(raw: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
+def _allowed_values(raw: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
     return MappingProxyType({name: tuple(values) for name, values in raw.get(key, {}).items()})
 
 
@@ -358,7 +360,8 @@ def _check_requests(device: Device, report: DocumentReport) -> None:
     requests = [layouts[exchange.request] for exchange in interface.exchanges if exchange.request in layouts]
     for index, layout in enumerate(requests):
         ambiguous_layout = next(
-            (earlier_layout for earlier_layout in requests[:index] if not _differ(earlier_layout, layout)), None
+            (earlier_layout for earlier_layout in requests[:index] if not _constants_differ(earlier_layout, layout)),
+            None,
         )
         if ambiguous_layout is not None:
             pair = f"'{layout.name}' from '{ambiguous_layout.name}'"
@@ -366,7 +369,7 @@ def _check_requests(device: Device, report: DocumentReport) -> None:
             report.add("rs485-exchange", ("interfaces", interface.name, "layouts", layout.name), problem)
 
 
-def _differ(layout: Layout, other_layout: Layout) -> bool:
+def _constants_differ(layout: Layout, other_layout: Layout) -> bool:
     """Return whether two requests have a different constant in the same bit of a byte."""
     constant_bits, other_constant_bits = _constant_bits(layout), _constant_bits(other_layout)
     return any(other_constant_bits.get(place, value) != value for place, value in constant_bits.items())

@@ -47,7 +47,7 @@ def _edition(definition: Raw, revision: str, date: str) -> ManualEdition:
     return record(ManualEdition, definition, revision=revision, date=date)
 
 
-def chosen(device: Device, wanted: str) -> str:
+def revision_for(device: Device, wanted: str) -> str:
     """Return the revision of an edition given by its revision, or by a date on which it was the latest.
 
     Raises:
@@ -82,7 +82,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
     """
     laying = LayeredSpec(family.document, report)
     problems_before = len(report)
-    for index, key, name in _steps(family, revision):
+    for index, key, name in _change_lists(family, revision):
         laying.apply([Layer(family.document, ("editions", index, key), LayerKind.EDITION, name)])
     name = f"{family.device.name}_{re.sub('[^a-z0-9]+', '_', revision.lower()).strip('_')}"
     document = laying.document(name)
@@ -119,7 +119,7 @@ def _report_in_edition(inner_report: Report, revision: str, report: Report) -> N
             report.add_at(*place, problem.rule, message, path=problem.path, text=problem.text)
 
 
-def _steps(family: Family, revision: str) -> Iterator[tuple[int, str, str]]:
+def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str]]:
     """Yield the lists of changes that lead to a revision, each as index, key and name in outputs."""
     order = [edition.revision for edition in family.device.editions]
     own_index, wanted_index = order.index(family.device.manual.revision), order.index(revision)
@@ -141,13 +141,13 @@ def notes(raw: Raw) -> Iterator[Erratum]:
             for number, change in enumerate(edition.get(key, ()), 1):
                 # A change with no kind or several is reported when it is applied.
                 if len(kinds := [word for word in KINDS if word in change]) == 1:
-                    yield _note(raw, change, name, number, kinds[0])
+                    yield _edition_erratum(raw, change, name, number, kinds[0])
 
 
-def _note(raw: Raw, change: Raw, name: str, number: int, kind: str) -> Erratum:
+def _edition_erratum(raw: Raw, change: Raw, name: str, number: int, kind: str) -> Erratum:
     texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
     affecting_texts = [] if kind == "also" else texts
-    affects = [_affected(raw, text) for text in affecting_texts]
+    affects = [_affected_path(raw, text) for text in affecting_texts]
     value = change.get("to", change.get("value"))
     used = {"remove": LEFT_OUT, "unknown": NOT_KNOWN, "also": NOT_KNOWN}.get(kind, _text(value))
     return record(
@@ -175,7 +175,7 @@ def _text(value: object) -> str:
             return str(value)
 
 
-def _affected(raw: Raw, text: str) -> str:
+def _affected_path(raw: Raw, text: str) -> str:
     try:
         return as_affected(raw, resolve(raw, text))
     except MissingPath as nothing:

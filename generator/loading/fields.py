@@ -99,7 +99,7 @@ def bit_range(text: int | str) -> tuple[int, int] | None:
     return bounds if bounds[0] >= bounds[1] else None
 
 
-def equals(raw: Raw, context: Context) -> Expression | int | str | None:
+def expected_value(raw: Raw, context: Context) -> Expression | int | str | None:
     """Return the expected value: text, a number, or an expression if it depends on the order code."""
     expected = raw.get("equals")
     if isinstance(expected, str) and "text" not in raw:
@@ -119,7 +119,7 @@ def zero_field(name: str, kind: Constant, low: Expression, width: Expression, si
     )
 
 
-def kind(raw: Raw, context: Context, interface: str, width: Expression) -> Kind:
+def kind_of(raw: Raw, context: Context, interface: str, width: Expression) -> Kind:
     """Return the kind of a field by its key. A field without such a key is a number."""
     if "constant" in raw:
         return Constant(raw["constant"])

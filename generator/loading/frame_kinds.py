@@ -31,7 +31,7 @@ def _check_numbers(device: Device, interface: Interface, report: DocumentReport)
         numbers = {field.name for field in layout.fields if isinstance(field.kind, Number)}
         same_channel = [frame for frame in frames if frame.channel == layout.channel]
         candidates = [frame for frame in same_channel if _has_constant(frame, numbers)]
-        clash = next(_kinds(device, interface, layout, candidates), None)
+        clash = next(_ambiguous_numbers(device, interface, layout, candidates), None)
         if clash is not None:
             field, other_layout, value = clash
             message = f"'{field.name}' can be any number, but it is always {value:#x} in '{other_layout.name}'"
@@ -53,7 +53,7 @@ def _check_positions(device: Device, interface: Interface, report: DocumentRepor
     """
     frames = [layout for layout in interface.layouts if device.tells_position(interface.name, layout)]
     for first, second in combinations(frames if isinstance(interface, (Biss, Ssi)) else (), 2):
-        if second.note or first.channel != second.channel or _differ(first, second):
+        if second.note or first.channel != second.channel or _are_distinguished(first, second):
             continue
         message = (
             f"'{first.name}' and '{second.name}' both contain the position, and nothing distinguishes their frames"
@@ -67,7 +67,7 @@ def _check_positions(device: Device, interface: Interface, report: DocumentRepor
         return
 
 
-def _differ(layout: Layout, other_layout: Layout) -> bool:
+def _are_distinguished(layout: Layout, other_layout: Layout) -> bool:
     """Return whether a selector or a constant of the same name distinguishes two frames."""
     constants, other_constants = map(_constants, (layout, other_layout))
     common_names = constants.keys() & other_constants.keys()
@@ -110,7 +110,7 @@ def _has_constant(layout: Layout, names: set[str]) -> bool:
     return any(isinstance(field.kind, Constant) and field.name in names for field in layout.fields)
 
 
-def _kinds(
+def _ambiguous_numbers(
     device: Device, interface: Interface, layout: Layout, other_layouts: list[Layout]
 ) -> Iterator[tuple[Field, Layout, int]]:
     """Yield the numbers that are a constant at the same place of a frame with the same length."""

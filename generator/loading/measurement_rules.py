@@ -55,7 +55,7 @@ def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, s
         shared = ("interfaces", interface.name, "measurement")
     for case in _cases(device, interface, measurement):
         own_range = case.layout.position_range
-        problem = _fault(device, measurement.within(own_range), case)
+        problem = _measurement_problem(device, measurement.within(own_range), case)
         if problem is not None:
             key, message = problem
             range_path: Path = ("interfaces", interface.name, "layouts", case.layout.name, "position_range")
@@ -130,7 +130,7 @@ def _cases(device: Device, interface: Interface, measurement: Measurement) -> It
             yield _Case(variant, layout, widths)
 
 
-def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, str] | None:
+def _measurement_problem(device: Device, measurement: Measurement, case: _Case) -> tuple[str, str] | None:
     """Return the wrong key and the message, or None."""
     key = "counts_per_turn" if measurement.counts_per_turn is not None else "modulus"
     numbers = {name: getattr(measurement, name) for name in ("counts_per_turn", "turns", *_STEPS, "modulus")}
@@ -156,7 +156,7 @@ def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, 
         _does_not_fit(device, measurement, case, key, values)
         or _out_of_range(measurement, case, key)
         or _upside_down(measurement, case, key, values)
-        or _uneven(case, key, values)
+        or _revolution_problem(case, key, values)
     )
 
 
@@ -253,7 +253,7 @@ def _upside_down(measurement: Measurement, case: _Case, key: str, values: Mappin
     return None
 
 
-def _uneven(case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:
+def _revolution_problem(case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:
     """Return an error if the fields below a number of revolutions do not count one revolution in all their bits."""
     for index, (name, width) in enumerate(case.fields[:-1]):
         below = sum(width for _, width in case.fields[index + 1 :])

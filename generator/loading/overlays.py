@@ -213,7 +213,7 @@ def _report_in_overlay(inner_report: Report, spec: Document, overlay: Document, 
             location = (
                 f"{Path(spec.file).name}:{problem.line}, {problem.path}" if problem.path else Path(spec.file).name
             )
-            _tell(problem, overlay, f"with this overlay, {location}: {problem.message}", report)
+            _report_problem(problem, overlay, f"with this overlay, {location}: {problem.message}", report)
         elif problem not in reported:
             report.add_at(
                 problem.file,
@@ -226,5 +226,5 @@ def _report_in_overlay(inner_report: Report, spec: Document, overlay: Document, 
             )
 
 
-def _tell(problem: Problem, overlay: Document, message: str, report: Report) -> None:
+def _report_problem(problem: Problem, overlay: Document, message: str, report: Report) -> None:
     report.add(problem.rule, overlay, ("overlay",), message)

@@ -17,7 +17,7 @@ from ..cache import Cache, content_of
 from ..language.check import check_document
 from ..language.master_items import NUMBERS, STEPS
 from ..language.problems import Report, listed
-from ..language.quick_validation import follows
+from ..language.quick_validation import follows_schema
 from ..language.read import read_specs
 from ..language.schema import FileKind, shape_of
 from ..loading.shipped import packaged_masters
@@ -192,7 +192,7 @@ def _from_data(data: Raw) -> Master:
     rules = (tuple(data[name]) for name in _RULES)
     master = Master(data["name"], data["title"], tuple(data["takes"]), documents, devices, data["standing"], *rules)
     are_typed = all(map(_is_typed, (master, *documents, *devices)))
-    if not are_typed or not all(follows(data[name], shape[name]) for name in _RULES):
+    if not are_typed or not all(follows_schema(data[name], shape[name]) for name in _RULES):
         raise TypeError("not a master")
     return master
 

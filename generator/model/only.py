@@ -33,11 +33,11 @@ def fits(only: str, code: str) -> bool:
     ``...`` stands for any text and ``x`` for any one character. Commas separate several patterns. The hyphen after an
     order code on a label counts as part of it.
     """
-    return not only or any(pattern.match(text) for pattern in _patterns(only) for text in (code, f"{code}-"))
+    return not only or any(pattern.match(text) for pattern in _code_patterns(only) for text in (code, f"{code}-"))
 
 
 @cache
-def _patterns(only: str) -> tuple[re.Pattern[str], ...]:
+def _code_patterns(only: str) -> tuple[re.Pattern[str], ...]:
     return tuple(_pattern(order_code.strip()) for order_code in only.split(","))
 
 

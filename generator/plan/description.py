@@ -257,10 +257,10 @@ def _speaks(judgement: verdicts.Judgement) -> Iterator[Speaks]:
 
 def _tells(told_report: reports.ReportCause) -> Tells:
     name, mask, when = Name(told_report.by.field.name), _mask(told_report.by), _when(told_report.by)
-    return Tells(told_report.report.name, name, mask, told_report.only, when, _answered(told_report.made_of))
+    return Tells(told_report.report.name, name, mask, told_report.only, when, _verdict_by_answer(told_report.made_of))
 
 
-def _answered(field: Field) -> Answered | None:
+def _verdict_by_answer(field: Field) -> Answered | None:
     match field.kind:
         case Flag(verdict_parameter=parameter, verdict_if_set=verdict) if verdict is not None:
             return Answered(parameter, verdict)

@@ -72,18 +72,18 @@ def reports_of(device: Device) -> tuple[Report, ...]:
 def reportings(device: Device) -> Iterator[Reporting]:
     """Yield the reports and the verdict of each frame of the encoder that has any."""
     reports = _reports(device)
-    for interface, layout in _sent(device):
+    for interface, layout in _sent_layouts(device):
         codec = codec_of(device, layout)
         causes: list[ReportCause] = []
         for cause in verdict_causes(codec):
-            reported = ((field, only) for field, only in by_code(cause.field) if _is_told(field))
+            reported = ((field, only) for field, only in by_code(cause.field) if _is_reported(field))
             causes += [ReportCause(reports[layout.name, field.name], cause, only) for field, only in reported]
         judgement = judgement_of(codec) if device.tells_position(interface.name, layout) else None
         if causes or judgement is not None:
             yield Reporting(interface, codec, tuple(causes), judgement)
 
 
-def _sent(device: Device) -> Iterator[tuple[Interface, Layout]]:
+def _sent_layouts(device: Device) -> Iterator[tuple[Interface, Layout]]:
     return ((interface, layout) for interface, layout in device.layouts() if layout.sender == "encoder")
 
 
@@ -97,7 +97,7 @@ def sums_up(field: Field) -> tuple[str, ...]:
     return field.kind.sums_up if isinstance(field.kind, Flag) else ()
 
 
-def _is_told(field: Field) -> bool:
+def _is_reported(field: Field) -> bool:
     """Return whether the field reports a problem. Those that leave the position usable do not."""
     return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is not Verdict.USABLE
 
@@ -106,7 +106,7 @@ def _fields_by_code(layout: Layout) -> Iterator[tuple[Field, Only | None]]:
     """Yield the fields and signs that report a problem, each with the order codes for which it does."""
     for field in (*layout.fields, *(sign.flag for sign in layout.signs)):
         for coded_field, only in by_code(field):
-            if _is_told(coded_field):
+            if _is_reported(coded_field):
                 yield coded_field, only
 
 
@@ -114,7 +114,7 @@ def _reports(device: Device) -> Mapping[tuple[str, str], Report]:
     """Return the reports by frame and field."""
     explained_fields: list[tuple[str, str, Field]] = []
     unexplained_fields: list[tuple[str, str, Field]] = []
-    for interface, layout in _sent(device):
+    for interface, layout in _sent_layouts(device):
         for field, only in _fields_by_code(layout):
             is_unexplained = only is not None and not only.holds
             (unexplained_fields if is_unexplained else explained_fields).append((interface.name, layout.name, field))

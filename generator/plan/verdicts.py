@@ -91,7 +91,7 @@ def judgement_of(codec: Codec) -> Judgement:
                 for flag, only in _by_worth(cause.field):
                     summed_parts = [parts[name] for name in flag.sums_up if name in parts]
                     for flag_verdict, chosen in _by_answer(flag):
-                        unless = tuple(part for part in summed_parts if not _decides(part, flag_verdict, parts))
+                        unless = tuple(part for part in summed_parts if not _always_leads_to(part, flag_verdict, parts))
                         speaking[flag_verdict].append(VerdictCause(cause, unless, only, chosen))
             case Unused(makes_position=verdict):
                 speaking[verdict].append(VerdictCause(cause, ()))
@@ -119,7 +119,7 @@ def _by_answer(flag: Flag) -> Iterator[tuple[Verdict, Only | None]]:
     yield flag.verdict_if_set, Only(flag.verdict_parameter, True)
 
 
-def _decides(part: Part, verdict: Verdict, parts: Mapping[str, Part]) -> bool:
+def _always_leads_to(part: Part, verdict: Verdict, parts: Mapping[str, Part]) -> bool:
     """Return whether a flag always leads to ``verdict`` or a worse one."""
     match part.field.kind:
         case Flag(makes_position=flag_verdict, sums_up=names, only_while="", verdict_if_set=None) if (

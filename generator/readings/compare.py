@@ -78,7 +78,7 @@ class Comparison:
 def compare(spec: Facts, second: Facts) -> Comparison:
     """Compare the facts of a spec with those of its second reading."""
     comparison = Comparison(settled=are_settled(spec, second))
-    near = partial(_near, comparison, spec, second)
+    near = partial(_nearest_place, comparison, spec, second)
     differences = _compare_facts(comparison, spec.facts, second.facts | dict(_by_path(spec, second)), near)
     for disagreement in chain(
         differences, _codes_differ(spec, second), _compare_names(comparison, spec.names, second.names)
@@ -90,11 +90,11 @@ def compare(spec: Facts, second: Facts) -> Comparison:
         # Of frames with different byte orders, only that is reported.
         if len(orders) < 2:
             _compare_words(comparison, word, second.words.get(key))
-    _mark(comparison, spec, second)
+    _count_decided(comparison, spec, second)
     return comparison
 
 
-def _near(comparison: Comparison, spec: Facts, second: Facts, fact: Fact) -> Path | None:
+def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, fact: Fact) -> Path | None:
     """Return the place where the spec would state a fact of the second reading, or None if the spec may lack it.
 
     This is its subject, or the only item of the same kind that the second reading lacks, or the list of such items.
@@ -135,7 +135,7 @@ def _dotted(place: Path) -> str:
     return ".".join(map(str, place))
 
 
-def _mark(comparison: Comparison, spec: Facts, second: Facts) -> None:
+def _count_decided(comparison: Comparison, spec: Facts, second: Facts) -> None:
     """Count facts that no manual prints as decided, and texts of which only a name was compared as read once."""
     for (sort, place), read in comparison.read.items():
         path = _dotted(place)
@@ -166,14 +166,16 @@ def _codes_differ(spec: Facts, second: Facts) -> Iterator[Disagreement]:
             fact, known_fact = missing[0], next(iter(other_codes.values()))
             description = fact.description + (f" and of {len(missing) - 1} more" if len(missing) > 1 else "")
             if codes is spec_codes:
-                yield Disagreement(fact.sort, description, _shown(fact.value), NOTHING, fact.place, known_fact.place)
+                yield Disagreement(
+                    fact.sort, description, _value_text(fact.value), NOTHING, fact.place, known_fact.place
+                )
             else:
-                yield _lacking(replace(fact, description=description), known_fact.place)
+                yield _missing_in_spec(replace(fact, description=description), known_fact.place)
 
 
-def _lacking(fact: Fact, near: Path) -> Disagreement:
+def _missing_in_spec(fact: Fact, near: Path) -> Disagreement:
     """Return the disagreement on a fact that only the second reading has."""
-    return Disagreement(fact.sort, fact.description, NOTHING, _shown(fact.value), (), fact.place, near)
+    return Disagreement(fact.sort, fact.description, NOTHING, _value_text(fact.value), (), fact.place, near)
 
 
 def _compare_names(
@@ -191,11 +193,11 @@ def _compare_names(
             )
 
 
-def _shown(value: Value) -> str:
+def _value_text(value: Value) -> str:
     return value if isinstance(value, str) else next(iter(value.values()), NOTHING)
 
 
-def _everywhere(value: Value) -> Value:
+def _common_value(value: Value) -> Value:
     """Return the common value if all cases have the same one, otherwise all values."""
     distinct = {value} if isinstance(value, str) else set(value.values())
     return distinct.pop() if len(distinct) == 1 else value
@@ -217,14 +219,14 @@ def _compare_facts(
         elif other_fact is not None and not other_fact.implied:
             place = near(other_fact) if fact is None else fact.place
             if place is not None:
-                yield _lacking(other_fact, place)
+                yield _missing_in_spec(other_fact, place)
 
 
 def _compare_values(comparison: Comparison, fact: Fact, other_fact: Fact) -> Iterator[Disagreement]:
-    own_value, other_value = _everywhere(fact.value), _everywhere(other_fact.value)
+    own_value, other_value = _common_value(fact.value), _common_value(other_fact.value)
     places = fact.place, other_fact.place
     if isinstance(own_value, str) or isinstance(other_value, str):
-        values = _shown(own_value), _shown(other_value)
+        values = _value_text(own_value), _value_text(other_value)
         if own_value == other_value or (fact.sort is Sort.PRINTED and same_name(*values)):
             comparison.note(fact.sort, fact.place, Read.TWICE)
         else:
@@ -235,7 +237,7 @@ def _compare_values(comparison: Comparison, fact: Fact, other_fact: Fact) -> Ite
     differing = [case for case in common if own_value[case] != other_value[case]]
     if differing:
         values = own_value[differing[0]], other_value[differing[0]]
-        yield Disagreement(fact.sort, fact.description + _with(differing), *values, *places)
+        yield Disagreement(fact.sort, fact.description + _cases_text(differing), *values, *places)
     comparison.note(fact.sort, fact.place, Read.ONCE if missing else Read.TWICE)
 
 
@@ -245,7 +247,7 @@ def _is_default(value: Mapping[Case, str], case: Case) -> bool:
     return state != "" and value[case] == value.get((code, ""))
 
 
-def _with(cases: list[Case]) -> str:
+def _cases_text(cases: list[Case]) -> str:
     """Return the text on the order codes and the state of the registers."""
     state = cases[0][1]
     while_text = f" while {state}" if state else ""
@@ -279,7 +281,7 @@ def _compare_words(comparison: Comparison, word: Word, other_word: Word | None) 
         comparison.differ(
             disagreement
             if is_everywhere
-            else replace(disagreement, description=disagreement.description + _with(cases))
+            else replace(disagreement, description=disagreement.description + _cases_text(cases))
         )
 
 
@@ -297,7 +299,7 @@ def _in_case(
     """Yield the differences in one case. Different lengths are reported with the other facts."""
     if len(own_placed.bits) != len(other_placed.bits):
         return
-    for high, low in _runs(own_placed.bits, other_placed.bits):
+    for high, low in _different_ranges(own_placed.bits, other_placed.bits):
         own_bits, other_bits = own_placed.bits[low : high + 1][::-1], other_placed.bits[low : high + 1][::-1]
         description = f"{bits(high, low)} of {word.description}"
         yield Disagreement(
@@ -327,7 +329,7 @@ def _have_same_value(bit: Bit, other_bit: Bit) -> bool:
     return (bit.part, bit.weight, bit.fixed) == (other_bit.part, other_bit.weight, other_bit.fixed)
 
 
-def _runs(own_bits: tuple[Bit, ...], other_bits: tuple[Bit, ...]) -> list[tuple[int, int]]:
+def _different_ranges(own_bits: tuple[Bit, ...], other_bits: tuple[Bit, ...]) -> list[tuple[int, int]]:
     """Return ranges of different bits, grouped if they differ in the same way."""
     ranges: list[tuple[int, int]] = []
     for index in range(len(own_bits) - 1, -1, -1):

@@ -39,12 +39,12 @@ def word(owner: Subject, layout: Layout, register: Register | None = None) -> Wo
     for case, parameters in owner.reading.cases(owner.interface).items():
         values = tuple(parameters[name] for name in deciding)
         if values not in placed_by_values:
-            placed_by_values[values] = _placed(owner, layout.place(parameters), parameters, register)
+            placed_by_values[values] = _word_case(owner, layout.place(parameters), parameters, register)
         cases[case] = placed_by_values[values]
     return Word(owner.description, owner.place, cases)
 
 
-def _placed(owner: Subject, placed: PlacedLayout, parameters: Parameters, register: Register | None) -> WordCase:
+def _word_case(owner: Subject, placed: PlacedLayout, parameters: Parameters, register: Register | None) -> WordCase:
     placed_bits = [Bit("unspecified", None, None, (*owner.place, "other_bits"))] * placed.bits
     fields = {}
     names = Facts()
@@ -65,8 +65,8 @@ def _placed(owner: Subject, placed: PlacedLayout, parameters: Parameters, regist
 def _bits(placed_field: PlacedField, placed: PlacedLayout, place: Path) -> Iterator[Bit]:
     """Yield each bit of a field, lowest first."""
     kind = placed_field.field.kind
-    part, offset = _part(kind, placed_field, placed), 0
-    joined = _joined(placed_field, placed)
+    part, offset = _owner_text(kind, placed_field, placed), 0
+    joined = _weight_in_join(placed_field, placed)
     if joined is not None and isinstance(kind, (Number, Choice, Decimal, Flag)):
         offset = joined
     for index in range(placed_field.width):
@@ -81,7 +81,7 @@ def _bits(placed_field: PlacedField, placed: PlacedLayout, place: Path) -> Itera
                 yield Bit(part, offset + index, None, place)
 
 
-def _part(kind: Kind, placed_field: PlacedField, placed: PlacedLayout) -> str:
+def _owner_text(kind: Kind, placed_field: PlacedField, placed: PlacedLayout) -> str:
     """Return the owner of the bits of a field."""
     match kind:
         case Number(signed=True):
@@ -117,7 +117,7 @@ def _gray(placed_field: PlacedField, placed: PlacedLayout) -> str:
     return " in Gray code" if placed.gray and placed_field.name in placed.layout.names_in(placed.layout.gray_of) else ""
 
 
-def _joined(placed_field: PlacedField, placed: PlacedLayout) -> int | None:
+def _weight_in_join(placed_field: PlacedField, placed: PlacedLayout) -> int | None:
     """Return the weight of the field's lowest bit in the longest joined number that contains it, or None."""
     weights: list[tuple[int, int | None]] = [(0, None)]
     for join in placed.layout.joins:

@@ -13,14 +13,14 @@ _SETTLED = 0.9
 def are_settled(spec: Facts, second: Facts) -> bool:
     """Return True if the second reading uses the names of the spec, so that any different name is a mistake."""
     count, equal_count = 0, 0
-    for own_names, other_names in _both(spec, second):
+    for own_names, other_names in _common_names(spec, second):
         for key in own_names.keys() & other_names.keys():
             count += 1
             equal_count += own_names[key].value == other_names[key].value
     return equal_count >= _SETTLED * count
 
 
-def _both(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
+def _common_names(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
     """Yield the names of each kind that both readings have, those of fields for the first case of each word."""
     for kind in spec.names.keys() & second.names.keys():
         yield spec.names[kind], second.names[kind]

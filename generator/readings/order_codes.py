@@ -22,9 +22,9 @@ def add_codes(reading: Reading, facts: Facts) -> None:
     facts.add(_parameters(reading))
     _add_alternatives(reading, facts)
     for parameter in reading.device.run_time_parameters:
-        facts.add(_held(reading, parameter))
+        facts.add(_held_parameter_facts(reading, parameter))
     for interface in reading.device.interfaces:
-        facts.add(_measured(reading, interface))
+        facts.add(_measurement_facts(reading, interface))
     movement = reading.device.movement
     facts.add(iter((Fact(Sort.MEASUREMENT, ("movement",), movement, "movement", ("movement",)),)))
     facts.derived[Sort.LIMIT] += len(reading.device.definitions)
@@ -93,7 +93,7 @@ def _spellings(reading: Reading) -> Iterator[Fact]:
                 yield Fact(Sort.ORDER_CODE, ("label", label, spelling.then), variant.code, f"label {label}", place)
 
 
-def _held(reading: Reading, parameter: Parameter) -> Iterator[Fact]:
+def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fact]:
     bits_text = reading.bits_at(parameter.read_from)
     place: Path = ("parameters", parameter.name)
     register = reading.register(parameter.register)
@@ -104,7 +104,7 @@ def _held(reading: Reading, parameter: Parameter) -> Iterator[Fact]:
             yield Fact(Sort.LIMIT, ("held", bits_text, name), short(bound), description, (*place, name), register_key)
 
 
-def _measured(reading: Reading, interface: Interface) -> Iterator[Fact]:
+def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
     measurement = reading.device.measurement_of(interface.name)
     if measurement is None:
         return

@@ -54,7 +54,7 @@ def _times(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
                 description = f"wait {before} in {procedure_text}"
                 yield Sort.WAIT, ("wait", done_steps), (*place, "at_least_ms"), f"{waited // 1000} ms", description
             continue
-        text = f"'{_done(reading, step, procedure)}'"
+        text = f"'{_step_text(reading, step, procedure)}'"
         done_steps, waited, before = done_steps + 1, 0, f"after {text}"
         if isinstance(step, ReadStep) and step.field:
             bits = _bits(reading, step.register, step.field)
@@ -82,11 +82,11 @@ def _times(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
 
 def program(reading: Reading, procedure: Procedure) -> str:
     """Return the steps of a procedure as text, without waits and repetitions."""
-    texts = (_done(reading, step, procedure) for step in procedure.steps)
+    texts = (_step_text(reading, step, procedure) for step in procedure.steps)
     return "; ".join(text for text in texts if text)
 
 
-def _done(reading: Reading, step: Step, procedure: Procedure) -> str:
+def _step_text(reading: Reading, step: Step, procedure: Procedure) -> str:
     match step:
         case WriteStep(register, name, value):
             written = reading.device.register(register)

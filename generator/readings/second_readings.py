@@ -131,7 +131,7 @@ def _check_explanations(
         if path not in used:
             message = f"no fact affected by this erratum is {values}; correct or remove it"
             report.add("readings-unused", spec, path, message)
-        elif _lacks(spec.data["errata"][path[1]]["printed"], second_value):
+        elif _lacks_number(spec.data["errata"][path[1]]["printed"], second_value):
             message = f"the printed text has other values than {second_value}, which the second reading has; correct it"
             report.add("readings-unused", spec, (*path[:2], "printed"), message)
 
@@ -143,7 +143,7 @@ def _explanations(spec: Document) -> Iterator[tuple[Path, Sequence[str], str, st
             yield ("errata", number, "readings", index), erratum.get("affects", ()), pair["second"], pair["used"]
 
 
-def _lacks(text: str, value: str) -> bool:
+def _lacks_number(text: str, value: str) -> bool:
     """Return True if a value has a unit, and a text has a value with this unit, but the number nowhere."""
     quantity = _QUANTITY.fullmatch(value)
     if quantity is None or quantity[2] not in {unit for _, unit in _QUANTITY.findall(text)}:

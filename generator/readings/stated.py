@@ -75,7 +75,7 @@ class Subject:
 def _text(reading: Reading, member: Member, value: Any, interface: str) -> Value:
     """Return a stated value in words without names."""
     if member.refers_to:
-        return _referred(reading, member, value, interface)
+        return _referred_text(reading, member, value, interface)
     if isinstance(value, Expression):
         return {case: short(value.value(parameters)) for case, parameters in reading.cases(interface).items()}
     if isinstance(value, bool):
@@ -102,7 +102,7 @@ def _part_text(part: object) -> str:
     return str(part.digits if isinstance(part, Digits) else part)
 
 
-def _referred(reading: Reading, member: Member, value: Any, interface: str) -> str:
+def _referred_text(reading: Reading, member: Member, value: Any, interface: str) -> str:
     """Return the things that a member names, in words without names."""
     names = (value,) if isinstance(value, str) else value
     match member.refers_to.removesuffix("s"):

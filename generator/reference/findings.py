@@ -68,8 +68,8 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
         return Findings()
     layout = decoded.layout.layout
     values = {field.name: field for field in decoded.fields}
-    placed_fields = decoded.layout.fields
-    active = [placed_field.field for placed_field in placed_fields if _speaks(placed_field, values[placed_field.name])]
+    fields_and_values = ((placed_field, values[placed_field.name]) for placed_field in decoded.layout.fields)
+    active = [placed_field.field for placed_field, value in fields_and_values if _is_active_field(placed_field, value)]
     if layout.sender == "encoder":
         active += [sign.flag for sign in layout.signs if _is_active(sign, layout, values)]
     register = "" if layout.sender == "encoder" else decoded.layout.name
@@ -90,7 +90,7 @@ def _alarm_for(device: Device, variant: Variant, field: Field, register: str) ->
     return alarm if alarm is not None and fits(alarm.only, variant.code) else None
 
 
-def _speaks(placed_field: PlacedField, decoded_field: DecodedField) -> bool:
+def _is_active_field(placed_field: PlacedField, decoded_field: DecodedField) -> bool:
     """Return whether a flag is active or unused bits differ from the manual."""
     match placed_field.field.kind:
         case Flag():
@@ -158,17 +158,17 @@ def _differences(
 
 
 def _message(name: str, variant: Variant, actual: int | str, documented: int | str, of_register: bool) -> str:
-    actual_text, documented_text = _shown(actual), _shown(documented)
+    actual_text, documented_text = _value_text(actual), _value_text(documented)
     if of_register:
         return fault.other_content(name, actual_text, variant.code, documented_text)
     return fault.other_value(name, actual_text, documented_text)
 
 
-def _shown(value: int | str) -> str:
+def _value_text(value: int | str) -> str:
     return f'"{value}"' if isinstance(value, str) else f"{value:#04x}"
 
 
-def _fixed(device: Device, variant: Variant) -> Iterator[Register]:
+def _identity_registers(device: Device, variant: Variant) -> Iterator[Register]:
     """Yield the registers that identify this order code, except those in banks, whose addresses are not unique."""
     names = {register.name for register, _ in device.identity if register.bank is None}
     return (register for register in device.registers_over(variant.interface) if register.name in names)
@@ -177,7 +177,7 @@ def _fixed(device: Device, variant: Variant) -> Iterator[Register]:
 def fixed_addresses(device: Device, variant: Variant) -> frozenset[int]:
     """Return the addresses of the registers that identify this order code."""
     addresses: set[int] = set()
-    for register in _fixed(device, variant):
+    for register in _identity_registers(device, variant):
         addresses.update(range(register.address, register.last_address + 1))
     return frozenset(addresses)
 
@@ -185,7 +185,7 @@ def fixed_addresses(device: Device, variant: Variant) -> frozenset[int]:
 def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int, int]) -> tuple[Difference, ...]:
     """Return the registers whose contents contradict this order code. Other addresses are unknown."""
     differences: list[Difference] = []
-    for register in _fixed(device, variant):
+    for register in _identity_registers(device, variant):
         differences += _compare_register(variant, register, bytes_by_address)
     return tuple(differences)
 

@@ -58,7 +58,7 @@ def rules(device: Device, frame_field: Field) -> Iterator[Statement]:
     if frame_field.reserved:
         yield reserved(frame_field.reserved)
     if frame_field.equals is not None:
-        expected = _known(frame_field.equals, frame_field.widest)
+        expected = _expected_value(frame_field.equals, frame_field.widest)
         yield statement("Holds ", expected, ", which identifies the encoder. The decoder also accepts other values")
     if frame_field.default is not None:
         yield statement(Expression(frame_field.default), label="Default")
@@ -151,7 +151,7 @@ def _run(run: Digits) -> tuple[Part, ...]:
     return Code(run.name), f" {run.digits}", f" ({run.meaning})" if run.meaning else ""
 
 
-def _known(value: Expression | int | str, bits: int) -> Part:
+def _expected_value(value: Expression | int | str, bits: int) -> Part:
     if isinstance(value, str):
         return Code(value)
     return Hex(value if isinstance(value, Expression) else Expression(value), (bits + 3) // 4)

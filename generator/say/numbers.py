@@ -45,14 +45,14 @@ def formula(scale: Scale) -> str:
     """Return the formula of a quantity in the form that manuals print: ``(value + 152) / 2.776``."""
     numerator, denominator, offset = scale.numerator, scale.denominator, scale.offset
     if offset % denominator == 0:
-        return _plus("value" + _times(numerator, denominator), offset // denominator)
+        return _added_number("value" + _times(numerator, denominator), offset // denominator)
     if offset % numerator == 0:
-        return f"({_plus('value', offset // numerator)}){_times(numerator, denominator)}"
+        return f"({_added_number('value', offset // numerator)}){_times(numerator, denominator)}"
     factor = f"value × {numerator}" if numerator > 1 else "value"
-    return f"({_plus(factor, offset)}) / {denominator}"
+    return f"({_added_number(factor, offset)}) / {denominator}"
 
 
-def _plus(text: str, number: int) -> str:
+def _added_number(text: str, number: int) -> str:
     if number == 0:
         return text
     return f"{text} {'-' if number < 0 else '+'} {abs(number)}"

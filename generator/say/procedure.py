@@ -75,7 +75,7 @@ def read_back(device: Device, register: Register, field: str) -> Statement:
     address_text = f", {register_at(register)}"
     return statement(
         "Read back ",
-        _where(device, register.name, field),
+        _register_and_field(device, register.name, field),
         f"{address_text}, and stop unless it holds the written value",
     )
 
@@ -85,14 +85,24 @@ def _access(device: Device, procedure_step: RegisterStep) -> Iterator[Part]:
     address_text = f", {register_at(register)}"
     match procedure_step:
         case ReadStep(field=field):
-            yield from ("Read ", _where(device, register.name, field), address_text)
+            yield from ("Read ", _register_and_field(device, register.name, field), address_text)
         case PollStep(field=field, value=value):
-            yield from ("Poll ", _where(device, register.name, field), f"{address_text}, until it is {value}")
+            yield from (
+                "Poll ",
+                _register_and_field(device, register.name, field),
+                f"{address_text}, until it is {value}",
+            )
         case WriteStep(value_name=name, value=value):
             yield from ("Write ", *_value(name, value), " to ", named(device, register.name), address_text)
             yield from (": ", Code(register.bytes_of(value).hex(" ").upper())) if value is not None else ()
         case ModifyStep(field=field, value_name=name, value=value):
-            yield from ("Write ", *_value(name, value), " to ", _where(device, register.name, field), address_text)
+            yield from (
+                "Write ",
+                *_value(name, value),
+                " to ",
+                _register_and_field(device, register.name, field),
+                address_text,
+            )
             yield ", and keep the other fields of the register as read"
         case _:
             assert_never(procedure_step)
@@ -103,5 +113,5 @@ def _value(name: str, value: int | None) -> tuple[Part, ...]:
     return ("the argument ", Code(name)) if value is None else (Code(name),)
 
 
-def _where(device: Device, register: str, field: str) -> Part:
+def _register_and_field(device: Device, register: str, field: str) -> Part:
     return register_field(device, f"{register}.{field}" if field else register)

@@ -70,7 +70,7 @@ def limits(low: Expression | None, high: Expression | None) -> tuple[Part, ...]:
 
 
 def _rules(device: Device, register: Register) -> Iterator[Statement]:
-    yield from _shared(device, register)
+    yield from _same_address(device, register)
     if register.bank is not None:
         facts = device.interface(register.interface).facts()
         bank_selects = (fact for fact in facts if isinstance(fact, BankSelect))
@@ -79,7 +79,7 @@ def _rules(device: Device, register: Register) -> Iterator[Statement]:
     if register.reserved:
         yield reserved(register.reserved)
     if register.opened_by:
-        yield _opened_by(device, register)
+        yield _opening_condition(device, register)
     if register.wait_at_least_ms is not None:
         yield statement(f"Wait at least {register.wait_at_least_ms} ms between a write and the next command")
     if register.clears_itself:
@@ -96,7 +96,7 @@ def reserved(user: str) -> Statement:
     return statement(f"Reserved for the {USERS[user]}")
 
 
-def _shared(device: Device, register: Register) -> Iterator[Statement]:
+def _same_address(device: Device, register: Register) -> Iterator[Statement]:
     """Yield the other register at the same address, which differs only in the direction of access."""
     for other_register in device.registers:
         if other_register is not register and (other_register.address, other_register.bank) == (
@@ -107,7 +107,7 @@ def _shared(device: Device, register: Register) -> Iterator[Statement]:
             yield statement(f"{action} the same address accesses ", named(device, other_register.name), " instead")
 
 
-def _opened_by(device: Device, register: Register) -> Statement:
+def _opening_condition(device: Device, register: Register) -> Statement:
     """Return the value that another register must hold before this one can be written."""
     opener = device.register(register.opened_by)
     path = ".".join(filter(None, (register.opened_by, register.opened_by_field)))

@@ -8,7 +8,7 @@ from pathlib import Path
 from time import monotonic
 
 from ..language.problems import Report
-from ..loading.editions import chosen
+from ..loading.editions import revision_for
 from ..loading.library import Family, in_edition, load_families, sound_families
 from ..model import (
     Biss,
@@ -82,7 +82,7 @@ class VirtualEncoder:
         edition: str = "",
         specs: Iterable[Path] = (),
     ) -> None:
-        self.device, match = _found(order_code, tuple(specs), edition)
+        self.device, match = _find_code(order_code, tuple(specs), edition)
         self.answers = dict(choose or {})
         self._check_answers(match.variant)
         self.variant = with_answers(self.device, match.variant, self.answers)
@@ -385,7 +385,7 @@ def _is_special(device: Device, text: str) -> bool:
     return any(overlay.special and overlay.special in text for overlay in device.overlays)
 
 
-def _found(text: str, specs: tuple[Path, ...], edition: str) -> tuple[Device, Match]:
+def _find_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[Device, Match]:
     reason = ""
     special_families = [family for family in _families(specs) if _is_special(family.device, text)]
     for family in (*special_families, *(family for family in _families(specs) if not family.device.base)):
@@ -397,7 +397,7 @@ def _found(text: str, specs: tuple[Path, ...], edition: str) -> tuple[Device, Ma
         if not edition:
             return family.device, match
         report = Report()
-        family_in_edition = in_edition(family, chosen(family.device, edition), report)
+        family_in_edition = in_edition(family, revision_for(family.device, edition), report)
         if family_in_edition is None or report:
             raise ValueError("\n".join(problem.format() for problem in report.shown))
         return family_in_edition.device, find(family_in_edition.device, text)

@@ -106,12 +106,12 @@ def tries(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text
     lengths = {length for length in lengths if length >= text.bits}
     if expected in lengths:
         yield from _computed_otherwise(placed, crc, text.number)
-        yield from _whole(placed, crc, text.number)
+        yield from _whole_frame_tries(placed, crc, text.number)
     if placed.covers_part:
         return
     for length in sorted(lengths, reverse=True):
         slips = [slip for slip in SLIPS if slip.longer == length - expected]
-        yield from (_slipped(placed, crc, slip, text.number, length) for slip in slips)
+        yield from (_offset_try(placed, crc, slip, text.number, length) for slip in slips)
     yield from _without_status(placed, crc, text)
     yield from other_answers(device, variant, placed, crc, text)
     yield from _other_polynomials(placed, crc, text)
@@ -162,7 +162,7 @@ def _covered(placed: PlacedLayout, number: int) -> tuple[int, int]:
     return number >> low & (1 << bits) - 1, bits
 
 
-def _slipped(placed: PlacedLayout, crc: Crc, slip: FrameOffset, number: int, length: int) -> Try:
+def _offset_try(placed: PlacedLayout, crc: Crc, slip: FrameOffset, number: int, length: int) -> Try:
     body_bits = length - len(slip.front) - slip.behind
     body = number >> slip.behind
     starts = [bit for bit in range(len(slip.front)) if slip.front[bit] == "1"]
@@ -190,7 +190,7 @@ def _status_otherwise(try_as_sent: Try, placed: PlacedLayout, number: int) -> It
     status, width = _status_mask(placed), try_as_sent.crc.width
     if not status:
         return
-    data, bits = _without(try_as_sent.data, try_as_sent.bits, status >> width)
+    data, bits = _without_bits(try_as_sent.data, try_as_sent.bits, status >> width)
     description = "the CRC covers only the bits before error and warning"
     yield replace(try_as_sent, kind="status_left_out", text=description, data=data, bits=bits)
     description = "error and warning were converted to active high"
@@ -246,7 +246,7 @@ def other_crcs(crc: Crc) -> Iterator[OtherCrc]:
     yield "polynomial_reversed", description, replace(crc, poly=backwards)
 
 
-def _whole(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
+def _whole_frame_tries(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
     description = "every bit is inverted, as with swapped data wires"
     yield read_as("all_inverted", description, placed, crc, number ^ (1 << placed.bits) - 1)
     yield read_as("bits_reversed", "the bits are in reverse order", placed, crc, reflect(number, placed.bits))
@@ -382,7 +382,7 @@ def _other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Cr
     The frame is complete, read too long, or truncated.
     """
     shapes = _shapes(device, variant, placed)
-    yield from _complete(variant, placed, crc, text, shapes)
+    yield from _complete_frame_tries(variant, placed, crc, text, shapes)
     for bits, shapes_of_length in shapes.items():
         extra_bits = placed.bits - bits
         if extra_bits > 0 and (text.bits == placed.bits if text.exact else text.bits <= placed.bits):
@@ -390,18 +390,18 @@ def _other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Cr
             zeros = extra_bits if extra_bits > 1 else 0
             last_bits = text.number & ((1 << zeros) - 1)
             number = text.number >> extra_bits
-            other_placed, codes = _possible(shapes_of_length, number)
+            other_placed, codes = _possible_shape(shapes_of_length, number)
             words = f"{bits} bits, {_sender(variant, codes)}, read {counted(extra_bits, 'bit')} too long"
             holds = not last_bits
             yield read_as(_kind(codes), words, other_placed, crc, number, demanded=zeros, holds=holds, codes=codes)
         elif -_CUT <= extra_bits < 0 and text.bits == placed.bits:
             number = text.number << -extra_bits
-            other_placed, codes = _possible(shapes_of_length, number)
+            other_placed, codes = _possible_shape(shapes_of_length, number)
             words = f"{bits} bits, {_sender(variant, codes)}, read {counted(-extra_bits, 'bit')} too short"
             yield read_as(_kind(codes), words, other_placed, crc, number, -extra_bits, codes=codes)
 
 
-def _complete(
+def _complete_frame_tries(
     variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText, shapes: Mapping[int, Sequence[Shape]]
 ) -> Iterator[Try]:
     """Yield a try with the complete frame of another order code or other register values."""
@@ -411,8 +411,8 @@ def _complete(
             whole.append(shapes_of_length)
     if whole:
         # If the text may have any number of leading zeros, the CRC cannot distinguish these lengths.
-        likely_placed = _possible(whole[0], text.number)[0]
-        codes = tuple(code for shapes_of_length in whole for code in _possible(shapes_of_length, text.number)[1])
+        likely_placed = _possible_shape(whole[0], text.number)[0]
+        codes = tuple(code for shapes_of_length in whole for code in _possible_shape(shapes_of_length, text.number)[1])
         length_text = " or more" if len(whole) > 1 else ""
         yield read_as(
             _kind(codes),
@@ -424,7 +424,7 @@ def _complete(
         )
 
 
-def _possible(shapes: Sequence[Shape], number: int) -> Shape:
+def _possible_shape(shapes: Sequence[Shape], number: int) -> Shape:
     """Return the shape of this length with the fewest fixed bits, and all order codes that could send the frame."""
     possible_shapes = [shape for shape in shapes if fixed_bits(shape[0], number)[1]] or shapes
     likeliest = min(possible_shapes, key=lambda shape: fixed_bits(shape[0], number)[0])
@@ -478,7 +478,7 @@ def _status_mask(placed: PlacedLayout) -> int:
     return sum(placed_field.mask << placed_field.low for placed_field in placed.fields if placed_field.name in names)
 
 
-def _without(data: int, bits: int, mask: int) -> tuple[int, int]:
+def _without_bits(data: int, bits: int, mask: int) -> tuple[int, int]:
     """Remove the bits of ``mask`` from ``data``, and return the remaining bits and their number."""
     remaining = [data >> bit & 1 for bit in range(bits - 1, -1, -1) if not mask >> bit & 1]
     return int("".join(map(str, remaining)) or "0", 2), len(remaining)

@@ -31,12 +31,12 @@ def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, value in sources(leaves_of(spec, report)) if contents else ():
         places = [piece.strip() for piece in value.split(";") if not is_placeholder(piece)]
         pieces = [citation for place in places if (citation := _CITED.fullmatch(place)) is not None]
-        own_names, names = _names(spec, path)
+        own_names, names = _printed_names(spec, path)
         for cited in pieces:
             section = cited["section"]
             if not _is_in_section(section, cited["page"], path, spans, names, report):
                 continue
-            page, begin_pages = int(cited["page"]), _begins(spans[section], own_names)
+            page, begin_pages = int(cited["page"]), _first_pages(spans[section], own_names)
             pages = {int(citation["page"] or 0) for citation in pieces if citation["section"] == section}
             if page in begin_pages:
                 first_pages += 1
@@ -55,7 +55,7 @@ def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             report.add("cited-place", path, f"{problem}; cite p.{first_page}, or p.{first_page} and p.{page}")
 
 
-def _begins(spans: Mapping[str, tuple[int, int]], own_names: list[str]) -> set[int]:
+def _first_pages(spans: Mapping[str, tuple[int, int]], own_names: list[str]) -> set[int]:
     """Return the first page of the entry of an item or, without one, those of its section and of all its entries."""
     name = next((name for name in own_names if name in spans), "")
     if name:
@@ -90,7 +90,7 @@ def _page(section: Mapping[str, Any], otherwise: int) -> int:
     return page if isinstance(page, int) else otherwise
 
 
-def _names(spec: Spec, path: Path) -> tuple[list[str], list[str]]:
+def _printed_names(spec: Spec, path: Path) -> tuple[list[str], list[str]]:
     """Return the printed names of the item with a source, and those of all items around it, the innermost first."""
     enclosing_names: list[str] = []
     own_names: list[str] = []

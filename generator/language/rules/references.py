@@ -149,16 +149,16 @@ def register_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 f"but this device has no {INTERFACE_OF_REGISTERS}; add 'interface'"
             )
             report.add("undefined-reference", path, message)
-        _opener((*path, "opened_by"), mapping(register, "opened_by"), resolver)
+        _check_opener((*path, "opened_by"), mapping(register, "opened_by"), resolver)
         fields = Fields(Has.REGISTER, register, path, interface_of(register))
         bounded = [*field_names(fields, resolver.groups), *mapping(register, "join")]
         resolver.refer_by("limits_of", path, register, "field or joined number", bounded)
         resolver.refer_by("write_clears", path, register, "register")
         for below, meaning in items(register, "meanings"):
-            _meaning((*path, *below), meaning, resolver)
+            _check_meaning((*path, *below), meaning, resolver)
 
 
-def _opener(path: Path, opened: Spec, resolver: _Names) -> None:
+def _check_opener(path: Path, opened: Spec, resolver: _Names) -> None:
     resolver.refer_by("register", path, opened, "register")
     name = opened.get("register")
     if name in resolver.registers:
@@ -170,7 +170,7 @@ def _opener(path: Path, opened: Spec, resolver: _Names) -> None:
             resolver.tell((*path, "value"), f"{problem} that must hold {quoted(opened['value'])}")
 
 
-def _meaning(path: Path, meaning: Spec, resolver: _Names) -> None:
+def _check_meaning(path: Path, meaning: Spec, resolver: _Names) -> None:
     """Check the field that selects the meaning of a register, and its value."""
     when = meaning["when"]
     resolver.refer_to_bit((*path, "when"), when)
@@ -254,12 +254,12 @@ def procedure_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                     "as", (*path, *below), argument, f"meaning of {quoted(register_name)} called", meanings
                 )
         for below, step in items(procedure, "steps"):
-            _step((*path, *below), step, procedure, resolver)
+            _check_step((*path, *below), step, procedure, resolver)
             data_ids = by_name(raw, "interfaces", procedure["interface"], "data_ids")
             resolver.refer_by("data_id", (*path, *below), step, "data ID", data_ids)
 
 
-def _step(path: Path, step: Spec, procedure: Spec, resolver: _Names) -> None:
+def _check_step(path: Path, step: Spec, procedure: Spec, resolver: _Names) -> None:
     """Check the register of a step, with its field and its value."""
     resolver.refer_by("register", path, step, "register")
     name = step.get("register")
@@ -280,7 +280,7 @@ def alternative_references(spec: Spec, raw: Spec, report: DocumentReport) -> Non
     """Check that the answers of an alternative set the same parameters, and that these name the alternative."""
     resolver, alternatives = _Names(raw, report), by_name(raw, "alternatives")
     for path, alternative in items(spec, "alternatives"):
-        _answers(path, alternative, resolver, report)
+        _check_answers(path, alternative, resolver, report)
     for name, parameter in mapping(spec, "parameters").items():
         if "alternative" in parameter:
             alternative_name = parameter["alternative"]
@@ -299,7 +299,7 @@ def alternative_references(spec: Spec, raw: Spec, report: DocumentReport) -> Non
                 resolver.refer(answer_path, f"answer of {quoted(name)} called", answer, answers)
 
 
-def _answers(path: Path, alternative: Spec, resolver: _Names, report: DocumentReport) -> None:
+def _check_answers(path: Path, alternative: Spec, resolver: _Names, report: DocumentReport) -> None:
     """Check that each answer of an alternative sets all its parameters, and no others."""
     answers, owner = alternative["values"], alternative["name"]
     parameters = resolver.parameters
@@ -349,7 +349,7 @@ _LISTS = ("layouts", "fields", "combinations")
 
 def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that each path affected by an erratum exists."""
-    resolver, steps_by_node = _Names(raw, report), {id(raw): dict(_below(raw))}
+    resolver, steps_by_node = _Names(raw, report), {id(raw): dict(_next_steps(raw))}
     for path, erratum in items(spec, "errata"):
         for index, affected in enumerate(erratum.get("affects", ())):
             steps = affected.split(".")
@@ -360,7 +360,7 @@ def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 continue
             node: Any = raw
             for step in steps:
-                next_nodes = steps_by_node.get(id(node)) or steps_by_node.setdefault(id(node), dict(_below(node)))
+                next_nodes = steps_by_node.get(id(node)) or steps_by_node.setdefault(id(node), dict(_next_steps(node)))
                 if step not in next_nodes:
                     kind = f"place {quoted(affected)} in this spec: there is no"
                     resolver.refer((*path, "affects", index), kind, step, next_nodes)
@@ -368,7 +368,7 @@ def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 node = next_nodes[step]
 
 
-def _below(node: Any) -> Iterator[tuple[str, Any]]:
+def _next_steps(node: Any) -> Iterator[tuple[str, Any]]:
     """Yield the possible next steps of a path: keys and names.
 
     For a map these include the names in its lists, as in ``interfaces.biss.word``.
@@ -380,7 +380,7 @@ def _below(node: Any) -> Iterator[tuple[str, Any]]:
     elif isinstance(node, dict):
         for key, value in node.items():
             if isinstance(value, list):
-                yield from _below(value)
+                yield from _next_steps(value)
             elif key == "values" and isinstance(value, dict):
                 yield from value.items()
         yield from node.items()  # Last, so that a key takes precedence over a name.

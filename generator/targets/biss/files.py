@@ -110,7 +110,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     files: dict[str, str] = {}
     identifiers = []
     for maker, devices in library.by_manufacturer():
-        nodes, left_out = _identified(devices)
+        nodes, left_out = _identified_nodes(devices)
         if maker.biss_id is not None and nodes:
             name = identifier_name(maker.biss_id)
             identifiers.append(f"`{name}`")
@@ -183,7 +183,7 @@ def ascii_text(text: object) -> Markup:
     return Markup(str(escape(clean(plain(text)))).encode("ascii", "xmlcharrefreplace").decode())
 
 
-def _identified(devices: Sequence[Device]) -> tuple[list[Node], str]:
+def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
     """Return the elements of the encoders that a master can identify, and a sentence about the others."""
     # A master cannot distinguish a special model or another edition from its family.
     families = [device for device in devices if device.over(Biss) is not None and not device.base]
@@ -299,7 +299,7 @@ def _device(device: Device, ids: tuple[IdBits, ...], one_encoder: bool = False) 
         f", {device.title}",
         1,
         notes,
-        (_to_tell(device, layout, crc, lengths, ids, one_encoder),),
+        (_master_settings(device, layout, crc, lengths, ids, one_encoder),),
         polynomial,
         devices=inner,
     )
@@ -360,7 +360,7 @@ _PROFILE_NOTE = (
 )
 
 
-def _to_tell(
+def _master_settings(
     device: Device,
     layout: Layout,
     crc: Crc,
@@ -374,7 +374,7 @@ def _to_tell(
     for length in lengths:
         parts = " + ".join(f"{name} {width}" for name, width in length.parts.items())
         lines.append(
-            f"  {', '.join(length.codes)}{_with(length)}: {parts} = {length.data_bits} bits, "
+            f"  {', '.join(length.codes)}{_answers_text(length)}: {parts} = {length.data_bits} bits, "
             f"with status bits {length.with_status}, with CRC {length.total}"
         )
     lines.append(f"  sent in this order, most significant bit first: {_order(layout)}")
@@ -392,12 +392,12 @@ def _to_tell(
     return "\n".join(lines)
 
 
-def _with(length: DataLength) -> str:
+def _answers_text(length: DataLength) -> str:
     """Return the answers on which a length depends."""
     return f" with {' and '.join(length.answers)}" if length.answers else ""
 
 
-def _active(status: Field) -> str:
+def _active_level(status: Field) -> str:
     match meaning_of(status):
         case Active(low):
             return "active low" if low else "active high"
@@ -426,7 +426,8 @@ def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
         return ["  profile ID, registers 42h and 43h: 0000h, which means no profile"]
     line = f"  profile ID, registers 42h and 43h: {number:04X}h"
     if len({length.data_bits for length in lengths}) > 1:
-        codes = [f"{', '.join(length.codes)}{_with(length)}" for length in lengths if length.data_bits == number & 0xFF]
+        equal_lengths = (length for length in lengths if length.data_bits == number & 0xFF)
+        codes = [f"{', '.join(length.codes)}{_answers_text(length)}" for length in equal_lengths]
         only = f". Its low byte, {number & 0xFF}, is the data length of {', '.join(codes)} only" if codes else ""
         line += f", for all lengths{only}"
     return [line]
@@ -455,7 +456,7 @@ def _order(layout: Layout) -> str:
     names = []
     for field in layout.fields:
         if field in layout.status_fields:
-            names.append(f"{field.name} ({_active(field)})")
+            names.append(f"{field.name} ({_active_level(field)})")
         elif field is not layout.crc_field:
             names.append(field.name)
     status = "" if layout.status_fields else ", no status bits"

@@ -54,16 +54,15 @@ class Encoder:
         """Return the number that a field's runs of digits form."""
         work = unsigned(max(field.widest, 32))
         runs = ((Name(f"in->{c_name(run.name)}"), run.divisor) for run in field.runs)
-        return joined("+", tuple(_multiplied(work, run, divisor) for run, divisor in runs))
+        return joined("+", tuple(_run_product(work, run, divisor) for run, divisor in runs))
 
     # -- the word
 
     @property
     def word(self) -> tuple[Expr, ...]:
-        terms = (
-            op for op in self.plan.terms if not isinstance(op.value, ReservedBits) and not self._is_always_zero(op)
-        )
-        return (*map(self._term, terms), *self.struct.unused.in_word)
+        terms = (term for term in self.plan.terms if not isinstance(term.value, ReservedBits))
+        variable_terms = (term for term in terms if not self._is_always_zero(term))
+        return (*map(self._term, variable_terms), *self.struct.unused.in_word)
 
     def _term(self, op: Term) -> Expr:
         value = self._value(op)
@@ -207,7 +206,7 @@ def _as_byte(value: Expr) -> Expr:
     return Cast("uint8_t", value.value if isinstance(value, Cast) and isinstance(value.value, Name) else value)
 
 
-def _multiplied(type_: str, run: Expr, divisor: int) -> Expr:
+def _run_product(type_: str, run: Expr, divisor: int) -> Expr:
     return Operation("*", (Cast(type_, run), Number(divisor))) if divisor > 1 else run
 
 

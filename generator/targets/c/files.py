@@ -14,7 +14,7 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import Annotated, TypedDict
 
-from ...loading.named import UnknownName, narrowed
+from ...loading.named import UnknownName, narrowed_to
 from ...model import Device, Manufacturer
 from ...render import Templates, our_templates
 from ...say.lines import plain
@@ -67,7 +67,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return the headers, their README, examples, self-test and package files, by path."""
     files: dict[str, str] = {}
     try:
-        devices = narrowed(library.devices, options.get(ONLY.name, ""))
+        devices = narrowed_to(library.devices, options.get(ONLY.name, ""))
     except UnknownName as error:
         raise OptionError(f"c.{ONLY.name}: {error}") from None
     for device in devices:

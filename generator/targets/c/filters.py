@@ -40,7 +40,7 @@ def _hex(value: int, digits: int = 2) -> str:
     return number(value, hexadecimal=True, digits=digits)
 
 
-def _never(op: object) -> NoReturn:
+def _refuse_operation(op: object) -> NoReturn:
     """Refuse an operation for which a template has no case."""
     raise AssertionError(f"no case for {op!r}")
 
@@ -80,7 +80,7 @@ FILTERS: dict[str, Callable[..., object]] = {
     "literals": literals,
     "mask": mask,
     "md": _md,
-    "never": _never,
+    "never": _refuse_operation,
     "number": number,
     "made_of": _made_of,
     "place": place,

@@ -120,13 +120,13 @@ def _broken_line(line: str, margin: str, hang: str) -> Sequence[str]:
         first, mark, _ = without_strings.partition(" = ")
     at = len(first) + len(mark)
     twice = [margin + line[: at - 1], hang + line[at:]]
-    if mark and " | " not in without_strings and _fit(twice):
+    if mark and " | " not in without_strings and _all_fit(twice):
         return twice
     lines = _split(line, without_strings, margin, hang, _CONDITIONS)
-    return lines if _fit(lines) else _split(line, without_strings, margin, hang, _ANYWHERE)
+    return lines if _all_fit(lines) else _split(line, without_strings, margin, hang, _ANYWHERE)
 
 
-def _fit(lines: Sequence[str]) -> bool:
+def _all_fit(lines: Sequence[str]) -> bool:
     return max(map(len, lines)) <= COLUMNS
 
 

@@ -174,10 +174,9 @@ class ProcedureCode:
 
     def is_late(self, refusal: ArgumentRefusal) -> bool:
         """Return True if it must be checked after the copy was updated."""
-        varies = isinstance(refusal, OutsideArgumentLimits) and any(
-            not bound.is_constant for _, bound in refusal.limits.binding
-        )
-        return varies and bool(self._teaching)
+        if not self._teaching or not isinstance(refusal, OutsideArgumentLimits):
+            return False
+        return any(not bound.is_constant for _, bound in refusal.limits.binding)
 
     @property
     def needs_variant(self) -> bool:

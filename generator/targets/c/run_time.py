@@ -90,7 +90,7 @@ def _switches(values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
             fields.setdefault(value.held_parameter.parameter.read_from, []).append(value)
     for field_values in fields.values():
         common_codes = set.intersection(*map(_codes_of, field_values))
-        cases = tuple(_case(code, field_values) for code in sorted(common_codes))
+        cases = tuple(_switch_case(code, field_values) for code in sorted(common_codes))
         yield CodeSwitch(field_values[0].code, cases)
 
 
@@ -98,7 +98,7 @@ def _codes_of(value: HeldValue) -> set[int]:
     return {row.code for row in value.held_parameter.parameter.by_code}
 
 
-def _case(code: int, values: Sequence[HeldValue]) -> tuple[str, tuple[tuple[str, str], ...]]:
+def _switch_case(code: int, values: Sequence[HeldValue]) -> tuple[str, tuple[tuple[str, str], ...]]:
     """Return a code, and the assignments that it stands for."""
     return str(Number(code)), tuple((value.local, value.for_code(code)) for value in values)
 

@@ -79,9 +79,7 @@ class Context:
         self.registers = {register.name: names.take(camel(register.name), "Register") for register in device.registers}
         procedures = [procedure.name for procedure in device.procedures]
         self.procedures = {name: names.take(attribute(name), "_steps") for name in procedures}
-        self.questions = {
-            alternative.name: self._open_question(alternative, names) for alternative in device.alternatives
-        }
+        self.questions = {question.name: self._open_question(question, names) for question in device.alternatives}
         required = [question for question in self.questions.values() if not question.alternative.default]
         answered = {name: f"{question.name}.{member}" for question in required for name, member in question.members}
         self.scope = Scope({**self.scope_of("variant").names, **answered})

@@ -243,7 +243,7 @@ class Decoder:
                 # A shorter number also contains the lowest bits.
                 at = part.bits.low
                 is_low = self.tables and not self.codec.gray and at.is_constant and at.constant < TABLE_BITS
-                return [_truth(self.read.bit(part.bits, "low" if is_low else ""), low)]
+                return [_bit_test(self.read.bit(part.bits, "low" if is_low else ""), low)]
             case Named() if self.selects(field):
                 return [call(self.enum(field), bits)]
             case Named():
@@ -277,7 +277,7 @@ def assigned(scope: Scope, names: ClassNames, enum: str, field: Field, bits: Exp
         case ZeroMeans(stands_for):
             yield name(field.name), _or_if_zero(bits, stands_for)
         case Active(low):
-            yield name(field.name), _truth(bits, low)
+            yield name(field.name), _bit_test(bits, low)
         case Named():
             yield name(field.name), call("choice", enum, f'"{field.name}"', bits)
         case DigitRuns(runs):
@@ -304,7 +304,7 @@ def _or_if_zero(bits: Expr, stands_for: int) -> Expr:
     return Atom(f"{bits.operand} or {grouped(stands_for)}")
 
 
-def _truth(bits: Expr, low: bool) -> Expr:
+def _bit_test(bits: Expr, low: bool) -> Expr:
     return Atom(f"not {bits}" if low else f"{bits.operand} != 0")
 
 

@@ -68,7 +68,7 @@ def of_errata(device: Device, *paths: str) -> list[Block]:
 def paragraphs(statements: Iterable[Statement]) -> list[Block]:
     """Return a paragraph for each statement, and one list of the errata among them."""
     listed = [*statements]
-    errata_in_short = [_short(statement) for statement in listed if statement.below]
+    errata_in_short = [_short_erratum(statement) for statement in listed if statement.below]
     return [
         *(S.sentence(statement) for statement in listed if not statement.below),
         ("Errata (full text in ERRATA)", errata_in_short),
@@ -85,7 +85,7 @@ def _labelled(statement: Statement) -> tuple[str, str]:
     return statement.label, S.sentence(replace(statement, label=""))
 
 
-def _short(statement: Statement) -> tuple[str, str]:
+def _short_erratum(statement: Statement) -> tuple[str, str]:
     """Return the name of an erratum and the first sentence of its correction, or all of it if a user must choose."""
     parts = {part.label: S.phrase(part) for part in statement.below}
     corrected = parts.get("Used") or f"{statement.below[0].label}: {S.phrase(statement.below[0])}"
