@@ -327,7 +327,7 @@ def _bounded_part(register: Register, placed: PlacedLayout, default: int) -> int
 
 def _check_control_bytes(device: Device, report: DocumentReport) -> None:
     """Check that each printed control byte is the encoding of its data ID."""
-    interface = device.over(Rs485)
+    interface = device.find_interface(Rs485)
     if interface is None or not valid_parts_so_far(report).has_frames:
         return
     variants = device.variants_over(interface.name)
@@ -353,7 +353,7 @@ def _check_control_bytes(device: Device, report: DocumentReport) -> None:
 
 def _check_requests(device: Device, report: DocumentReport) -> None:
     """Check that an encoder can distinguish its requests by constants in the bytes that two of them share."""
-    interface = device.over(Rs485)
+    interface = device.find_interface(Rs485)
     if interface is None or not interface.exchanges or not valid_parts_so_far(report).has_frames:
         return
     layouts = {layout.name: layout for layout in interface.layouts}

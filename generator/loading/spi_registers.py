@@ -15,7 +15,7 @@ _DATA = "data"
 
 def check_spi_registers(device: Device, report: DocumentReport) -> None:
     """Compare the length of each register with the frames that read and write it, for every order code."""
-    interface = device.over(Spi)
+    interface = device.find_interface(Spi)
     if interface is None or not valid_parts_so_far(report).has_frames:
         return
     for register in device.registers_over(interface.name):

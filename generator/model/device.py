@@ -425,7 +425,7 @@ class Device:
         matches = (interface for interface, candidate in self.layouts() if candidate is layout)
         return first_of(matches, f"no interface has the layout '{layout.name}'")
 
-    def over(self, kind: type[_Kind]) -> _Kind | None:
+    def find_interface(self, kind: type[_Kind]) -> _Kind | None:
         """Return the interface of this kind, or None."""
         return next((interface for interface in self.interfaces if isinstance(interface, kind)), None)
 

@@ -100,12 +100,12 @@ class VirtualEncoder:
     @property
     def counts(self) -> int:
         """Number of positions in the first frame with a position."""
-        return self._counts(self._first)
+        return self._counts(self._position_layout)
 
     @property
     def lowest(self) -> int:
         """Lowest position in that frame. It is negative if the position is signed."""
-        return self._lowest(self._first)
+        return self._lowest(self._position_layout)
 
     def _counts(self, layout: Layout | None) -> int:
         """Return the number of positions in frames with this layout."""
@@ -141,7 +141,7 @@ class VirtualEncoder:
 
     def _wrapped(self, position: int) -> int:
         """Return the position that the encoder sends for a count."""
-        return self._wrapped_in(self._first, position)
+        return self._wrapped_in(self._position_layout, position)
 
     def _wrapped_in(self, layout: Layout | None, position: int) -> int:
         """Return the position that frames with this layout contain for a count."""
@@ -151,7 +151,7 @@ class VirtualEncoder:
     def parts_now(self, layout: Layout | None = None) -> dict[str, int]:
         """Return the bits of each field of the current position in frames with a layout, by default the first one."""
         if layout is None or not self._carries_position(layout):
-            layout = self._first
+            layout = self._position_layout
         is_away = self.is_busy() and self._not_ready
         count = 0 if is_away else self._wrapped_in(layout, self.raw_position() + self._offset)
         values = dict[str, int]()
@@ -292,10 +292,10 @@ class VirtualEncoder:
 
     def _parts(self) -> tuple[tuple[str, int], ...]:
         """Return the fields that form the position with their widths, most significant first."""
-        return tuple((placed_field.name, placed_field.width) for placed_field in self._fields(self._first))
+        return tuple((placed_field.name, placed_field.width) for placed_field in self._fields(self._position_layout))
 
     @property
-    def _first(self) -> Layout | None:
+    def _position_layout(self) -> Layout | None:
         """The first frame with a position."""
         return next(filter(self._carries_position, self.layouts("encoder")), None)
 

@@ -531,7 +531,7 @@ def test_crcs_of_every_form(words: Device, run_words: Run) -> None:
 
 def test_control_bytes_tell_the_frame(amm5: Device, run: Run) -> None:
     """The control fields of the manual (7.3.1), also in TI's T-format driver. Without their layout, there are none."""
-    interface = amm5.over(Rs485)
+    interface = amm5.find_interface(Rs485)
     assert interface is not None
     frames = [layout for layout in interface.layouts if layout.selector]
     pairs = []

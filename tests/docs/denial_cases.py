@@ -123,7 +123,7 @@ def over(name: str, device: Device | None = None) -> Interface:
 
 
 def biss() -> Biss:
-    kind = tv62().over(Biss)
+    kind = tv62().find_interface(Biss)
     assert kind is not None
     return kind
 

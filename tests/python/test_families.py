@@ -592,7 +592,7 @@ def test_facts_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Device])
         ]
         for made, alarm in zip(module.ALARMS, device.alarms, strict=True):
             assert (made.register, made.field, made.implemented) == (alarm.register, alarm.field, alarm.implemented)
-        biss = device.over(Biss)
+        biss = device.find_interface(Biss)
         if biss is not None and biss.timeout is not None:
             printed = biss.timeout.printed
             assert module.BISS.timeout.printed == tuple((item.clock_hz, item.timeout_ns) for item in printed)

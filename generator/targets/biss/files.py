@@ -186,7 +186,7 @@ def ascii_text(text: object) -> Markup:
 def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
     """Return the elements of the encoders that a master can identify, and a sentence about the others."""
     # A master cannot distinguish a special model or another edition from its family.
-    families = [device for device in devices if device.over(Biss) is not None and not device.base]
+    families = [device for device in devices if device.find_interface(Biss) is not None and not device.base]
     listed = [(device, device_bits(device)) for device in families]
     nodes = [node for device, ids in listed if ids for node in [_device(device, ids)] if node is not None]
     missing = [device.title for device, ids in listed if not ids]

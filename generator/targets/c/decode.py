@@ -100,7 +100,7 @@ class Decoder:
             if not isinstance(op, (AlwaysIs, ZerosAbove, ParityIs)) and op.field.name not in checked_selectors:
                 yield op
 
-    def is_other(self, op: ParityIs) -> Expr:
+    def is_of_other_frame(self, op: ParityIs) -> Expr:
         """Return the condition that the selector or its parity bit is not that of this frame.
 
         A byte that holds both is compared once.

@@ -138,7 +138,7 @@ def _package_values(
         "families": [module.name for module in modules],
         "specials": [(module.name, overlay.special) for module, overlay in module_overlays if overlay.special],
         "biss": biss,
-        "rs485": any(device.over(Rs485) for device in devices),
+        "rs485": any(device.find_interface(Rs485) for device in devices),
         "runtime": runtime_version(),
         "shared": relpath(_RUNTIME, folder),
         "neighbours": [f"{prefix}{relpath(other_folder, folder)}" for other_folder in other_folders],

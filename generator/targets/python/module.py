@@ -187,12 +187,12 @@ class Module:
         for frame in self.readme.frames[:1]:
             # The package's lookup() finds the family from which this one is derived.
             name, call = (self.name, f"{self.name}.lookup") if self.device.base else ("lookup", "lookup")
-            names = ", ".join(filter(None, ("Verdict" if frame.judged else "", frame.module, name)))
+            names = ", ".join(filter(None, ("Verdict" if frame.has_verdict else "", frame.module, name)))
             start = (
                 f"from {self.device.manufacturer.python_package} import {names}",
                 f'encoder = {call}("{frame.code}")',
             )
-            if frame.judged:
+            if frame.has_verdict:
                 yield "A valid frame does not imply a usable position. Check the verdict before you use the position:"
             yield Lines((*start, f"frame = encoder.decode({frame.text}{frame.answers})", *frame.lines))
 

@@ -40,7 +40,7 @@ _REGISTERS, _PROCEDURES = 3, 2
 class ReadmeExample:
     """Example in the README: a call and its result.
 
-    ``judged`` is True for a frame with a verdict. ``spoilt`` is the same frame with a position that is not usable,
+    ``has_verdict`` is True for a frame with a verdict. ``spoilt`` is the same frame with a position that is not usable,
     ``reported`` its report, and ``tried`` the printed lines for both and for an invalid one. ``kind`` is the class
     of the frame if the encoder sends several. ``bits`` and ``digits`` describe a frame that is a string of bits.
     ``looked_up`` is True if the call needs the encoder. ``answers`` are the arguments for questions that the manual
@@ -51,7 +51,7 @@ class ReadmeExample:
     text: str
     shown: str
     result: str
-    judged: bool = False
+    has_verdict: bool = False
     spoilt: str = ""
     reported: str = ""
     tried: tuple[str, ...] = ()
@@ -73,7 +73,7 @@ class ReadmeExample:
     @property
     def lines(self) -> tuple[str, ...]:
         """Lines that print the values of a frame, after a check of the verdict if there is one."""
-        if not self.judged:
+        if not self.has_verdict:
             return (f"print({self.shown})",)
         return "if frame.verdict is not Verdict.NOT_USABLE:", f"    print({self.shown})"
 
@@ -127,13 +127,13 @@ class Readme:
             text=_text(placed, number),
             shown=", ".join(f"frame.{coder.names.attribute(name)}" for name in numbers),
             result=" ".join(map(str, numbers.values())),
-            judged=coder.reports is not None and bool(coder.reports.otherwise),
+            has_verdict=coder.reports is not None and bool(coder.reports.otherwise),
             bits=0 if layout.in_bytes else placed.bits,
             digits="" if layout.in_bytes else f"{number:0{placed.bits}b}",
             answers="".join(map(self._first_answer, coder.questions)),
             module=self.device.name if coder.questions else "",
         )
-        if not example.judged or coder.reports is None or sample.spoilt is None:
+        if not example.has_verdict or coder.reports is None or sample.spoilt is None:
             return example
         flag = layout.spoiling_flags[0]
         reported = coder.reports.name_of(flag)

@@ -74,10 +74,10 @@ class FrameKind:
     @property
     def returned(self) -> str:
         """Description of the value that ``decode`` returns."""
-        return "The frame. Check its ``verdict`` before you use the position." if self.judged else "The frame."
+        return "The frame. Check its ``verdict`` before you use the position." if self.has_verdict else "The frame."
 
     @property
-    def judged(self) -> bool:
+    def has_verdict(self) -> bool:
         """True if any of the frames has a verdict."""
         return self.coder.reports is not None and bool(self.coder.reports.otherwise)
 
@@ -99,7 +99,7 @@ class Variants:
         self.frame_kinds = frame_kinds
         self.sent = [coder for coder in coders if coder.layout.sender == "encoder"]
         #: True if any frame has a verdict.
-        self.judged = any(coder.reports is not None and coder.reports.otherwise for coder in coders)
+        self.has_verdict = any(coder.reports is not None and coder.reports.otherwise for coder in coders)
         self._scope = context.scope_of("self")
         self.rows = [self._row(variant) for variant in self.device.variants]
 
