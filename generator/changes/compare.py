@@ -31,7 +31,7 @@ _SECTIONS: Mapping[str, tuple[str, str | Callable[[Pair[Any]], str]]] = MappingP
         "parameter": ("parameters", "parameter"),
         "decision": ("alternatives", "decision"),
         "crc": ("crcs", "CRC"),
-        "register": ("registers", lambda pair: register_at(pair.first)),
+        "register": ("registers", lambda pair: register_at(pair.old_or_new)),
         "alarm": ("alarms", "alarm"),
         "procedure": ("procedures", "procedure"),
         "connector": ("connectors", lambda pair: str(pair.item.kind)),
@@ -199,16 +199,16 @@ def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: Su
     if kind not in _NAMES or (pair.old is None and kind != "data_ids"):
         return subject
     device = family_pair.new if pair.old is None else family_pair.old
-    words = {"manufacturer": device.manufacturer.name, "family": device.name, "name": pair.first.name}
+    words = {"manufacturer": device.manufacturer.name, "family": device.name, "name": pair.old_or_new.name}
     # Of a faulty spec, there may be no interface.
-    names = (interface, getattr(pair.first, "interface", ""), *(candidate.name for candidate in device.interfaces))
+    names = (interface, getattr(pair.old_or_new, "interface", ""), *(candidate.name for candidate in device.interfaces))
     words["interface"] = next(filter(None, names), "")
     words |= {key.upper(): text.upper() for key, text in words.items()}
-    words["Name"] = "".join(part[:1].upper() + part[1:] for part in pair.first.name.split("_"))
+    words["Name"] = "".join(part[:1].upper() + part[1:] for part in pair.old_or_new.name.split("_"))
     c, python = (text.format(**words) for text in _NAMES[kind])
     if kind == "layouts" and len(device.interface(words["interface"]).layouts) == 1:
         # The only frame of an interface needs no further name.
-        c = c.replace(f"_{pair.first.name}_…", "_…")
+        c = c.replace(f"_{pair.old_or_new.name}_…", "_…")
     if kind == "crcs" and not interface:
         # C has no function for a CRC that no frame uses.
         c = "{manufacturer}_{family}_…".format(**words)

@@ -161,7 +161,7 @@ def _beginnings_of_parts(spec: Path) -> tuple[str, ...]:
     try:
         data, _ = parse(section[0] if section else "", problems.append, problems.append)
         prefixes = beginnings(code_grammar(data["order_code"]))
-    except (Unreadable, LookupError, TypeError, ValueError, AttributeError, StopIteration):
+    except (Unreadable, LookupError, TypeError, ValueError, AttributeError):
         return ("",)
     return ("",) if problems or "{" in "".join(prefixes) else prefixes
 

@@ -70,7 +70,7 @@ def _add_frames(reading: Reading, interface: Interface, layout: Layout, identity
 def _of_frame(frame: Subject, layout: Layout) -> Iterator[Fact]:
     reading, owner = frame.reading, frame.place
     yield from frame.present(Sort.POSITION, layout, f"sent by the {layout.sender}", at="name")
-    place = reading.first((*owner, "carried_as"), owner)
+    place = reading.first_existing((*owner, "carried_as"), owner)
     yield frame.fact(Sort.POSITION, "carried", layout.carried_as, "units", place)
     has_several_bytes, is_stated = layout.widest > _BYTE, reading.document.has((*owner, "byte_order"))
     if layout.in_bytes and (has_several_bytes or is_stated):
@@ -93,8 +93,8 @@ def _combinations(frame: Subject, layout: Layout) -> Iterator[Fact]:
         values = ", ".join(sorted(_condition(field, value) for field, value in conditions))
         path = ("combinations", combination.name)
         subject = frame.inside(("combination", values), path, f"the combination of {values} in {frame.description}")
-        yield subject.first(Sort.VERDICT, combination.makes_position.value, "makes_position")
-        yield from subject.stated(combination)
+        yield subject.existence(Sort.VERDICT, combination.makes_position.value, "makes_position")
+        yield from subject.stated_facts(combination)
 
 
 def _condition(field: PlacedField, value: int) -> str:
@@ -106,10 +106,10 @@ def _condition(field: PlacedField, value: int) -> str:
 def _of_interface(reading: Reading, interface: Interface) -> Iterator[Fact]:
     owner: Path = ("interfaces", interface.name)
     whole = Subject(reading, ("interface", interface.name), owner, interface.short, interface.name, (), " over ")
-    yield from whole.stated(interface)
+    yield from whole.stated_facts(interface)
     for name, joint in _PARTS.items():
         if part := getattr(interface, name, None):
-            yield from replace(whole, key=(name, interface.name), place=(*owner, name), joint=joint).stated(part)
+            yield from replace(whole, key=(name, interface.name), place=(*owner, name), joint=joint).stated_facts(part)
     match interface:
         case Ssi():
             for index, cable in enumerate(interface.cable_lengths):
@@ -145,7 +145,7 @@ def _control(reading: Reading, control_field: ControlField, offset: int) -> Iter
         crc = replace(
             subject.inside(("crc",), (), "the control frame's CRC over BiSS"), place=("crcs", control_field.crc)
         )
-        yield from crc.stated(reading.device.crc(control_field.crc))
+        yield from crc.stated_facts(reading.device.crc(control_field.crc))
 
 
 def _rs485(reading: Reading, interface: Rs485) -> Iterator[Fact]:

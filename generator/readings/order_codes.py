@@ -54,7 +54,9 @@ def _supplies(reading: Reading) -> Iterator[Fact]:
         if supply is not None:
             supplies[variant.code, ""] = f"{supply.min_mv} to {supply.max_mv} mV"
     if supplies:
-        yield Fact(Sort.SUPPLY, ("supply",), supplies, "supply", reading.first(("supply",), ("order_code", "parts")))
+        yield Fact(
+            Sort.SUPPLY, ("supply",), supplies, "supply", reading.first_existing(("supply",), ("order_code", "parts"))
+        )
 
 
 def _parameters(reading: Reading) -> Iterator[Fact]:
@@ -64,8 +66,8 @@ def _parameters(reading: Reading) -> Iterator[Fact]:
         values = {case: short(parameters[parameter.name]) for case, parameters in cases if parameter.name in parameters}
         name = f"the parameter '{parameter.name}'"
         subject = Subject(reading, ("parameter", parameter.name), ("parameters", parameter.name), name)
-        yield replace(subject.first(Sort.ORDER_CODE, values), mild=True)
-        yield from subject.stated(parameter)
+        yield replace(subject.existence(Sort.ORDER_CODE, values), mild=True)
+        yield from subject.stated_facts(parameter)
 
 
 def _add_alternatives(reading: Reading, facts: Facts) -> None:

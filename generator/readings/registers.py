@@ -36,8 +36,8 @@ def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
 
 def _facts(subject: Subject, register: Register) -> Iterator[Fact]:
     length = f"{register.length} byte{'s' * (register.length != 1)}"
-    yield subject.first(Sort.ADDRESS, length, at="address", name=register.name)
-    yield from subject.stated(register, without=("byte_order",) if register.length == 1 else ())
+    yield subject.existence(Sort.ADDRESS, length, at="address", name=register.name)
+    yield from subject.stated_facts(register, without=("byte_order",) if register.length == 1 else ())
     default = as_delivered(register)
     if default is not None:
         place = (*subject.place, "fields" if register.default is None else "default")
@@ -63,13 +63,13 @@ def _limits(subject: Subject, register: Register) -> Iterator[Fact]:
     reading = subject.reading
     limited_parts: list[Register | RegisterMeaning] = [register, *register.meanings]
     if any(limited_part.min is not None or limited_part.max is not None for limited_part in limited_parts):
-        place = reading.first((*subject.place, "limits_of"), subject.place)
+        place = reading.first_existing((*subject.place, "limits_of"), subject.place)
         description = f"bits that the limits of {subject.description} apply to"
         value = {case: _bounded(register, parameters) for case, parameters in reading.cases(register.interface).items()}
         yield Fact(Sort.LIMIT, (*subject.key, "bounded"), value, description, place, subject.key)
     for meaning in register.meanings:
         description = f"{subject.description} while {reading.state(meaning.when, meaning.value)}"
-        yield from subject.inside((description,), ("meanings", meaning.name), description).stated(meaning)
+        yield from subject.inside((description,), ("meanings", meaning.name), description).stated_facts(meaning)
 
 
 def _bounded(register: Register, parameters: Mapping[str, int]) -> str:

@@ -40,15 +40,15 @@ class Subject:
         """Return a part of the subject, about which there are only facts if there is the subject."""
         return Subject(self.reading, (*self.key, *key), (*self.place, *place), description, self.interface, self.key)
 
-    def first(self, sort: Sort, value: Value, at: str = "", name: str = "", under: Key = ()) -> Fact:
+    def existence(self, sort: Sort, value: Value, at: str = "", name: str = "", under: Key = ()) -> Fact:
         """Return the fact that the subject exists. ``name`` is the reader's name of it."""
         place = (*self.place, at) if at else self.place
         return Fact(sort, self.key, value, self.description, place, under or self.under or (), name=name)
 
     def present(self, sort: Sort, model_part: Any, value: str = "present", at: str = "") -> Iterator[Fact]:
         """Yield the fact that the subject exists, and those that are stated about its ``model_part``."""
-        yield self.first(sort, value, at, getattr(model_part, "name", ""))
-        yield from self.stated(model_part)
+        yield self.existence(sort, value, at, getattr(model_part, "name", ""))
+        yield from self.stated_facts(model_part)
 
     def fact(self, sort: Sort, name: str, value: Value, noun: str, at: Path | None = None, mild: bool = False) -> Fact:
         """Return another fact about the subject, which ``noun`` describes."""
@@ -56,19 +56,19 @@ class Subject:
         place = (*self.place, name) if at is None else at
         return Fact(sort, (*self.key, name), value, f"{noun}{self.joint}{self.description}", place, under, mild)
 
-    def stated(self, model_part: Any, without: Collection[str] = ()) -> Iterator[Fact]:
+    def stated_facts(self, model_part: Any, without: Collection[str] = ()) -> Iterator[Fact]:
         """Yield a fact for each stated member that the table assigns to a class of facts, and for each printed name."""
         own_names = {member_field.name for member_field in fields(model_part)}
         for member in PARTS_BY_CLASS[type(model_part).__name__].members:
             value = getattr(model_part, member.attribute) if member.read and member.attribute in own_names else None
             if member.is_stated(value) and member.name not in without:
                 # The spec uses its name in the model or in the data.
-                place = self.reading.first((*self.place, member.attribute), (*self.place, member.name))
+                place = self.reading.first_existing((*self.place, member.attribute), (*self.place, member.name))
                 text = _text(self.reading, member, value, self.interface)
                 yield self.fact(Sort(member.read), member.name, text, member.noun or member.words, place)
         for language, text in self.reading.printed_names(model_part).items():
             places = (*self.place, "names", language), (*self.place, "printed_name"), self.place
-            place = self.reading.first(*places)
+            place = self.reading.first_existing(*places)
             yield self.fact(Sort.PRINTED, f"name in {language}", text, "printed name", place, mild=True)
 
 

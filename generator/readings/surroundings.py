@@ -20,8 +20,8 @@ def surroundings(reading: Reading) -> Iterator[Fact]:
     for alarm in reading.device.alarms:
         for place in _bits_of(reading, alarm):
             subject = Subject(reading, ("alarm", place), ("alarms", alarm.name), f"the alarm '{alarm.name}'")
-            yield replace(subject.first(Sort.ALARM, "present", name=alarm.name), description=f"alarm at {place}")
-            yield from subject.stated(alarm)
+            yield replace(subject.existence(Sort.ALARM, "present", name=alarm.name), description=f"alarm at {place}")
+            yield from subject.stated_facts(alarm)
     for number, hardware_input in enumerate(reading.device.inputs, 1):
         subject = Subject(reading, ("input", number), ("inputs", hardware_input.name), f"input {number}")
         yield from subject.present(Sort.INPUT, hardware_input)
@@ -45,15 +45,15 @@ def _contacts(reading: Reading, connector: Connector, interface: str, number: in
     description = f"{connector.kind} {number}" + (f" for {interface_label(interface)}" if interface else "")
     key: Key = ("connector", interface, connector.kind, number)
     owner = Subject(reading, key, ("connectors", connector.name), description)
-    yield owner.first(Sort.PIN, "present", name=connector.name)
+    yield owner.existence(Sort.PIN, "present", name=connector.name)
     for contact in connector.contacts:
         place: Path = (*owner.place, "contacts", contact.contact)
         description = f"contact {contact.contact} of {owner.description}"
         subject = Subject(reading, (*owner.key, plain(contact.contact)), place, description, joint=" with ")
         # Two readers differ in capitals and blanks, but not in the sign of a signal.
         signal = "".join(contact.signal.casefold().split())
-        yield subject.first(Sort.PIN, signal, at="signal", under=owner.key)
-        yield from subject.stated(contact)
+        yield subject.existence(Sort.PIN, signal, at="signal", under=owner.key)
+        yield from subject.stated_facts(contact)
 
 
 def _bits_of(reading: Reading, alarm: Alarm) -> Iterator[str]:
@@ -75,8 +75,8 @@ def _history(reading: Reading, manual: Manual) -> Iterator[Fact]:
     for place, edition in editions:
         subject = Subject(reading, ("edition", edition.language), place, f"the edition '{edition.language}'")
         description = f"revision of {subject.description}"
-        yield replace(subject.first(Sort.HISTORY, edition.revision, at="revision"), description=description)
-        yield from subject.stated(edition)
+        yield replace(subject.existence(Sort.HISTORY, edition.revision, at="revision"), description=description)
+        yield from subject.stated_facts(edition)
     for row in manual.history:
         key, place = ("revision", row.revision), ("manual", "history", row.revision)
         yield from Subject(reading, key, place, f"revision {row.revision}").present(Sort.HISTORY, row, "listed")
@@ -90,7 +90,7 @@ def _characteristics(reading: Reading) -> Iterator[Fact]:
         yield from subject.present(Sort.CHARACTERISTIC, characteristic)
         for index, value in enumerate(characteristic.values):
             description = f"{value.quantity} {index + 1} of {subject.description}"
-            yield from subject.inside((index,), ("values", index), description).stated(value)
+            yield from subject.inside((index,), ("values", index), description).stated_facts(value)
 
 
 def _tables(reading: Reading) -> Iterator[Fact]:
@@ -109,8 +109,8 @@ def _leds(reading: Reading) -> Iterator[Fact]:
     """Yield every LED by its name, with its states in the order of the manual."""
     for led in reading.device.leds:
         owner = Subject(reading, ("led", led.name), ("leds", led.name), f"the LED '{led.name}'")
-        yield owner.first(Sort.LED, f"{len(led.states)} states", name=led.name)
+        yield owner.existence(Sort.LED, f"{len(led.states)} states", name=led.name)
         for number, state in enumerate(led.states):
             subject = owner.inside((number,), ("states", number), f"state {number + 1} of {owner.description}")
             yield subject.fact(Sort.LED, "state", state.state.casefold(), "words")
-            yield from subject.stated(state)
+            yield from subject.stated_facts(state)

@@ -74,7 +74,7 @@ class _Names:
         else:
             self._report.mark(path)
 
-    def tell(self, path: Path, problem: str) -> None:
+    def report_problem(self, path: Path, problem: str) -> None:
         """Report a name that exists but is not sufficient."""
         self._report.add("undefined-reference", path, problem)
 
@@ -167,7 +167,7 @@ def _check_opener(path: Path, opened: Spec, resolver: _Names) -> None:
         resolver.refer_by("value", path, opened, f"value of {quoted(name)} called", values)
         if "field" not in opened and opened.get("value") in values and len(resolver.bits(name)) > 1:
             problem = f"{quoted(name)} has several fields; add 'field' with the name of the field"
-            resolver.tell((*path, "value"), f"{problem} that must hold {quoted(opened['value'])}")
+            resolver.report_problem((*path, "value"), f"{problem} that must hold {quoted(opened['value'])}")
 
 
 def _check_meaning(path: Path, meaning: Spec, resolver: _Names) -> None:
@@ -273,7 +273,7 @@ def _check_step(path: Path, step: Spec, procedure: Spec, resolver: _Names) -> No
             remedy = f"add 'field' with the name of the field that must hold {quoted(step['value'])}"
             if resolver.registers[name].get("access") == "write_only":
                 remedy = "describe it as one field with all its bits, because it is write_only"
-            resolver.tell((*path, "value"), f"{quoted(name)} has other bits, too; {remedy}")
+            resolver.report_problem((*path, "value"), f"{quoted(name)} has other bits, too; {remedy}")
 
 
 def alternative_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:

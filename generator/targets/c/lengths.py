@@ -55,7 +55,7 @@ class LengthCode:
         code = self.code_of(self._shown) if self._shown is not None else ""
         return f"For example, code can be {code}, as in {self._prefix}{code}_BITS."
 
-    def of(self, layout: Layout) -> LengthCode:
+    def for_layout(self, layout: Layout) -> LengthCode:
         """Return the same for one frame. Of an interface, some frames may be words, and others bytes."""
         of_layout = copy(self)
         of_layout.length = self._context.length_macro(layout) if layout.in_bytes else ""
