@@ -71,7 +71,7 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
             continue
         for layout in interface.layouts:
             owner = ("interfaces", interface.name, "layouts", layout.name)
-            for field in map(layout.field, layout.names_in(measurement.of)):
+            for field in layout.find_fields(layout.names_in(measurement.of)):
                 path: Path = (*(("field_groups", field.group) if field.group else owner), "fields", field.name, "scale")
                 if field.scale is not None and path not in reported:
                     reported.add(path)

@@ -274,6 +274,14 @@ class Layout:
         """Return the field with this name, or raise a ``LookupError``."""
         return member_named(self.fields, name, f"field of '{self.name}'")
 
+    def find_field(self, name: str) -> Field | None:
+        """Return the field with this name, or None if the layout has none."""
+        return next((field for field in self.fields if field.name == name), None)
+
+    def find_fields(self, names: Iterable[str]) -> list[Field]:
+        """Return the fields with these names that the layout has, in the same order."""
+        return [field for field in map(self.find_field, names) if field is not None]
+
     def names_in(self, name: str) -> tuple[str, ...]:
         """Return the names of the fields of a join, most significant first. For a field, return its own name."""
         return next((join.fields for join in self.joins if join.name == name), (name,))

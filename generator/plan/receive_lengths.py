@@ -50,7 +50,9 @@ def received(device: Device, interface: Interface) -> Iterator[FrameSize]:
         for variant, (answers, sets) in product(device.variants_over(interface.name), choices(deciding)):
             bits = layout.sent_bits.value({**variant.parameters, **sets})
             size = (around + (layout.widest if moves else bits) + 7) // 8
-            yield FrameSize(variant=variant, layout=layout, bits=bits, bytes=size, held=moves, answers=answers)
+            yield FrameSize(
+                variant=variant, layout=layout, bits=bits, bytes=size, depends_on_registers=moves, answers=answers
+            )
 
 
 def _bits_around(interface: Interface) -> int | None:
