@@ -423,7 +423,7 @@ class Device:
     def interface_of(self, layout: Layout) -> Interface:
         """Return the interface with this layout, or raise a ``LookupError``."""
         matches = (interface for interface, candidate in self.layouts() if candidate is layout)
-        return first_of(matches, f"no interface has the layout '{layout.name}'")
+        return first_of(matches, f"interface with the layout '{layout.name}'")
 
     def find_interface(self, kind: type[_Kind]) -> _Kind | None:
         """Return the interface of this kind, or None."""
@@ -541,7 +541,7 @@ class Device:
 
     def variant(self, code: str) -> Variant:
         matches = (variant for variant in self.variants if variant.code == code)
-        return first_of(matches, f"there is no order code '{code}'")
+        return first_of(matches, f"order code '{code}'")
 
     def variants_over(self, interface: str) -> tuple[Variant, ...]:
         """Return the listed order codes with this interface."""

@@ -159,7 +159,7 @@ class Field:
     def value_of(self, number: int) -> Value:
         """Return the named value with this number, or raise a ``LookupError``."""
         matches = (value for value in self.values if value.value == number)
-        return first_of(matches, f"'{self.name}' has no value {number}")
+        return first_of(matches, f"value {number} of '{self.name}'")
 
     @property
     def runs(self) -> tuple[Digits, ...]:

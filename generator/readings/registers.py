@@ -74,8 +74,6 @@ def _limits(subject: Subject, register: Register) -> Iterator[Fact]:
 
 def _bounded(register: Register, parameters: Mapping[str, int]) -> str:
     """Return the bits of a register that its limits apply to."""
-    placed = map(register.layout.place(parameters).field, register.layout.names_in(bounded(register)))
-    return (
-        " and ".join(bits(field.low + field.width - 1, field.low) for field in placed if field is not None)
-        or "all bits"
-    )
+    names = register.layout.names_in(bounded(register))
+    fields = register.layout.place(parameters).find_fields(names)
+    return " and ".join(bits(field.high, field.low) for field in fields) or "all bits"

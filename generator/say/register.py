@@ -74,7 +74,7 @@ def _rules(device: Device, register: Register) -> Iterator[Statement]:
     if register.bank is not None:
         facts = device.interface(register.interface).facts()
         bank_selects = (fact for fact in facts if isinstance(fact, BankSelect))
-        select = first_of(bank_selects, f"no register selects the bank of '{register.name}'").register
+        select = first_of(bank_selects, f"register that selects the bank of '{register.name}'").register
         yield statement(f"First select bank {register.bank} with ", named(device, select))
     if register.reserved:
         yield reserved(register.reserved)

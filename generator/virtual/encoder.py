@@ -309,10 +309,8 @@ class VirtualEncoder:
         if layout is None:
             return ()
         measurement = self.device.measurement_of(self.variant.interface)
-        placed_fields = map(
-            self.place(layout).field, layout.names_in(measurement.of if measurement is not None else "position")
-        )
-        return tuple(placed_field for placed_field in placed_fields if placed_field is not None)
+        name = measurement.of if measurement is not None else "position"
+        return tuple(self.place(layout).find_fields(layout.names_in(name)))
 
     @cached_property
     def _not_ready(self) -> set[str]:

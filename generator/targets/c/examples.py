@@ -141,7 +141,7 @@ class ExampleCode:
     def alternatives(self) -> tuple[AlternativeCode, ...]:
         """The alternatives that the user must answer to decode the frame. The program uses the first answers."""
         codecs = (codec for codec in self.view.interface.codecs if codec.struct is self.struct)
-        return first_of(codecs, f"no codec is for '{self.struct.layout.name}'").alternatives
+        return first_of(codecs, f"codec for '{self.struct.layout.name}'").alternatives
 
     @property
     def encoder(self) -> str:
@@ -170,7 +170,7 @@ class ExampleCode:
         """The struct of the frame."""
         structs = (codec.struct for codec in self.view.interface.codecs)
         own_structs = (struct for struct in structs if struct.layout is self.frame.layout)
-        return first_of(own_structs, f"no struct is for '{self.frame.layout.name}'")
+        return first_of(own_structs, f"struct for '{self.frame.layout.name}'")
 
     @property
     def reports(self) -> FrameReports | None:
@@ -215,7 +215,7 @@ class ExampleCode:
             return None
         structs = (codec.struct for codec in self.view.interface.codecs)
         requests = (struct for struct in structs if struct.layout.name == exchange.request)
-        request = first_of(requests, f"no struct is for '{exchange.request}'")
+        request = first_of(requests, f"struct for '{exchange.request}'")
         bits = self.frame.layout.place(self._chosen.variant.parameters).bits
         data = self.frame.wire.to_bytes((bits + 7) // 8, "big")
         macro = f"{self.view.PREFIX}_REQUEST_{exchange.request}".upper()
@@ -323,7 +323,7 @@ class ExampleCode:
             return None
         procedure, example = self._chosen.procedure
         candidates = (code for code in self.view.procedures if code.run.procedure is procedure)
-        code = first_of(candidates, f"there is no code for the procedure '{procedure.name}'")
+        code = first_of(candidates, f"code for the procedure '{procedure.name}'")
         values: dict[str, int] = {}
         if example is not None:
             values = {argument.name: example.arguments[argument.name] for argument in procedure.arguments}
@@ -335,7 +335,7 @@ class ExampleCode:
     def _read(self, register: Register) -> ShownRegister:
         _, example = self._chosen.registers[register.name]
         candidates = (code for code in self.view.registers if code.register is register)
-        code = first_of(candidates, f"there is no code for the register '{register.name}'")
+        code = first_of(candidates, f"code for the register '{register.name}'")
         heading = f"{ascii_text(title(register))} {register.address:02X}h"
         about = f"a worked example [{cite(example.source)}]"
         return ShownRegister(heading, c_name(register.name, _TAKEN), about, code.access, code.struct)

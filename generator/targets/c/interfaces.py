@@ -130,11 +130,11 @@ class InterfaceCode:
         if exchanged is None or port is None:
             return None
         candidates = (candidate for candidate in self.codecs if candidate.struct.layout is exchanged.request)
-        codec = first_of(candidates, f"no codec is for '{exchanged.request.name}'")
+        codec = first_of(candidates, f"codec for '{exchanged.request.name}'")
         bits = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
         size = (exchanged.request.widest + reply.widest) // 8
         variants = self.device.variants_over(self.interface.name)
-        parameters = first_of(variants, f"no order code has the interface '{self.interface.name}'").parameters
+        parameters = first_of(variants, f"order code with the interface '{self.interface.name}'").parameters
         initial = codec.struct.initial(parameters, values)
         answered = set(_member_names(reply))
         names = [name for name in _member_names(exchanged.request) if name in answered]

@@ -148,8 +148,8 @@ class Guide:
         """The macro of the length of its frame, for a receiver."""
         variant = self.example.row.variant
         frames = (frame for frame in self.example.received if frame.variant is variant)
-        macros = self.example.view.lengths.macros_of(first_of(frames, f"no frame is received from {variant.code}"))
-        return first_of(macros, f"no macro has the length of the frames of {variant.code}").name
+        macros = self.example.view.lengths.macros_of(first_of(frames, f"frame received from {variant.code}"))
+        return first_of(macros, f"macro for the length of the frames of {variant.code}").name
 
     @property
     def number(self) -> str:

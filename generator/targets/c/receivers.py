@@ -23,7 +23,7 @@ class ReceiverCode:
         self.longest = max(example.received, key=lambda frame: frame.bits)
         variant = self.longest.variant
         rows = (row for row in view.variants.rows if row.variant is variant)
-        self.row: CodeRow = first_of(rows, f"there is no row for {variant.code}")
+        self.row: CodeRow = first_of(rows, f"row for {variant.code}")
         self.bits, self.size = (macro.name for macro in view.lengths.macros_of(self.longest))
         self.receive = (
             f"{view.lengths.receive}({view.lengths.code_of(self.longest)}, rx, {view.lengths.receiver_argument()})"

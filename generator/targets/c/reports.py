@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from ...language.problems import Path
-from ...model import Device, Layout, Verdict, cite
+from ...model import Device, Layout, Verdict, cite, first_of
 from ...plan.codec import Part, Reserved
 from ...plan.reports import Report, Reporting, reportings, reports_of
 from ...plan.values import Active
@@ -151,10 +151,13 @@ class Reports:
 
     def _path(self, report: Report) -> Path:
         """Return the path of the first frame with this report."""
-        for reporting in self._by_frame.values():
-            if report.number in [report_cause.report.number for report_cause in reporting.causes]:
-                return ("interfaces", reporting.interface.name, "layouts", reporting.codec.layout.name)
-        raise LookupError(f"no frame reports {report.name}")
+        frames = (reporting for reporting in self._by_frame.values() if _has_report(reporting, report))
+        first = first_of(frames, f"frame with the report '{report.name}'")
+        return ("interfaces", first.interface.name, "layouts", first.codec.layout.name)
+
+
+def _has_report(reporting: Reporting, report: Report) -> bool:
+    return any(report_cause.report.number == report.number for report_cause in reporting.causes)
 
 
 def _texts(device: Device, report: Report) -> tuple[str, ...]:

@@ -182,7 +182,7 @@ class SelfTest:
             interface = self.view.context.interface.name
             registers = (register for register in self.view.device.registers_over(interface) if register.writable)
             written = (register for register in registers if register.address == write.address)
-            length = first_of(written, f"no writable register has the address {write.address:#x}").length
+            length = first_of(written, f"writable register at {write.address:#x}").length
         yield from ((_hex(write.address), _hex(byte)) for byte in write.value.to_bytes(length, "big"))
 
     @property
@@ -236,7 +236,7 @@ class SelfTest:
 
     def _register_checks(self, example: RegisterExample) -> Iterator[Work]:
         codes = (code for code in self.view.registers if code.register.name == example.register)
-        code = first_of(codes, f"there is no code for the register '{example.register}'")
+        code = first_of(codes, f"code for the register '{example.register}'")
         if code.codec is not None:
             yield FrameCheck(
                 codec=code.codec,

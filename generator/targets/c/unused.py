@@ -124,7 +124,7 @@ class Unused:
     def bits_of(self, field: Field) -> Expr:
         """Return the bits of one field."""
         operations = (op for op in self.plan.reserved if op.field is field)
-        return self._given(first_of(operations, f"'{field.name}' is not an unused field"))
+        return self._given(first_of(operations, f"unused field '{field.name}'"))
 
     def _given(self, op: Reserved) -> Expr:
         return _with_inverted(shifted_right(masked(_MEMBER, op.mask), op.place), self._documented(op))

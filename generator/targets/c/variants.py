@@ -74,7 +74,7 @@ class VariantCode:
         ordered: list[Parameter] = []
         while waiting:
             ready = (parameter for parameter in waiting.values() if _needs_none_of(parameter, waiting.keys()))
-            parameter = first_of(ready, f"each of {', '.join(waiting)} needs another one of them")
+            parameter = first_of(ready, f"order in which to calculate {', '.join(waiting)}")
             ordered.append(waiting.pop(parameter.name))
         return ordered
 

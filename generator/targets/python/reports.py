@@ -65,7 +65,7 @@ class FrameReports:
     def name_of(self, field: Field) -> str:
         """Return the name of a field's report."""
         causes = (cause for cause in self._told if cause.by.field.name == field.name)
-        return first_of(causes, f"no report is about '{field.name}'").report.name
+        return first_of(causes, f"report about '{field.name}'").report.name
 
     def _flag(self, part: Part) -> Expr:
         return Atom(self._own(self._names.attribute(part.field.name)))

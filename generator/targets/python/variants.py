@@ -372,7 +372,7 @@ class Variants:
         layouts = self.device.layouts()
         interfaces = {interface.name for interface, layout in layouts if self.device.verdict_alternatives(layout)}
         variants = (variant for variant in reversed(self.device.variants) if variant.interface in interfaces)
-        return first_of(variants, "no order code has a frame whose verdict an answer decides").code
+        return first_of(variants, "order code with a frame whose verdict an answer decides").code
 
     def answered(self, question: OpenQuestion) -> list[tuple[str, str]]:
         """Return the parameters that an answer sets, with the names of their values in its Enum."""
