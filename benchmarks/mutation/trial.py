@@ -13,7 +13,7 @@ from codewheel.commands.outputs import targets_named, tell_unfit
 from codewheel.language.document import Document
 from codewheel.language.problems import Report
 from codewheel.language.read import read_specs
-from codewheel.loading.across_devices import check_alike
+from codewheel.loading.across_devices import check_shared_facts
 from codewheel.loading.library import Family, families_of
 from codewheel.loading.shipped import packaged_masters, packaged_specs
 from codewheel.readings.collect import facts_of
@@ -22,12 +22,12 @@ from codewheel.readings.coverage import Coverage
 from codewheel.readings.fact import Facts
 from codewheel.readings.reading import Reading
 from codewheel.readings.second_readings import (
-    Second,
+    SecondReading,
+    comparable_specs,
     compare_readings,
     explain,
     read_beside,
     second_of,
-    sound_specs,
 )
 
 from .effects import Effect, Outputs
@@ -115,9 +115,9 @@ class Trial:
         documents = [item for item in self.documents if item.file in files and item is not document]
         families = families_of([*documents, changed], report)
         if not report:
-            check_alike([changed if item is document else item for item in self.documents], report)
+            check_shared_facts([changed if item is document else item for item in self.documents], report)
         if not report:
-            compare_readings(families, sound_specs(families, report), report, self._second)
+            compare_readings(families, comparable_specs(families, report), report, self._second)
         if not report:
             tell_unfit(families, self._targets, report)
         if report:
@@ -150,7 +150,7 @@ class Trial:
             return Verdict((READ_ONCE,), Effect.NOTHING)
         return Verdict((), Effect.READING)
 
-    def _second(self, family: Family, report: Report) -> Second | None:
+    def _second(self, family: Family, report: Report) -> SecondReading | None:
         return self._seconds.get(family.document.file)
 
     def _facts_of(self, family: Family) -> Facts:

@@ -86,14 +86,14 @@ def _notices(changes: Sequence[Change], accepted: Sequence[Accepted], today: dat
     for acceptance in accepted:
         name = f"{acceptance.family}: {acceptance.rule} {acceptance.path}"
         if not any(map(acceptance.covers, changes)):
-            yield f"accepted, but not found: {name}{_meant(acceptance, changes)}"
+            yield f"accepted, but not found: {name}{_suggestion(acceptance, changes)}"
         elif acceptance.until < today:
             yield f"accepted until {acceptance.until} only, so asked again: {name}: {acceptance.why}"
         else:
             yield f"accepted until {acceptance.until}: {name}: {acceptance.why}"
 
 
-def _meant(acceptance: Accepted, changes: Sequence[Change]) -> str:
+def _suggestion(acceptance: Accepted, changes: Sequence[Change]) -> str:
     """Return a suggestion for the family of an entry if it has no changes, or else for the path."""
     families = {change.family for change in changes}
     if acceptance.family not in families:

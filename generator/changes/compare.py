@@ -15,10 +15,10 @@ from ..say.numbers import first_of
 from ..say.place import register_at
 from .change import Change, Subject
 from .counterparts import in_section, recognised
-from .expressions import Differing
+from .expressions import NumberDifferences
 from .family_pair import FamilyPair
 from .pairs import Pair
-from .value_text import arrow, differing_items, plain, shown, without_words
+from .value_text import arrow, differing_items, plain, short_value, without_words
 
 _Item = TypeVar("_Item")
 #: Rules whose changes are described only by their location.
@@ -31,7 +31,7 @@ _SECTIONS: Mapping[str, tuple[str, str | Callable[[Pair[Any]], str]]] = MappingP
         "parameter": ("parameters", "parameter"),
         "decision": ("alternatives", "decision"),
         "crc": ("crcs", "CRC"),
-        "register": ("registers", lambda pair: register_at(pair.first)),
+        "register": ("registers", lambda pair: register_at(pair.old_or_new)),
         "alarm": ("alarms", "alarm"),
         "procedure": ("procedures", "procedure"),
         "connector": ("connectors", lambda pair: str(pair.item.kind)),
@@ -107,11 +107,11 @@ def _allows_less(member: Member, old: int | None, new: int | None) -> bool:
     return new < old if member.is_upper else new > old
 
 
-def numbers(difference: Differing, old: Expression | None, new: Expression | None, notation: str = "") -> str:
+def numbers(difference: NumberDifferences, old: Expression | None, new: Expression | None, notation: str = "") -> str:
     """Return the differing values of two expressions: one pair of numbers, else the expressions, else some pairs."""
     if len(difference.values) == 1 and difference.everywhere:
         return arrow(*difference.values[0], notation)
-    texts = shown(old, notation), shown(new, notation)
+    texts = short_value(old, notation), short_value(new, notation)
     if texts[0] != texts[1]:
         return " → ".join(texts)
     return first_of([arrow(*pair, notation) for pair in difference.values], 2)
@@ -199,16 +199,16 @@ def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: Su
     if kind not in _NAMES or (pair.old is None and kind != "data_ids"):
         return subject
     device = family_pair.new if pair.old is None else family_pair.old
-    words = {"manufacturer": device.manufacturer.name, "family": device.name, "name": pair.first.name}
+    words = {"manufacturer": device.manufacturer.name, "family": device.name, "name": pair.old_or_new.name}
     # Of a faulty spec, there may be no interface.
-    names = (interface, getattr(pair.first, "interface", ""), *(candidate.name for candidate in device.interfaces))
+    names = (interface, getattr(pair.old_or_new, "interface", ""), *(candidate.name for candidate in device.interfaces))
     words["interface"] = next(filter(None, names), "")
     words |= {key.upper(): text.upper() for key, text in words.items()}
-    words["Name"] = "".join(part[:1].upper() + part[1:] for part in pair.first.name.split("_"))
+    words["Name"] = "".join(part[:1].upper() + part[1:] for part in pair.old_or_new.name.split("_"))
     c, python = (text.format(**words) for text in _NAMES[kind])
     if kind == "layouts" and len(device.interface(words["interface"]).layouts) == 1:
         # The only frame of an interface needs no further name.
-        c = c.replace(f"_{pair.first.name}_…", "_…")
+        c = c.replace(f"_{pair.old_or_new.name}_…", "_…")
     if kind == "crcs" and not interface:
         # C has no function for a CRC that no frame uses.
         c = "{manufacturer}_{family}_…".format(**words)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import is_dataclass, replace
 from functools import partial
 from operator import attrgetter
@@ -89,8 +89,8 @@ def _identity(family_pair: FamilyPair, is_old: bool, interface: str, scope: str,
         case Field():
             return family_pair.place(part, interface, is_old), part.carries_data
         case Procedure():
-            steps = (step_in_new(family_pair, step) if is_old else bare(step) for step in part.steps)
-            return part.interface, len(part.arguments), tuple(steps)
+            in_new_names: Callable[[Step], Step] = partial(step_in_new, family_pair) if is_old else without_words
+            return part.interface, len(part.arguments), tuple(map(in_new_names, part.steps))
         case Parameter():
             device, codes = (
                 (family_pair.old, frozenset(family_pair.shared)) if is_old else (family_pair.new, family_pair.kept)
@@ -113,14 +113,16 @@ def _identity(family_pair: FamilyPair, is_old: bool, interface: str, scope: str,
     return tuple(values) if any(values) else None
 
 
-def bare(step: Step) -> Step:
+def without_words(step: Step) -> Step:
     """Return a step without its words."""
     return replace(step, meaning="", source=())
 
 
 def step_in_new(family_pair: FamilyPair, step: Step) -> Step:
     """Return an old step without its words and with the new names of the things that it uses."""
-    renamed_step = family_pair.in_new(bare(step), family_pair.to_new("register", getattr(step, "register", "")))
+    renamed_step = family_pair.in_new(
+        without_words(step), family_pair.to_new("register", getattr(step, "register", ""))
+    )
     if (
         isinstance(step, (WriteStep, ModifyStep))
         and isinstance(renamed_step, (WriteStep, ModifyStep))

@@ -28,7 +28,7 @@ class Point:
 
 
 @dataclass(frozen=True, slots=True)
-class Differing:
+class NumberDifferences:
     """Differences of two expressions: the order codes, and each pair of numbers that occurs, once.
 
     ``everywhere`` is true if they differ under every setting of registers and answers.
@@ -56,7 +56,7 @@ def with_setting(device: Device, variant: Variant, setting: Parameters) -> Param
     return with_changed(device, variant, own_setting) if own_setting else variant.parameters
 
 
-def differing(old: Expression | None, new: Expression | None, points: Sequence[Point]) -> Differing | None:
+def differing(old: Expression | None, new: Expression | None, points: Sequence[Point]) -> NumberDifferences | None:
     """Return the differences of two expressions, or None if they are equal everywhere.
 
     Without a common order code, their texts are compared.
@@ -66,7 +66,7 @@ def differing(old: Expression | None, new: Expression | None, points: Sequence[P
         return None
     if not points:
         is_same = old is not None and new is not None and old.render() == new.render()
-        return None if is_same else Differing((), _constants(old, new))
+        return None if is_same else NumberDifferences((), _constants(old, new))
     pairs_by_code: dict[str, list[tuple[int | None, int | None]]] = {}
     for point in points:
         values = _number(old, point.compared), _number(new, point.new)
@@ -75,7 +75,7 @@ def differing(old: Expression | None, new: Expression | None, points: Sequence[P
     pairs = dict.fromkeys(pair for code_pairs in pairs_by_code.values() for pair in code_pairs)
     differing_points = sum(point.code in pairs_by_code for point in points)
     return (
-        Differing(tuple(pairs_by_code), tuple(pairs), differing_points == sum(map(len, pairs_by_code.values())))
+        NumberDifferences(tuple(pairs_by_code), tuple(pairs), differing_points == sum(map(len, pairs_by_code.values())))
         if pairs_by_code
         else None
     )

@@ -42,7 +42,7 @@ def compare_family(old: Device, new: Device) -> list[Change]:
     family_pair = FamilyPair(old, new)
     note_all(family_pair)
     changes = list(
-        _merged(
+        _merge_repeated(
             chain(
                 family(family_pair),
                 order_codes(family_pair),
@@ -60,19 +60,19 @@ def compare_family(old: Device, new: Device) -> list[Change]:
             )
         )
     )
-    if not changes and _bare(old) != _bare(new):
+    if not changes and _without_spec_data(old) != _without_spec_data(new):
         subject = Subject("", f"family {new.name}")
         changes.append(family_pair.change("order", subject, ": different order, same facts", None, None))
     return sorted(changes, key=lambda change: -change.impact)
 
 
-def _bare(device: Device) -> Device:
+def _without_spec_data(device: Device) -> Device:
     """Return a family without data about the spec itself: number of readings, history and version."""
     maker = replace(device.manufacturer, version="")
     return replace(device, times_read=None, releases=(), manufacturer=maker)
 
 
-def _merged(changes: Iterable[Change]) -> Iterator[Change]:
+def _merge_repeated(changes: Iterable[Change]) -> Iterator[Change]:
     """Return each change once. Changes of a field group in many frames are reported for the group."""
     merged: dict[tuple[str, str], Change] = {}
     for change in changes:

@@ -10,9 +10,9 @@ from typing import Any, TypeVar
 from ..model import Device, Field, Variant
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS
-from .affected_codes import reach
+from .affected_codes import describe_codes
 from .change import Change, Subject
-from .expressions import Differing, Point, differing, settings_of, with_setting
+from .expressions import NumberDifferences, Point, differing, settings_of, with_setting
 from .pairs import Pair, both_of
 from .rules import RULES, SAME
 from .value_text import plain
@@ -95,7 +95,13 @@ class FamilyPair:
         if isinstance(value, tuple):
             return tuple(self.to_new(kind.removesuffix("s"), member, scope) for member in value)
         if not isinstance(value, str):
-            return {self.to_new("parameter", key): member for key, member in value.items()} if value else value
+            if not value:
+                return value
+            return {self.to_new("parameter", key): member for key, member in value.items()}
+        return self._text_to_new(kind, value, scope)
+
+    def _text_to_new(self, kind: str, value: str, scope: str) -> str:
+        """Return a text that is or contains old names, with the new ones."""
         if kind == "pattern":
             for old_name, new_name in self.names.get("part", {}).items():
                 value = value.replace(f"{{{old_name}}}", f"{{{new_name}}}")
@@ -108,7 +114,8 @@ class FamilyPair:
             field, _, value_name = value.partition(".")
             return f"{self.to_new('field', field, scope)}.{self.to_new('any-value', value_name)}"
         if kind == "limits":
-            return self.to_new("register", self.to_new("field", value, scope))
+            new_field: str = self.to_new("field", value, scope)
+            return self._text_to_new("register", new_field, "")
         if kind == "any-field" and value in self.frame_names:
             return value
         if kind == "field":
@@ -139,18 +146,19 @@ class FamilyPair:
                     points.setdefault(name, []).append(point)
         return points
 
-    def differing(self, interface: str, old: Expression | None, new: Expression | None) -> Differing | None:
+    def differing(self, interface: str, old: Expression | None, new: Expression | None) -> NumberDifferences | None:
         """Return the differences of two expressions for an interface, or for all, or None if they are equal."""
         return differing(old, new, self._points.get(interface, ()))
 
     def place(self, field: Field, interface: str, is_old: bool) -> tuple[int | str, ...]:
         """Return the bits of a field at every point of an interface."""
-        settings = [point.old if is_old else point.new for point in self._points.get(interface, ())]
-        if not settings:
+        points = self._points.get(interface, ())
+        if not points:
             return field.low.render(), field.width.render()
         bits: list[int] = []
-        for setting in settings:
-            bits += (field.low.value(setting), field.width.value(setting))
+        for point in points:
+            parameters = point.old if is_old else point.new
+            bits += (field.low.value(parameters), field.width.value(parameters))
         return tuple(bits)
 
     def codes(self, interface: str, side: str = "shared") -> tuple[str, ...]:
@@ -183,13 +191,13 @@ class FamilyPair:
     def _reach(self, side: str, codes: Collection[str]) -> str:
         """Describe order codes of the old family, of the new one, or of those that both have."""
         if side == "old":
-            return reach(self.old, codes)
+            return describe_codes(self.old, codes)
         shared_variants = tuple(variant for variant in self.new.variants if variant.code in self.kept)
-        text = reach(self.new, codes)
+        text = describe_codes(self.new, codes)
         none_or_all_stay = len(shared_variants) in (0, len(self.new.variants))
         if side == "new" or none_or_all_stay or text.startswith("all "):
             return text
-        shared_text = reach(replace(self.new, variants=shared_variants), codes)
+        shared_text = describe_codes(replace(self.new, variants=shared_variants), codes)
         return f"{shared_text} that stay" if shared_text.startswith("all ") else text
 
     def presence(self, kind: str, subject: Subject, old: Any, new: Any) -> Iterator[Change]:

@@ -11,7 +11,7 @@ from .compare import compare_members, compare_parts
 from .counterparts import fields
 from .family_pair import FamilyPair
 from .pairs import Pair
-from .value_text import shown
+from .value_text import short_value
 
 #: Kinds among which a change affects only how bits are read.
 _PLAIN = (Number, Decimal, Text)
@@ -123,4 +123,4 @@ def _digits_by_name(kind: Decimal) -> dict[str, int]:
 
 
 def _digits_text(digits_by_name: dict[str, int]) -> str:
-    return shown(", ".join(f"{name} ({digits})" for name, digits in digits_by_name.items()))
+    return short_value(", ".join(f"{name} ({digits})" for name, digits in digits_by_name.items()))

@@ -32,7 +32,7 @@ class Pair(Generic[_Item]):
         return present
 
     @property
-    def first(self) -> _Item:
+    def old_or_new(self) -> _Item:
         """The old item, or the new one if there was none."""
         return Pair(self.new, self.old).item
 

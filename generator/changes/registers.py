@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields, replace
 
-from ..model import Argument, Procedure, Register, Step
+from ..model import Argument, Procedure, Register, Sources, Step
 from ..model.members import PARTS_BY_CLASS
 from ..say.register import access
 from .change import Change, Subject
 from .compare import compare_members, compare_parts
-from .counterparts import bare, step_in_new
+from .counterparts import step_in_new, without_words
 from .family_pair import FamilyPair
 from .fields import layout
 from .value_text import arrow, plain
@@ -44,16 +44,16 @@ def procedure(family_pair: FamilyPair, subject: Subject, old: Procedure, new: Pr
             old_texts, new_texts = map(_argument_texts, (old_arguments, new_arguments))
         description = f": arguments {arrow(old_texts, new_texts)}"
         yield family_pair.change("procedure-arguments", inner, description, old_arguments, new_arguments)
-    elif [argument.meaning for argument in old.arguments] != [argument.meaning for argument in new.arguments]:
+    elif _meanings(old.arguments) != _meanings(new.arguments):
         yield family_pair.change("words", inner.unnamed, ": arguments", old.arguments, new.arguments)
     inner = subject.unnamed.inside("steps", subject.label)
     old_steps = [step_in_new(family_pair, step) for step in old.steps]
-    new_steps = [bare(step) for step in new.steps]
+    new_steps = [without_words(step) for step in new.steps]
     if old_steps != new_steps:
         yield family_pair.change("procedure-steps", inner, _steps(old_steps, new_steps), old_steps, new_steps)
-    elif [step.meaning for step in old.steps] != [step.meaning for step in new.steps]:
+    elif _meanings(old.steps) != _meanings(new.steps):
         yield family_pair.change("words", inner, ": steps", old.steps, new.steps)
-    elif old.steps != new.steps and [step.source for step in old.steps] != [step.source for step in new.steps]:
+    elif old.steps != new.steps and _sources(old.steps) != _sources(new.steps):
         yield family_pair.change("source", inner, ": steps", None, None)
 
 
@@ -67,7 +67,19 @@ def _signature(arguments: Iterable[Argument]) -> list[tuple[str, str, str]]:
 
 
 def _argument_texts(signature: list[tuple[str, str, str]]) -> list[str]:
-    return [f"{name} for {owner}{f' as {meaning}' if meaning else ''}" for name, owner, meaning in signature]
+    texts = []
+    for name, owner, meaning in signature:
+        as_meaning = f" as {meaning}" if meaning else ""
+        texts.append(f"{name} for {owner}{as_meaning}")
+    return texts
+
+
+def _meanings(parts: Sequence[Argument | Step]) -> list[str]:
+    return [part.meaning for part in parts]
+
+
+def _sources(steps: Sequence[Step]) -> list[Sources]:
+    return [step.source for step in steps]
 
 
 def _steps(old_steps: list[Step], new_steps: list[Step]) -> str:

@@ -10,7 +10,7 @@ from ..loading.history import history_beside, history_text, with_release
 from ..loading.library import Family
 from ..model import Manual, Release, ReleasedChange
 from .change import Change
-from .report import Found, outputs
+from .report import DiffResult, outputs
 from .version import Package
 
 _VERSION = re.compile(r"^(version:[ \t]*)(['\"]?)[0-9.]+\2", re.MULTILINE)
@@ -20,7 +20,7 @@ class NotRecorded(ValueError):
     """A file cannot be updated. The message says which one."""
 
 
-def records(findings: Found, families: Sequence[Family]) -> Iterator[tuple[Path, str]]:
+def records(findings: DiffResult, families: Sequence[Family]) -> Iterator[tuple[Path, str]]:
     """Yield the files to write with their new texts, except for manufacturers without changes.
 
     Raises:
@@ -35,7 +35,7 @@ def records(findings: Found, families: Sequence[Family]) -> Iterator[tuple[Path,
         files: set[str] = set()
         for family in families_of_maker:
             files |= family.files - {family.document.file}
-        yield from _version(package, files)
+        yield from _version_text(package, files)
         for family in changed_families:
             changes = [change for change in findings.changes if change.family == family.device.name]
             release = _release(package, family.device.manual, changes)
@@ -43,7 +43,7 @@ def records(findings: Found, families: Sequence[Family]) -> Iterator[tuple[Path,
             yield history_beside(Path(family.document.file)), text
 
 
-def _version(package: Package, files: set[str]) -> Iterator[tuple[Path, str]]:
+def _version_text(package: Package, files: set[str]) -> Iterator[tuple[Path, str]]:
     if package.new == package.stated:
         return
     for file in map(Path, sorted(files)):

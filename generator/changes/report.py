@@ -25,7 +25,7 @@ class Files:
 
 
 @dataclass(frozen=True)
-class Found:
+class DiffResult:
     """Everything that ``diff`` found. ``files`` is None if nothing could be generated."""
 
     changes: Sequence[Change]
@@ -82,7 +82,7 @@ def versions(package: Package) -> str:
     return f"{step}, but the spec still says {package.stated}"
 
 
-def as_data(findings: Found) -> dict[str, Any]:
+def as_data(findings: DiffResult) -> dict[str, Any]:
     """Return the output of ``codewheel diff --json``."""
     counts, files = _counts(findings.changes), findings.files
     return {

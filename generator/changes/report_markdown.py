@@ -8,7 +8,7 @@ from ..say.markdown import code as in_code
 from ..say.markdown import text
 from .change import Change
 from .impact import Impact
-from .report import Found, about, versions
+from .report import DiffResult, about, versions
 
 _TITLES = {
     Impact.BREAKING: "Breaking",
@@ -18,7 +18,7 @@ _TITLES = {
 }
 
 
-def as_markdown(findings: Found) -> str:
+def as_markdown(findings: DiffResult) -> str:
     """Return the output of ``codewheel diff --markdown``: a heading for each package, family and impact."""
     lines = [f"## {'; '.join(map(versions, findings.packages)) or 'Changes'}", ""]
     lines += [line for notice in findings.notices for line in (text(notice), "")]
@@ -44,11 +44,14 @@ def _item(change: Change) -> str:
 
 
 def _about(change: Change) -> str:
-    pieces = about(change, "\0{}\0").split("\0")
-    return "".join(in_code(piece) if index % 2 else _kept(piece) for index, piece in enumerate(pieces))
+    pieces = about(change, "\0{}\0").split("\0")  # Prose and code in turn.
+    pieces[::2] = map(_escaped, pieces[::2])
+    pieces[1::2] = map(in_code, pieces[1::2])
+    return "".join(pieces)
 
 
-def _kept(piece: str) -> str:
+def _escaped(piece: str) -> str:
     """Return escaped text with its leading and trailing space."""
-    start, end = (" " if edge == " " else "" for edge in (piece[:1], piece[-1:]))
+    start = " " if piece.startswith(" ") else ""
+    end = " " if piece.endswith(" ") else ""
     return f"{start}{text(piece)}{end}" if piece.strip() else piece

@@ -8,12 +8,12 @@ from ..say.lines import WIDTH, wrapped
 from ..say.numbers import counted, first_of
 from .change import Change
 from .impact import Impact
-from .report import Found, about, totals, versions
+from .report import DiffResult, about, totals, versions
 
 _COLUMN = 17
 
 
-def as_text(findings: Found) -> str:
+def as_text(findings: DiffResult) -> str:
     """Return the output of ``codewheel diff``."""
     lines = list(findings.notices)
     for family in dict.fromkeys(change.family for change in findings.changes):
@@ -48,7 +48,7 @@ def _place(change: Change) -> str:
     return path if change.rule.name in ("words", "source") else change.text
 
 
-def _result(findings: Found) -> Iterator[str]:
+def _result(findings: DiffResult) -> Iterator[str]:
     """Yield the line about generated files and versions."""
     parts = []
     if findings.files is not None:

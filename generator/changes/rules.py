@@ -154,7 +154,7 @@ _CHANGES = (
 )
 
 
-def _all() -> Iterator[Rule]:
+def _all_rules() -> Iterator[Rule]:
     for kind, phrase, gone, new, renamed, common in _NAMED_KINDS:
         yield Rule(f"{kind}-gone", _impacts(gone), f"{phrase} was removed", _GONE)
         why = "Callers must give an answer." if kind == "decision" else _NEW
@@ -177,6 +177,6 @@ def _impacts(letters: str) -> tuple[Impact, Impact, Impact, Impact]:
 
 
 #: Every rule by its name.
-RULES: Mapping[str, Rule] = MappingProxyType({rule.name: rule for rule in _all()})
+RULES: Mapping[str, Rule] = MappingProxyType({rule.name: rule for rule in _all_rules()})
 #: The property by which a renamed thing is recognised.
 SAME: Mapping[str, str] = MappingProxyType({kind: common for kind, _, _, _, _, common in _NAMED_KINDS})

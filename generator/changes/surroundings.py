@@ -10,7 +10,7 @@ from .change import Change, Subject
 from .compare import compare_members
 from .family_pair import FamilyPair
 from .pairs import both_of, by_key, paired
-from .value_text import arrow, shown
+from .value_text import arrow, short_value
 
 _Part = TypeVar("_Part")
 #: Sections without effect on code: the rule, the member of the family, the member that identifies an item, and a word.
@@ -64,5 +64,5 @@ def _difference(old: Any, new: Any) -> str:
         return " is new"
     if new is None:
         return " is gone"
-    old_text, new_text = (shown(getattr(part, "value", None)) for part in (old, new))
+    old_text, new_text = (short_value(getattr(part, "value", None)) for part in (old, new))
     return f": {old_text} → {new_text}" if old_text != new_text else " has changed"

@@ -42,7 +42,7 @@ def plain(value: Any) -> Any:
     return value
 
 
-def shown(value: Any, notation: str = "") -> str:
+def short_value(value: Any, notation: str = "") -> str:
     """Return a value as short text, in the given notation of manuals if there is one."""
     if value is None or value in ("", (), [], {}):
         return "none"
@@ -51,16 +51,16 @@ def shown(value: Any, notation: str = "") -> str:
     if isinstance(value, Enum):
         return str(value.value).replace("_", " ")
     if isinstance(value, (tuple, list)):
-        return _cut(", ".join(shown(member, notation) for member in value))
+        return _shorten(", ".join(short_value(member, notation) for member in value))
     if isinstance(value, (Expression, Supply, Scale, CodedValue)):
         return _quantity_text(value)
     if is_dataclass(value):
         value = {key: member for key, member in without_words(value).items() if member not in (None, "", [], {})}
         if len(value) == 1:
-            return shown(next(iter(value.values())), notation)
+            return short_value(next(iter(value.values())), notation)
     if isinstance(value, Mapping):
-        return _cut(", ".join(f"{key} = {shown(member)}" for key, member in value.items()))
-    return _cut(str(value).replace("_", " ") if notation == "word" else str(value))
+        return _shorten(", ".join(f"{key} = {short_value(member)}" for key, member in value.items()))
+    return _shorten(str(value).replace("_", " ") if notation == "word" else str(value))
 
 
 def _number_text(value: int, notation: str) -> str:
@@ -82,7 +82,7 @@ def _quantity_text(value: Expression | Supply | Scale | CodedValue) -> str:
             return f"{value.code} = {value.value}"
 
 
-def _cut(text: str) -> str:
+def _shorten(text: str) -> str:
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"
 
 
@@ -99,12 +99,12 @@ def without_words(value: Any) -> Any:
 def differing_items(old: Any, new: Any) -> tuple[Any, Any]:
     """Return two values, reduced to the items that differ if both are sequences of parts."""
     if isinstance(old, tuple) and isinstance(new, tuple) and any(map(is_dataclass, (*old, *new))):
-        old_only, new_only = _without(old, new), _without(new, old)
+        old_only, new_only = _items_not_in(old, new), _items_not_in(new, old)
         return (old_only, new_only) if old_only or new_only else (old, new)
     return old, new
 
 
-def _without(items: tuple[Any, ...], other_items: tuple[Any, ...]) -> tuple[Any, ...]:
+def _items_not_in(items: tuple[Any, ...], other_items: tuple[Any, ...]) -> tuple[Any, ...]:
     """Return the items that are not among others, apart from their texts."""
     known_items = [without_words(other_item) for other_item in other_items]
     return tuple(part for part in items if without_words(part) not in known_items)
@@ -112,4 +112,4 @@ def _without(items: tuple[Any, ...], other_items: tuple[Any, ...]) -> tuple[Any,
 
 def arrow(old: Any, new: Any, notation: str = "") -> str:
     """Return ``old → new``."""
-    return f"{shown(old, notation)} → {shown(new, notation)}"
+    return f"{short_value(old, notation)} → {short_value(new, notation)}"

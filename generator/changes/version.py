@@ -39,7 +39,7 @@ class Package:
         return _numbers(self.stated) >= _numbers(self.due)
 
 
-def due(version: str, impact: Impact) -> str:
+def due_version(version: str, impact: Impact) -> str:
     """Return the lowest version after ``version`` for changes of at most this impact."""
     numbers = _numbers(version)
     if not impact or not numbers:
@@ -62,7 +62,9 @@ def packages(old: Sequence[Device], new: Sequence[Device], changes: Collection[C
             families = {device.name for device in (*old, *new) if device.manufacturer.name == name}
             impact = max((change.impact for change in changes if change.family in families), default=Impact.NONE)
             version = old_makers[name].version
-            compared_packages.append(Package(name, maker.python_package, version, maker.version, due(version, impact)))
+            compared_packages.append(
+                Package(name, maker.python_package, version, maker.version, due_version(version, impact))
+            )
     return compared_packages
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, TypedDict
 
 from ..cache import Cache, content_of, key_of
-from ..language.files import below, is_folder, top_keys
+from ..language.files import find_files, is_folder, top_keys
 from ..language.problems import Report
 from ..loading.family_files import family_files
 from ..loading.shipped import packaged_masters
@@ -101,7 +101,7 @@ def _inputs(paths: Sequence[Path]) -> Iterator[bytes | str]:
     """
     names_in = functools.cache(os.listdir)
     for path in paths:
-        search_result = below(path) if is_folder(path) else None
+        search_result = find_files(path) if is_folder(path) else None
         specs = (path,) if search_result is None else search_result.specs
         skipped = () if search_result is None else search_result.passed_over
         yield from (str(path), "specs", *map(str, specs), "skipped", *map(str, skipped), "content")

@@ -13,7 +13,7 @@ from ..language.second_reading import second_reading_path
 from ..loading.family_files import family_files
 from ..loading.library import Family, contents, is_clean, load_families
 from ..readings.coverage import Coverage
-from ..readings.second_readings import Reader, Second, compare_readings, read_beside, sound_specs
+from ..readings.second_readings import Reader, SecondReading, comparable_specs, compare_readings, read_beside
 from ..targets import Target
 from .editions import check_all
 from .outputs import tell_unfit
@@ -54,7 +54,7 @@ def run(paths: Sequence[Path], targets: Iterable[Target], cache: Cache = NO_CACH
     return checked
 
 
-def _read(new: Sequence[str], family: Family, report: Report) -> Second | None:
+def _read(new: Sequence[str], family: Family, report: Report) -> SecondReading | None:
     """Read the second reading of a family if it is new. Otherwise only list it as read."""
     if family.document.file in new:
         return read_beside(family, report)
@@ -71,6 +71,6 @@ def look_at(
     Raises:
         Stop: A target fails. The exit code is 1.
     """
-    sound = sound_specs(families, report)
+    sound = comparable_specs(families, report)
     tell_unfit(families, targets, report)
     return Checked(families, compare_readings(families, sound, report, read), report)

@@ -196,7 +196,7 @@ def decoded_data(
         "differences": [
             {
                 "field": difference.field,
-                "found": difference.found,
+                "found": difference.actual,
                 "documented": difference.documented,
                 "message": difference.message,
             }

@@ -19,7 +19,7 @@ from .terminal import Stop, refuse_missing
 
 if TYPE_CHECKING:
     from ..changes.change import Change
-    from ..changes.report import Files, Found
+    from ..changes.report import DiffResult, Files
     from ..language.problems import Problem
     from ..loading.library import Family
     from ..model import Device
@@ -153,10 +153,10 @@ def _accept(changes: Sequence[Change], chosen: argparse.Namespace) -> tuple[Sequ
         raise Stop(str(error), 2) from None
 
 
-def _look(before: _Side, after: _Side, generate: Generate) -> Found:
+def _look(before: _Side, after: _Side, generate: Generate) -> DiffResult:
     """Return the changes."""
     from ..changes.families import compare
-    from ..changes.report import Found
+    from ..changes.report import DiffResult
     from ..changes.version import packages
 
     left_out = before.left_out | after.left_out
@@ -166,10 +166,10 @@ def _look(before: _Side, after: _Side, generate: Generate) -> Found:
     )
     changes = compare(olds, news)
     files = generate(olds, news) if changes else None
-    return Found(changes, packages(olds, news, changes), files, (*before.notices, *after.notices))
+    return DiffResult(changes, packages(olds, news, changes), files, (*before.notices, *after.notices))
 
 
-def _record(comparison: Found, after: _Side) -> Found:
+def _record(comparison: DiffResult, after: _Side) -> DiffResult:
     """Write the records, and return ``comparison`` with notices about them and with the version that was written.
 
     Raises:
@@ -197,10 +197,10 @@ def _side(text: str, is_old: bool, cache: Cache, lenient: bool = False) -> _Side
 
     from ..language.migrate import migrate
     from ..loading.library import load_families, sound_families
-    from ..loading.revisions import RevisionError, lay_out, named
+    from ..loading.revisions import RevisionError, revision_in, write_revision
     from ..say.numbers import counted
 
-    place = named(text)
+    place = revision_in(text)
     with ExitStack() as stack:
         names: Mapping[str, str] = {}
         if place is None:
@@ -209,7 +209,7 @@ def _side(text: str, is_old: bool, cache: Cache, lenient: bool = False) -> _Side
         else:
             folder = stack.enter_context(TemporaryDirectory(prefix="codewheel-"))
             try:
-                laid_out = lay_out(place, Path(folder))
+                laid_out = write_revision(place, Path(folder))
             except RevisionError as error:
                 raise Stop(str(error), 2) from None
             path, names = laid_out.place, laid_out.names

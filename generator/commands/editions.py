@@ -6,12 +6,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from ..language.problems import Report
-from ..loading.editions import UnknownEdition, chosen
+from ..loading.editions import UnknownEdition, revision_for
 from ..loading.library import Family, in_edition, load_families
 from ..model import Device
 from ..order_codes.editions import edition_by_label
 from ..order_codes.labels import Match, UnknownOrderCode, find
-from ..reference.editions import told_by_registers, without_tests
+from ..reference.editions import edition_by_registers, without_tests
 from .terminal import Stop, problems
 
 #: Words that ask to infer the edition instead of naming it.
@@ -58,9 +58,9 @@ def _revision(device: Device, match: Match | None, wanted_edition: str, register
     if device.base:
         raise UnknownEdition(f"{device.name} is derived from {device.base} and has no editions of its own")
     if wanted_edition == BY_REGISTERS and match is not None:
-        return told_by_registers(device, match, register_bytes)
+        return edition_by_registers(device, match, register_bytes)
     if wanted_edition != BY_LABEL:
-        return chosen(device, wanted_edition)
+        return revision_for(device, wanted_edition)
     revision = edition_by_label(device, match) if match is not None else ""
     if not revision:
         raise UnknownEdition(
@@ -99,7 +99,7 @@ def beside(families: Iterable[Family], wanted: Iterable[str], report: Report) ->
             )
         family = by_name[name]
         try:
-            chosen_revision = chosen(family.device, revision)
+            chosen_revision = revision_for(family.device, revision)
         except UnknownEdition as error:
             raise Stop(str(error), 2) from None
         if chosen_revision == family.device.manual.revision:

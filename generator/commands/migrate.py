@@ -6,7 +6,7 @@ import shutil
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from ..language.files import below, is_folder
+from ..language.files import find_files, is_folder
 from ..language.migrate import edited, migrate
 from ..language.problems import Report
 from ..language.read import read_document
@@ -37,7 +37,7 @@ def run(paths: Sequence[Path], only_check: bool) -> int:
 
 def _files(paths: Iterable[Path]) -> Iterator[Path]:
     for spec_path in paths:
-        for spec in below(spec_path).specs if is_folder(spec_path) else (spec_path,):
+        for spec in find_files(spec_path).specs if is_folder(spec_path) else (spec_path,):
             yield from (path for path in (spec, second_reading_path(spec)) if path == spec or path.is_file())
 
 

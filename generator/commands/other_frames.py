@@ -48,10 +48,10 @@ def other_frames_line(decoded: Decoded, other_layouts: Sequence[PlacedLayout]) -
         return ""
     names = ", ".join(layout.name for layout in other_layouts)
     if not decoded.problems:
-        return f"{say.also(names)} (choose with --layout)"
+        return f"{say.also_possible(names)} (choose with --layout)"
     if is_another(decoded, other_layouts):
         return f"{say.valid_other(names)}: add --layout {names}"
-    return f"{say.instead(names)} (choose with --layout)"
+    return f"{say.possible_instead(names)} (choose with --layout)"
 
 
 def is_another(decoded: Decoded, other_layouts: Sequence[PlacedLayout]) -> bool:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..cache import Cache
-from ..language.files import below
+from ..language.files import find_files
 from ..loading.configuration import Configuration
 from ..loading.family_files import MANUFACTURER
 from ..loading.shipped import packaged_families
@@ -185,7 +185,7 @@ def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[s
     """
     folders = {folder.name: folder for folder in packaged_families()}
     if name.lower() in folders:
-        specs = below(folders[name.lower()]).specs
+        specs = find_files(folders[name.lower()]).specs
         return specs, [path.stem for path in specs if path.name != MANUFACTURER]
     try:
         device, match, _ = look_up.family_or_code(Specs(tuple(folders.values())), name, cache)
@@ -205,7 +205,9 @@ def _no_packaged(name: str, stop: Stop, folders: Mapping[str, Path]) -> Stop:
     unknown = messages.unknown(name)
     if not str(stop).startswith(unknown):  # The name is close to an order code, and the message says how.
         return stop
-    families = [path.stem for folder in folders.values() for path in below(folder).specs if path.name != MANUFACTURER]
+    families = [
+        path.stem for folder in folders.values() for path in find_files(folder).specs if path.name != MANUFACTURER
+    ]
     nearest = nearest_choice(name.lower(), [*folders, *families])
     similar = get_close_matches(name.lower(), [*folders, *families])
     remedy = str(stop).removeprefix(unknown)

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ..language.files import LINK, UNREADABLE, below, describes_encoders, is_folder
+from ..language.files import LINK, UNREADABLE, describes_encoders, find_files, is_folder
 from ..loading.configuration import Configuration, Faulty
 from ..loading.find_configuration import configuration_above
 from ..loading.shipped import packaged_families
@@ -114,21 +114,21 @@ def specs_to_judge(named: Sequence[Path], command: str) -> Specs:
 def _output_with_specs(specs: Specs) -> str:
     """Return the part of a message that says that the output folder has specs, or an empty string."""
     output = specs.settings.output if specs.settings is not None else None
-    if output is None or not is_folder(output) or not below(output).specs:
+    if output is None or not is_folder(output) or not find_files(output).specs:
         return ""
     return f", apart from those in {output.as_posix()}, which is the output folder and is not searched"
 
 
 def _packaged_family() -> str:
     """Return the name of a packaged family, for an example."""
-    files = (path for folder in packaged_families() for path in below(folder).specs)
+    files = (path for folder in packaged_families() for path in find_files(folder).specs)
     return next(path.stem for path in files if describes_encoders(path))
 
 
 def _report_not_entered(specs: Specs, folder: Path) -> None:
     """Report the folders that may contain specs but are not searched, so that a user does not take them for checked."""
     folders = [path for path in specs.paths if is_folder(path)]
-    in_folders = [item for path in folders for item in below(path, lambda _: False).not_entered]
+    in_folders = [item for path in folders for item in find_files(path, lambda _: False).not_entered]
     searched = [os.path.join(os.path.realpath(path), "") for path in folders or [folder]]
     shown = [
         f"{path.as_posix()} ({reason})"
@@ -170,14 +170,14 @@ def _without_output(settings: Configuration) -> Iterator[Path]:
     for path in settings.specs:
         inside = os.path.join(os.path.realpath(path), "")
         if any(output.startswith(inside) for output in outputs):
-            yield from below(path, outputs=outputs).specs
+            yield from find_files(path, outputs=outputs).specs
         else:
             yield path
 
 
 def _below(folder: Path, outputs: Sequence[str]) -> Specs:
     """Return the specs in a folder and below it, if at least one of them is about an encoder."""
-    found = below(folder, outputs=outputs, most_names=MOST_NAMES)
+    found = find_files(folder, outputs=outputs, most_names=MOST_NAMES)
     unreadable = {path for path, reason in found.not_entered if reason == UNREADABLE}
     specs = tuple(path for path in found.specs if path not in unreadable)
     has_encoders = any(map(describes_encoders, specs))
@@ -192,6 +192,6 @@ def _packaged_beside(paths: Sequence[Path]) -> Iterator[Path]:
         if any(os.path.join(real, "").startswith(os.path.join(path, "")) for path in own):
             continue
         if any(path.startswith(os.path.join(real, "")) for path in own):
-            yield from (path for path in below(folder).specs if os.path.realpath(path) not in own)
+            yield from (path for path in find_files(folder).specs if os.path.realpath(path) not in own)
         else:
             yield folder

@@ -31,10 +31,12 @@ from ..model import (
     Layout,
     Number,
     Parity,
+    Procedure,
     Register,
     Source,
     Sources,
     Step,
+    Table,
     Text,
     Unused,
     Variant,
@@ -72,12 +74,10 @@ def variant_dump(device: Device, match: Match) -> Item:
         "written_as_in": match.written_as_in,
     }
     reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
-    parameters = tuple(
-        parameter for parameter in reduced_device.parameters if parameter.interface in ("", variant.interface)
-    )
-    reduced_device = replace(
-        reduced_device, parameters=parameters, measurement=reduced_device.measurement_of(variant.interface)
-    )
+    interfaces = ("", variant.interface)
+    parameters = tuple(parameter for parameter in reduced_device.parameters if parameter.interface in interfaces)
+    measurement = reduced_device.measurement_of(variant.interface)
+    reduced_device = replace(reduced_device, parameters=parameters, measurement=measurement)
     own_variant = replace(variant, parameters=_own_parameters(device, variant))
     return _Dump(reduced_device, variant).whole((own_variant,), own_variant.parameters, label)
 
@@ -133,21 +133,24 @@ class _Dump:
         device = self.device
         return {
             "interfaces": {interface.name: self._interface(interface) for interface in device.interfaces},
-            "layouts": [
-                self._layout(layout, interface.name, interface.source)
-                for interface in device.interfaces
-                for layout in interface.layouts
-            ],
+            "layouts": [self._layout(layout, owner.name, owner.source) for owner, layout in device.layouts()],
             "field_groups": self.plain(device.field_groups, ()),
             "registers": [self._register(register) for register in device.registers],
             "crcs": self.plain(device.crcs, ()),
             "alarms": self.plain(device.alarms, ()),
-            "procedures": [
-                self.plain(procedure, ()) | {"steps": [self._step(step, procedure.source) for step in procedure.steps]}
-                for procedure in device.procedures
-            ],
+            "procedures": list(map(self._procedure, device.procedures)),
             "timings": self._timings(),
         }
+
+    def _procedure(self, procedure: Procedure) -> Item:
+        procedure_data: Item = self.plain(procedure, ())
+        procedure_data["steps"] = [self._step(step, procedure.source) for step in procedure.steps]
+        return procedure_data
+
+    def _table(self, table: Table) -> Item:
+        table_data: Item = self.plain(table, ())
+        table_data["rows"] = [{"cells": list(row)} for row in table.rows]
+        return table_data
 
     def _surroundings(self) -> Item:
         """Return the measurement, the hardware and other facts of the manual."""
@@ -158,10 +161,7 @@ class _Dump:
             "connectors": self.plain(device.connectors, ()),
             "leds": self.plain(device.leds, ()),
             "characteristics": self.plain(device.characteristics, ()),
-            "tables": [
-                self.plain(table, ()) | {"rows": [{"cells": list(row)} for row in table.rows]}
-                for table in device.tables
-            ],
+            "tables": list(map(self._table, device.tables)),
             "examples": [self._example(example) for example in device.examples],
             "errata": self.plain(device.errata, ()),
             "lost_figures": self.plain(device.lost_figures, ()),
@@ -185,14 +185,13 @@ class _Dump:
         own_sources: Sources = getattr(value, "source", ()) or inherited
         part = PARTS_BY_CLASS.get(type(value).__name__)
         if part is None:
-            return {
-                attribute.name: self.plain(getattr(value, attribute.name), own_sources) for attribute in fields(value)
-            } | _cited(own_sources)
-        plain_members = {
-            member.name: self._member(member, getattr(value, member.attribute), own_sources)
-            for member in part.members
-            if member.shape and hasattr(value, member.attribute)
-        }
+            names = [attribute.name for attribute in fields(value)]
+            return {name: self.plain(getattr(value, name), own_sources) for name in names} | _cited(own_sources)
+        plain_members = {}
+        for member in part.members:
+            if member.shape and hasattr(value, member.attribute):
+                attribute = getattr(value, member.attribute)
+                plain_members[member.name] = self._member(member, attribute, own_sources)
         return plain_members | _cited(own_sources) if part.is_sourced else plain_members
 
     def _member(self, member: Member, value: Any, inherited: Sources) -> Any:
@@ -283,10 +282,9 @@ class _Dump:
         register_data["default_bytes"] = data.hex(" ").upper() if data is not None else ""
         register_data["opened_by"] = _opened_by(register) if register.opened_by else None
         register_data["other_bits"] = register.layout.gaps
-        register_data["join"] = [
-            self._join(join, register.layout) | _cited(register.source) for join in register.layout.joins
-        ]
-        register_data["fields"] = self._fields(register.layout, register.source)
+        layout, citation = register.layout, _cited(register.source)
+        register_data["join"] = [self._join(join, layout) | citation for join in layout.joins]
+        register_data["fields"] = self._fields(layout, register.source)
         return register_data
 
     def _step(self, step: Step, inherited: Sources) -> Item:
@@ -297,12 +295,11 @@ class _Dump:
         return filled({"from": "encoder"} | self.plain(example, ()), "example")
 
     def _timings(self) -> list[Item]:
-        device = [self.plain(timing, ()) | {"interface": ""} for timing in self.device.timings]
-        return device + [
-            self.plain(timing, part.source) | {"interface": part.name}
-            for part in self.device.interfaces
-            for timing in part.timings
-        ]
+        timings = [self.plain(timing, ()) | {"interface": ""} for timing in self.device.timings]
+        for interface in self.device.interfaces:
+            owner = {"interface": interface.name}
+            timings += [self.plain(timing, interface.source) | owner for timing in interface.timings]
+        return timings
 
 
 def _opened_by(register: Register) -> Item:

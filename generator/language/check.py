@@ -10,7 +10,7 @@ from .rules import FOUNDATIONS, RULES, SHAPES
 from .rules.bases import number_base
 from .rules.master import check_master
 from .rules.order_code import is_whole
-from .schema import Checked, FileKind, check_schema, place_to_remove, shape_of, without
+from .schema import FileKind, SchemaResult, check_schema, place_to_remove, shape_of, without_places
 from .second_reading import family_of, with_stand_ins
 
 #: Stand-ins for missing keys at the top level, so that the rest can be built and checked.
@@ -88,7 +88,7 @@ class _RecordingReport(DocumentReport):
         super().mark(path)
 
 
-def _device(checked: Checked, document: Document, report: Report) -> dict[str, Any] | None:
+def _device(checked: SchemaResult, document: Document, report: Report) -> dict[str, Any] | None:
     """Return the data of a device without the broken parts, or None if it has too many problems."""
     try:
         return _check_device(checked, document, report)
@@ -96,7 +96,7 @@ def _device(checked: Checked, document: Document, report: Report) -> dict[str, A
         return None
 
 
-def _check_device(checked: Checked, document: Document, report: Report) -> dict[str, Any]:
+def _check_device(checked: SchemaResult, document: Document, report: Report) -> dict[str, Any]:
     """Return the data of a device without the broken parts.
 
     Raises:
@@ -115,7 +115,7 @@ def _check_device(checked: Checked, document: Document, report: Report) -> dict[
         if rule in SHAPES:
             cut_paths |= set(map(place_to_remove, noting_report.noted))
     if cut_paths != checked.cut:
-        completed_data = _with_prose(without(document, cut_paths, checked.stand_ins), checked.kind)
+        completed_data = _with_prose(without_places(document, cut_paths, checked.stand_ins), checked.kind)
     return _with_stand_ins(completed_data, are_codes_whole, document)
 
 

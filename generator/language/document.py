@@ -85,7 +85,7 @@ class Document:
             return mark.key_line, mark.key_column
         return mark.line, mark.column
 
-    def written(self, path: Path) -> str:
+    def spelling_at(self, path: Path) -> str:
         """Return the number at ``path`` as spelled in the file, without tag and anchor.
 
         The result is empty if no number is written there, such as at an alias.

@@ -36,7 +36,7 @@ _KEY = rb"""["']?(?<![a-z_])([a-z_]+)["']?[ \t]*:(?=\s|$)"""
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class FoundFiles:
     """Files below a folder in sorted order: the specs, and the other YAML files, which are skipped.
 
     ``not_entered`` has the folders that may contain specs but were not searched, each with the reason.
@@ -55,12 +55,12 @@ def is_spec(path: Path) -> bool:
     return keys is None or _names_a_spec(keys)
 
 
-def below(
+def find_files(
     folder: Path,
     is_spec: Callable[[Path], bool] = is_spec,
     outputs: Collection[str] = (),
     most_names: float = float("inf"),
-) -> Found:
+) -> FoundFiles:
     """Find every ``*.yaml`` and ``*.yml`` in the folder and below it.
 
     Names that begin with a dot, second readings, virtual environments, folders of builds and caches, outputs, links to
@@ -77,7 +77,7 @@ def below(
     specs = {path for path in search.files if is_spec(path)}
     other_files = (path for path in search.files if path not in specs and path.name != CONFIGURATION)
     not_entered = tuple(sorted(search.not_entered))
-    return Found(tuple(sorted(specs)), tuple(sorted(other_files)), not_entered, search.is_complete)
+    return FoundFiles(tuple(sorted(specs)), tuple(sorted(other_files)), not_entered, search.is_complete)
 
 
 def is_folder(path: Path) -> bool:

@@ -84,14 +84,20 @@ _LONGEST = 100
 def number_hint(key: str, value: Any) -> str:
     """Return what to write instead of ``value`` under ``key``, which takes a whole number. Empty if unclear."""
     if isinstance(value, float):
-        if value.is_integer() and abs(value) < 2**64:
-            return f"; write {int(value)}"
-        return _fraction_hint(key, value) if math.isfinite(value) else ""
+        return _float_hint(key, value)
     if isinstance(value, list) and len(value) > 1 and all(type(byte) is int and 0 <= byte < 256 for byte in value):
-        value = bytes(value).hex(" ")
-    if not isinstance(value, str) or len(value) > _LONGEST:
-        return ""
-    text = value.strip()
+        return _text_hint(key, bytes(value).hex(" "))
+    return _text_hint(key, value.strip()) if isinstance(value, str) and len(value) <= _LONGEST else ""
+
+
+def _float_hint(key: str, value: float) -> str:
+    if value.is_integer() and abs(value) < 2**64:
+        return f"; write {int(value)}"
+    return _fraction_hint(key, value) if math.isfinite(value) else ""
+
+
+def _text_hint(key: str, text: str) -> str:
+    """Return what to write instead of a text that is meant as a number."""
     if _BYTES.fullmatch(text) and " " in text:
         return _bytes_hint(bytes.fromhex(text))
     if _PLAIN.fullmatch(text):
@@ -211,7 +217,12 @@ def _polynomial_hint(text: str) -> str:
 def polynomial_powers(text: str) -> set[int]:
     """Return the powers of a polynomial such as ``x^6 + x + 1``."""
     terms = re.sub(r"\s", "", text.lower()).split("+")
-    return {int(term.partition("^")[2] or 1) if term.startswith("x") else 0 for term in terms}
+    return set(map(_power, terms))
+
+
+def _power(term: str) -> int:
+    """Return the power of a term such as ``x^6``, ``x`` or ``1``."""
+    return int(term.partition("^")[2] or 1) if term.startswith("x") else 0
 
 
 def key_hint(key: str, value: Any, known_keys: Iterable[str]) -> str:
@@ -220,13 +231,10 @@ def key_hint(key: str, value: Any, known_keys: Iterable[str]) -> str:
     if not stem or unit.lower() not in _UNITS:
         return ""
     kind = _UNITS[unit.lower()][0]
-    units_by_key = {
-        known_key: _unit(known_key) for known_key in known_keys if _UNITS.get(_unit(known_key), ("", 0))[0] == kind
-    }
+    keys_of_kind = (known_key for known_key in known_keys if _UNITS.get(_unit(known_key), ("", 0))[0] == kind)
+    units_by_key = {known_key: _unit(known_key) for known_key in keys_of_kind}
     stems = {known_key.rpartition("_")[0] for known_key in units_by_key}
-    meant_stem = (
-        stem if stem in stems else nearest_choice(stem, [other_stem for other_stem in stems if other_stem != stem])
-    )
+    meant_stem = stem if stem in stems else nearest_choice(stem, list(stems))
     fitting = [known_key for known_key in units_by_key if meant_stem and known_key.rpartition("_")[0] == meant_stem]
     if not fitting or key in fitting:
         return ""

@@ -293,7 +293,7 @@ def _range(error: Any, subject: str) -> tuple[str, str]:
     return "out-of-range", f"{subject} is {quoted(error.instance)}; it must be {bounds}"
 
 
-def _long(error: Any, subject: str) -> tuple[str, str]:
+def _too_long(error: Any, subject: str) -> tuple[str, str]:
     return "too-long", f"{subject} has {len(error.instance)} characters; the limit is {error.validator_value}"
 
 
@@ -301,7 +301,7 @@ def _empty(error: Any, subject: str) -> tuple[str, str]:
     return "too-short", f"{subject} is empty; fill it in or leave it out"
 
 
-def _few(error: Any, subject: str) -> tuple[str, str]:
+def _too_few(error: Any, subject: str) -> tuple[str, str]:
     count, min_count = len(error.instance), error.validator_value
     if min_count > 1:
         noun = "entry" if count == 1 else "entries"
@@ -309,7 +309,7 @@ def _few(error: Any, subject: str) -> tuple[str, str]:
     return "too-short", f"{subject} is empty; it needs at least one entry"
 
 
-def _many(error: Any, subject: str) -> tuple[str, str]:
+def _too_many(error: Any, subject: str) -> tuple[str, str]:
     return "too-long", f"{subject} has {len(error.instance)} entries; the limit is {error.validator_value}"
 
 
@@ -320,12 +320,12 @@ _MESSAGES: dict[str, Callable[[Any, str], tuple[str, str]]] = {
     "pattern": _pattern,
     "minimum": _range,
     "maximum": _range,
-    "maxLength": _long,
+    "maxLength": _too_long,
     "minLength": _empty,
-    "minItems": _few,
-    "minProperties": _few,
-    "maxProperties": _many,
-    "maxItems": _many,
+    "minItems": _too_few,
+    "minProperties": _too_few,
+    "maxProperties": _too_many,
+    "maxItems": _too_many,
 }
 
 #: Keywords of JSON Schema that the schemas may use. Each has a message.

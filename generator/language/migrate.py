@@ -32,9 +32,10 @@ def migrate(document: Document) -> tuple[Edit, ...]:
         edits.append(Edit(line, column, str(old), new))
         marks = document.mark(tuple(parent)).children
         for mapping in (holder, marks):
-            renamed_items = [(new if key == old else key, value) for key, value in mapping.items()]
+            old_items = list(mapping.items())
             mapping.clear()
-            mapping.update(renamed_items)
+            for key, value in old_items:
+                mapping[new if key == old else key] = value
     return tuple(edits)
 
 

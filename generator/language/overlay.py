@@ -15,16 +15,16 @@ from typing import Any
 
 from .document import Document, Path, label_of
 from .places import (
-    NothingThere,
+    MissingPath,
     as_affected,
     from_file,
     leads_somewhere,
     mark_at,
-    named,
-    put,
+    named_path,
     resolve,
-    taken_away,
     value_at,
+    with_value,
+    without_value,
 )
 from .problems import Report, quoted, suggestion
 from .rules.values import bad_source
@@ -144,10 +144,10 @@ class LayeredSpec:
                 continue
             marks = from_file(layer.document.marks.children["documents"], layer.document.file)
             if not documents:
-                self._data, self._marks = put(self._data, self._marks, ("documents",), {key: cited}, marks)
+                self._data, self._marks = with_value(self._data, self._marks, ("documents",), {key: cited}, marks)
             else:
                 mark = marks.children[key]
-                self._data, self._marks = put(self._data, self._marks, ("documents", key), cited, mark)
+                self._data, self._marks = with_value(self._data, self._marks, ("documents", key), cited, mark)
         if layer.kind is LayerKind.OVERLAY:
             bad_source(layer.document.data, self._data, self._report.for_document(layer.document))
 
@@ -170,10 +170,12 @@ class LayeredSpec:
         value = change["value"]
         try:
             path = resolve(self._data, text)
-        except NothingThere as nothing:
-            if nothing.step == text.rpartition(".")[2] and isinstance(value_at(self._data, nothing.found), dict):
-                if self._is_free(layer, place, (*nothing.found, nothing.step)):
-                    self._put_value(layer, place, (*nothing.found, nothing.step), f"no {_short(text)}")
+        except MissingPath as nothing:
+            if nothing.step == text.rpartition(".")[2] and isinstance(
+                value_at(self._data, nothing.existing_path), dict
+            ):
+                if self._is_free(layer, place, (*nothing.existing_path, nothing.step)):
+                    self._put_value(layer, place, (*nothing.existing_path, nothing.step), f"no {_short(text)}")
                 return
             self._report_missing_place(layer, place, text, nothing)
             return
@@ -190,20 +192,20 @@ class LayeredSpec:
     def _set_or_remove(self, layer: Layer, place: Path, text: str, kind: str) -> None:
         try:
             path = resolve(self._data, text)
-        except NothingThere as nothing:
+        except MissingPath as nothing:
             self._report_missing_place(layer, place, text, nothing)
             return
         if not self._is_free(layer, place, path):
             return
         current = value_at(self._data, path)
         if kind == "set" and _is_equal(layer.changes[place_number(place)]["to"], current):
-            message = f"the spec already has {_shown(current, self._text_from(path))} here; leave the change out"
+            message = f"the spec already has {_value_text(current, self._text_from(path))} here; leave the change out"
             self._report_problem("overlay-unused", layer, place, message)
         elif kind == "set":
-            self._put_value(layer, place, path, f"{_short(text)}: {_shown(current, self._text_from(path))}")
+            self._put_value(layer, place, path, f"{_short(text)}: {_value_text(current, self._text_from(path))}")
         else:
             affects, above = as_affected(self._data, path), as_affected(self._data, path[:-1])
-            self._data, self._marks = taken_away(self._data, self._marks, path)
+            self._data, self._marks = without_value(self._data, self._marks, path)
             affected = affects if leads_somewhere(self._data, affects) else above
             self._record_change(layer, place, was=_short(text), now="", affects=affected, is_known=kind != "unknown")
 
@@ -214,8 +216,8 @@ class LayeredSpec:
         value = layer.changes[number][key]
         mark = mark_at(layer.document.marks, (*layer.path, number, key))
         overlay_file = "" if layer.document.file == self._base.file else layer.document.file
-        self._data, self._marks = put(self._data, self._marks, path, value, from_file(mark, overlay_file))
-        now = _shown(value, layer.document.line(mark.line)[mark.column - 1 :])
+        self._data, self._marks = with_value(self._data, self._marks, path, value, from_file(mark, overlay_file))
+        now = _value_text(value, layer.document.line(mark.line)[mark.column - 1 :])
         self._record_change(layer, place, was=was, now=now, affects=as_affected(self._data, path), is_known=True)
 
     def _record_change(self, layer: Layer, place: Path, *, was: str, now: str, affects: str, is_known: bool) -> None:
@@ -226,7 +228,7 @@ class LayeredSpec:
 
     def _is_free(self, layer: Layer, place: Path, at: Path) -> bool:
         """Return True if no other change touches the place, its parents or its children."""
-        path = named(self._data, at)  # Indices change when an item is removed.
+        path = named_path(self._data, at)  # Indices change when an item is removed.
         for changed_path, (first_layer, number) in self._set.items():
             shared_length = min(len(changed_path), len(path))
             if changed_path[:shared_length] == path[:shared_length]:
@@ -244,9 +246,9 @@ class LayeredSpec:
         lines = self._other_files[mark.file] if mark.file else self._base.lines
         return lines[mark.line - 1][mark.column - 1 :]
 
-    def _report_missing_place(self, layer: Layer, place: Path, text: str, nothing: NothingThere) -> None:
-        parent_name = self._base.name_path(nothing.found) or "the spec"
-        hint = suggestion(nothing.step, nothing.known, "known")
+    def _report_missing_place(self, layer: Layer, place: Path, text: str, nothing: MissingPath) -> None:
+        parent_name = self._base.name_path(nothing.existing_path) or "the spec"
+        hint = suggestion(nothing.step, nothing.known_steps, "known")
         message = f"there is nothing at {quoted(text)}: {quoted(parent_name)} has no {quoted(nothing.step)}{hint}"
         self._report_problem("overlay-unused", layer, place, message.replace("'the spec'", "the spec"))
 
@@ -267,7 +269,7 @@ def _short(text: str) -> str:
     return text.removeprefix("registers.")
 
 
-def _shown(value: Any, written: str) -> str:
+def _value_text(value: Any, written: str) -> str:
     """Return a value as text: numbers as written in the file, maps and lists in braces and brackets."""
     if isinstance(value, int) and not isinstance(value, bool):
         word = written.split(maxsplit=1)[0].rstrip(",}]") if written.split() else ""

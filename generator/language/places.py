@@ -25,17 +25,22 @@ _UNNAMED = re.compile(r"[^a-z0-9_]")
 _Edit = Callable[[Any, Mark], tuple[Any, Mark]]
 
 
-class NothingThere(LookupError):
-    """No value at a path. ``step`` is the missing step, ``known`` are the possible ones."""
+class MissingPath(LookupError):
+    """No value at a path. ``step`` is the missing step, ``known_steps`` are the possible ones."""
 
     def __init__(self, step: str, known_steps: list[str], existing_path: Path) -> None:
         super().__init__(step)
-        self.step, self.known, self.found = step, known_steps, existing_path
+        self.step, self.known_steps, self.existing_path = step, known_steps, existing_path
 
 
 def steps_of(text: str) -> tuple[str | int, ...]:
     """Split ``procedures.preset.steps[3]`` into keys, names and indices counted from 0."""
-    return tuple(int(number) - 1 if number else word for number, word in _STEP.findall(text))
+    return tuple(_step_of(match) for match in _STEP.finditer(text))
+
+
+def _step_of(match: re.Match[str]) -> str | int:
+    number, word = match.groups()
+    return int(number) - 1 if number else str(word)
 
 
 def resolve(data: Any, text: str) -> Path:
@@ -46,16 +51,16 @@ def resolve(data: Any, text: str) -> Path:
     """
     path: Path = ()
     for step in steps_of(text):
-        keys_by_step = _inside(data)
+        keys_by_step = _inner_steps(data)
         if step not in keys_by_step:
             step_text = f"[{step + 1}]" if isinstance(step, int) else step
-            raise NothingThere(step_text, [str(key) for key in keys_by_step if isinstance(key, str)], path)
+            raise MissingPath(step_text, [str(key) for key in keys_by_step if isinstance(key, str)], path)
         key = keys_by_step[step]
         path, data = (*path, key), data[key]
     return path
 
 
-def _inside(data: Any) -> dict[str | int, str | int]:
+def _inner_steps(data: Any) -> dict[str | int, str | int]:
     """Return the possible next steps of a path, each with its key or index."""
     if isinstance(data, dict):
         return {key: key for key in data}
@@ -67,7 +72,7 @@ def _inside(data: Any) -> dict[str | int, str | int]:
     return steps
 
 
-def named(data: Any, path: Path) -> Path:
+def named_path(data: Any, path: Path) -> Path:
     """Return the path with names of items instead of indices. The last step need not exist yet."""
     named_path: Path = ()
     for step in path:
@@ -97,7 +102,7 @@ def from_file(mark: Mark, file: str) -> Mark:
     return replace(mark, children=children, file=file)
 
 
-def put(data: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tuple[Any, Mark]:
+def with_value(data: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tuple[Any, Mark]:
     """Return data and marks with a value at ``path``: replaced, at a new key, or appended to a list."""
 
     def edit(holder: Any, holder_mark: Mark) -> tuple[Any, Mark]:
@@ -109,7 +114,7 @@ def put(data: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tuple[Any
     return _edited(data, marks, path[:-1], edit)
 
 
-def taken_away(data: Any, marks: Mark, path: Path) -> tuple[Any, Mark]:
+def without_value(data: Any, marks: Mark, path: Path) -> tuple[Any, Mark]:
     """Return data and marks without the value at ``path``."""
 
     def edit(holder: Any, holder_mark: Mark) -> tuple[Any, Mark]:
@@ -121,11 +126,9 @@ def taken_away(data: Any, marks: Mark, path: Path) -> tuple[Any, Mark]:
                 children={name: child_mark for name, child_mark in holder_mark.children.items() if name != key},
             )
         remaining_indices = [index for index in range(len(holder)) if index != key]
-        children: dict[str | int, Mark] = {
-            place: holder_mark.children[index]
-            for place, index in enumerate(remaining_indices)
-            if index in holder_mark.children
-        }
+        child_marks = holder_mark.children
+        marked = [(place, index) for place, index in enumerate(remaining_indices) if index in child_marks]
+        children: dict[str | int, Mark] = {place: child_marks[index] for place, index in marked}
         return [holder[index] for index in remaining_indices], replace(holder_mark, children=children)
 
     return _edited(data, marks, path[:-1], edit)

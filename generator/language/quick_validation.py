@@ -20,7 +20,7 @@ _TYPES: Mapping[str, tuple[type, ...]] = {
 }
 
 
-def follows(value: Any, schema: Mapping[str, Any]) -> bool:
+def follows_schema(value: Any, schema: Mapping[str, Any]) -> bool:
     """Return True if a value follows a schema without references, and False if it may not."""
     return all(key in _TESTS and _TESTS[key](value, expected, schema) for key, expected in schema.items())
 
@@ -43,7 +43,9 @@ def _is_one_of(value: Any, expected: list[Any], _: object) -> bool:
 
 
 def _has_properties(value: Any, expected: Mapping[str, Any], _: object) -> bool:
-    return not isinstance(value, dict) or all(follows(value[key], expected[key]) for key in value if key in expected)
+    if not isinstance(value, dict):
+        return True
+    return all(follows_schema(value[key], expected[key]) for key in value if key in expected)
 
 
 def _has_additional(value: Any, expected: Any, schema: Mapping[str, Any]) -> bool:
@@ -51,11 +53,11 @@ def _has_additional(value: Any, expected: Any, schema: Mapping[str, Any]) -> boo
         return True
     additional_values = [inner for key, inner in value.items() if key not in schema.get("properties", ())]
     return not additional_values or (
-        isinstance(expected, dict) and all(follows(inner, expected) for inner in additional_values)
+        isinstance(expected, dict) and all(follows_schema(inner, expected) for inner in additional_values)
     )
 
 
-def _for(kind: str, test: Callable[[Any, Any], bool]) -> Callable[[Any, Any, object], bool]:
+def _only_for_type(kind: str, test: Callable[[Any, Any], bool]) -> Callable[[Any, Any, object], bool]:
     """Return a test that values of other types pass."""
     return lambda value, expected, _: type(value) not in _TYPES[kind] or test(value, expected)
 
@@ -67,16 +69,18 @@ _TESTS: Mapping[str, Callable[[Any, Any, Any], bool]] = {
     "const": lambda value, expected, schema: _is_one_of(value, [expected], schema),
     "properties": _has_properties,
     "additionalProperties": _has_additional,
-    "propertyNames": _for("object", lambda value, expected: all(follows(key, expected) for key in value)),
-    "required": _for("object", lambda value, expected: all(key in value for key in expected)),
-    "minProperties": _for("object", lambda value, expected: len(value) >= expected),
-    "maxProperties": _for("object", lambda value, expected: len(value) <= expected),
-    "items": _for("array", lambda value, expected: all(follows(inner, expected) for inner in value)),
-    "minItems": _for("array", lambda value, expected: len(value) >= expected),
-    "maxItems": _for("array", lambda value, expected: len(value) <= expected),
-    "pattern": _for("string", lambda value, expected: matches(expected, value)),
-    "minLength": _for("string", lambda value, expected: len(value) >= expected),
-    "maxLength": _for("string", lambda value, expected: len(value) <= expected),
-    "minimum": _for("number", lambda value, expected: value >= expected),
-    "maximum": _for("number", lambda value, expected: value <= expected),
+    "propertyNames": _only_for_type(
+        "object", lambda value, expected: all(follows_schema(key, expected) for key in value)
+    ),
+    "required": _only_for_type("object", lambda value, expected: all(key in value for key in expected)),
+    "minProperties": _only_for_type("object", lambda value, expected: len(value) >= expected),
+    "maxProperties": _only_for_type("object", lambda value, expected: len(value) <= expected),
+    "items": _only_for_type("array", lambda value, expected: all(follows_schema(inner, expected) for inner in value)),
+    "minItems": _only_for_type("array", lambda value, expected: len(value) >= expected),
+    "maxItems": _only_for_type("array", lambda value, expected: len(value) <= expected),
+    "pattern": _only_for_type("string", lambda value, expected: matches(expected, value)),
+    "minLength": _only_for_type("string", lambda value, expected: len(value) >= expected),
+    "maxLength": _only_for_type("string", lambda value, expected: len(value) <= expected),
+    "minimum": _only_for_type("number", lambda value, expected: value >= expected),
+    "maximum": _only_for_type("number", lambda value, expected: value <= expected),
 }

@@ -16,7 +16,7 @@ from . import files
 from .document import Document, Path
 from .problems import Report
 from .second_reading import family_of, is_second
-from .yaml import FORBIDDEN, LINE_BREAK, MAX_BYTES, Refused, parse
+from .yaml import FORBIDDEN, LINE_BREAK, MAX_BYTES, Unreadable, parse
 
 
 def read_document(path: pathlib.Path, report: Report, shown_as: str | None = None) -> Document | None:
@@ -35,7 +35,7 @@ def read_document(path: pathlib.Path, report: Report, shown_as: str | None = Non
     try:
         content = _content(path)
         text = _text(content)
-    except Refused as refusal:
+    except Unreadable as refusal:
         report.add_at(file, refusal.line, refusal.column, refusal.rule, refusal.message)
         return None
     lines = tuple(LINE_BREAK.split(text))
@@ -50,11 +50,11 @@ def read_document(path: pathlib.Path, report: Report, shown_as: str | None = Non
 
 
 def _parsed_document(file: str, text: str, lines: tuple[str, ...], report: Report) -> Document | None:
-    findings: list[Refused] = []
+    findings: list[Unreadable] = []
     broken: list[Path] = []
     try:
         data, marks = parse(text, findings.append, broken.append)
-    except Refused as refusal:
+    except Unreadable as refusal:
         findings.append(refusal)
         data = None
     for finding in findings:
@@ -67,7 +67,7 @@ def _parsed_document(file: str, text: str, lines: tuple[str, ...], report: Repor
 def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
     """Read files and whole folders, each file once.
 
-    A folder stands for the specs in it and below it, in sorted order. ``files.below`` finds them. A file given by name
+    A folder stands for the specs in it and below it, in sorted order, which ``find_files`` lists. A file given by name
     is always read, except for a second reading, which belongs to a spec.
     """
     documents = []
@@ -94,7 +94,7 @@ def _specs_at(path: pathlib.Path, report: Report) -> Sequence[pathlib.Path]:
     """Return the specs in a folder, or the file itself. Report a folder without specs."""
     if not files.is_folder(path):
         return (path,)
-    found_files = files.below(path)
+    found_files = files.find_files(path)
     report.passed_over += map(str, found_files.passed_over)
     if not found_files.specs:
         message = "no spec (a .yaml file with the key 'device', 'manufacturer' or 'master') in this folder"
@@ -115,17 +115,19 @@ def _content(path: pathlib.Path) -> bytes:
         mode = os.stat(path).st_mode
         if not stat.S_ISREG(mode):
             kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
-            raise Refused(1, 1, "unreadable", f"this is {kind}; a spec is a .yaml file")
+            raise Unreadable(1, 1, "unreadable", f"this is {kind}; a spec is a .yaml file")
         with open(path, "rb") as file:
             content = file.read(MAX_BYTES + 1)
     except FileNotFoundError:
-        raise Refused(1, 1, "unreadable", "there is no such file") from None
+        raise Unreadable(1, 1, "unreadable", "there is no such file") from None
     except (OSError, ValueError) as error:
-        raise Refused(
+        raise Unreadable(
             1, 1, "unreadable", f"the file cannot be read: {getattr(error, 'strerror', None) or error}"
         ) from None
     if len(content) > MAX_BYTES:
-        raise Refused(1, 1, "too-large", f"the file is larger than {MAX_BYTES // 2**20} MB; one spec covers one manual")
+        raise Unreadable(
+            1, 1, "too-large", f"the file is larger than {MAX_BYTES // 2**20} MB; one spec covers one manual"
+        )
     return content
 
 
@@ -140,7 +142,7 @@ def _text(content: bytes) -> str:
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         problem = f"byte 0x{content[error.start]:02X} is not UTF-8; save the file as UTF-8"
-        raise Refused(line, 1, "not-text", _not_text(content, problem)) from None
+        raise Unreadable(line, 1, "not-text", _not_text(content, problem)) from None
 
 
 def _not_text(content: bytes, problem: str) -> str:

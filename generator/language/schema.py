@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from .document import Document
 from .messages import RENAMED, Finding, explain
 from .problems import MAX_PROBLEMS, TOO_MANY, WORDS_ONLY, Path, Report
-from .quick_validation import follows, matches
+from .quick_validation import follows_schema, matches
 from .schema_files import load_schema
 from .second_reading import is_second
 
@@ -38,7 +38,7 @@ class FileKind(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Checked:
+class SchemaResult:
     """Result of the schema check.
 
     ``data`` is a deep copy without the broken parts. It follows the schema, except that keys may be missing at the top
@@ -54,7 +54,7 @@ class Checked:
     stand_ins: Mapping[Path, Mapping[str, str]] = field(default_factory=dict)
 
 
-def check_schema(document: Document, report: Report, kind: FileKind | None = None) -> Checked | None:
+def check_schema(document: Document, report: Report, kind: FileKind | None = None) -> SchemaResult | None:
     """Check a document against the schema of its kind, report each error, and remove the broken parts.
 
     Args:
@@ -75,20 +75,20 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
         return None
     document.kept_indices.clear()
     broken = set(document.broken)
-    if not broken and follows(document.data, shape_of(kind.value)):
-        return Checked(without(document, frozenset()), kind, complete=True)
+    if not broken and follows_schema(document.data, shape_of(kind.value)):
+        return SchemaResult(without_places(document, frozenset()), kind, complete=True)
     validator = _validator(kind.value)
     findings = _findings(validator, document.data, broken, kind.value)
     _report_findings(findings, document, report)
     if len(findings) > MAX_PROBLEMS:
         return None
     if not findings and not broken:
-        return Checked(without(document, frozenset()), kind, complete=True)
+        return SchemaResult(without_places(document, frozenset()), kind, complete=True)
     removed_places = set(map(place_to_remove, broken))
     for finding in findings:
         if not _can_be_incomplete(finding.path) and not _is_missing_prose(finding):
             removed_places.add(finding.path if finding.alone else place_to_remove(finding.path))
-    return _cut_out(validator, document, removed_places, kind)
+    return _remove_broken_items(validator, document, removed_places, kind)
 
 
 def _report_findings(findings: Sequence[Finding], document: Document, report: Report) -> None:
@@ -127,12 +127,12 @@ def _kind_of(data: dict[str, Any]) -> FileKind | None:
     return FileKind.MANUFACTURER if "manufacturer" in data else None
 
 
-def without(
+def without_places(
     document: Document, cut: Collection[Path], stand_ins: Mapping[Path, Mapping[str, str]] = MappingProxyType({})
 ) -> dict[str, Any]:
     """Return the data without these places and with these stand-ins. The document records the removed list items."""
     document.kept_indices.clear()
-    data: dict[str, Any] = _without(document.data, cut, (), document.kept_indices)
+    data: dict[str, Any] = _pruned(document.data, cut, (), document.kept_indices)
     for path, words in stand_ins.items():
         holder_data = value_at(data, path, document.kept_indices)
         if isinstance(holder_data, dict):
@@ -140,11 +140,11 @@ def without(
     return data
 
 
-def _cut_out(validator: Any, document: Document, cut: set[Path], kind: FileKind) -> Checked:
+def _remove_broken_items(validator: Any, document: Document, cut: set[Path], kind: FileKind) -> SchemaResult:
     """Remove the items with broken places, and all that depend on them, until the rest follows the schema."""
     stand_ins: dict[Path, Mapping[str, str]] = {}
     while True:
-        data = without(document, cut, stand_ins)
+        data = without_places(document, cut, stand_ins)
         is_complete, new_paths = True, set()
         stand_ins_before = len(stand_ins)
         for error in validator.iter_errors(data):
@@ -156,14 +156,17 @@ def _cut_out(validator: Any, document: Document, cut: set[Path], kind: FileKind)
             elif path:
                 new_paths.add(path)
         if new_paths <= cut and len(stand_ins) == stand_ins_before:
-            return Checked(data, kind, is_complete, cut=frozenset(cut), stand_ins=stand_ins)
+            return SchemaResult(data, kind, is_complete, cut=frozenset(cut), stand_ins=stand_ins)
         cut |= new_paths
 
 
 def _stand_ins(error: Any) -> dict[str, str]:
     """Return a stand-in for each missing key of an error."""
     missing_keys = [key for key in error.validator_value if key not in error.instance]
-    return {key: _SOME_SOURCE if key == "source" else "?" for key in missing_keys}
+    stand_ins = dict.fromkeys(missing_keys, "?")
+    if "source" in stand_ins:
+        stand_ins["source"] = _SOME_SOURCE
+    return stand_ins
 
 
 def _is_missing_prose(finding: Finding) -> bool:
@@ -193,16 +196,16 @@ def place_to_remove(path: Path) -> Path:
     return next((path[:end] for end in range(len(path), 0, -1) if isinstance(path[end - 1], int)), path)
 
 
-def _without(value: Any, cut: Collection[Path], path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Any:
+def _pruned(value: Any, cut: Collection[Path], path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Any:
     """Return a copy of the value without the places in ``cut``. ``kept_indices`` records the remaining list items."""
     if isinstance(value, dict):
         keys = [key for key in value if (*path, key) not in cut]
-        return {key: _without(value[key], cut, (*path, key), kept_indices) for key in keys}
+        return {key: _pruned(value[key], cut, (*path, key), kept_indices) for key in keys}
     if isinstance(value, list):
         indices = tuple(index for index in range(len(value)) if (*path, index) not in cut)
         if len(indices) < len(value):
             kept_indices[path] = indices
-        return [_without(value[index], cut, (*path, index), kept_indices) for index in indices]
+        return [_pruned(value[index], cut, (*path, index), kept_indices) for index in indices]
     return value
 
 

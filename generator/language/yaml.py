@@ -51,7 +51,7 @@ _TAGGED_TYPES: dict[str, tuple[type, ...]] = {
 }
 
 
-class Refused(Exception):
+class Unreadable(Exception):
     """Something that cannot be read.
 
     ``rule`` and ``message`` are those of a problem. The path is given if the rest of the file can be read.
@@ -73,7 +73,7 @@ class _Value:
 
 
 def parse(
-    text: str, complain: Callable[[Refused], None], stand_in: Callable[[Path], None]
+    text: str, complain: Callable[[Unreadable], None], stand_in: Callable[[Path], None]
 ) -> tuple[dict[str, Any], Mark]:
     """Parse a YAML text and return its data and marks.
 
@@ -88,13 +88,13 @@ def parse(
     try:
         return _Parser(text, complain, stand_in).document()
     except yaml.MarkedYAMLError as error:
-        raise Refused(*explain(error, text)) from None
+        raise Unreadable(*explain(error, text)) from None
     except yaml.YAMLError as error:
-        raise Refused(1, 1, "yaml-syntax", f"not valid YAML: {str(error).splitlines()[0]}") from None
+        raise Unreadable(1, 1, "yaml-syntax", f"not valid YAML: {str(error).splitlines()[0]}") from None
 
 
 class _Parser:
-    def __init__(self, text: str, complain: Callable[[Refused], None], stand_in: Callable[[Path], None]) -> None:
+    def __init__(self, text: str, complain: Callable[[Unreadable], None], stand_in: Callable[[Path], None]) -> None:
         self._complain = complain
         lines = LINE_BREAK.split(text)
         self._events = iter(
@@ -116,7 +116,7 @@ class _Parser:
         next(self._events)  # The start of the stream.
         start = next(self._events)
         if isinstance(start, yaml.StreamEndEvent):
-            raise Refused(1, 1, "empty", "the file is empty; a spec begins with 'codewheel: 1'")
+            raise Unreadable(1, 1, "empty", "the file is empty; a spec begins with 'codewheel: 1'")
         if getattr(start, "version", None) not in (None, (1, 2)):
             raise _refused(start, "yaml-syntax", "specs are read as YAML 1.2; remove the %YAML line")
         value = self._value(next(self._events), (), 1)
@@ -125,13 +125,13 @@ class _Parser:
         if not isinstance(following, yaml.StreamEndEvent):
             raise _refused(following, "several-documents", "a second document begins here; a file holds one")
         if value.data is None:
-            raise Refused(1, 1, "empty", "the file is empty; a spec begins with 'codewheel: 1'")
+            raise Unreadable(1, 1, "empty", "the file is empty; a spec begins with 'codewheel: 1'")
         if not isinstance(value.data, dict):
             message = (
                 "a spec is a map of keys and begins with 'codewheel: 1'; "
                 f"this is {'a list' if isinstance(value.data, list) else 'one value'}"
             )
-            raise Refused(value.mark.line, value.mark.column, "not-a-map", message)
+            raise Unreadable(value.mark.line, value.mark.column, "not-a-map", message)
         return value.data, value.mark
 
     def _value(self, event: Any, path: Path, depth: int) -> _Value:
@@ -290,5 +290,5 @@ def _short(tag: str) -> str:
     return tag.replace(_CORE, "!!")
 
 
-def _refused(event: Any, rule: str, message: str, path: Path = ()) -> Refused:
-    return Refused(event.start_mark.line + 1, event.start_mark.column + 1, rule, message, path)
+def _refused(event: Any, rule: str, message: str, path: Path = ()) -> Unreadable:
+    return Unreadable(event.start_mark.line + 1, event.start_mark.column + 1, rule, message, path)

@@ -18,7 +18,7 @@ _COMMON = {
 _Fact = tuple[Path, str]
 
 
-def check_alike(documents: Sequence[Document], report: Report) -> None:
+def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
     """Report differences between devices of a manufacturer in facts that its file lists under ``alike``."""
     devices = [document for document in documents if "device" in document.data and not report.faults(document)]
     for maker in documents:
@@ -54,7 +54,7 @@ def _facts(kind: str, definition: Spec) -> Iterator[tuple[tuple[str, ...], _Fact
     """Yield the shared facts of an item, by the path that an erratum would have."""
     for key, form in _COMMON[kind].items():
         if key in definition:
-            yield (key,), ((key,), _shown(form, definition[key]))
+            yield (key,), ((key,), _fact_text(form, definition[key]))
     for path, field in items(definition, "fields"):
         name = field.get("name")
         if isinstance(name, str):
@@ -63,5 +63,5 @@ def _facts(kind: str, definition: Spec) -> Iterator[tuple[tuple[str, ...], _Fact
                 yield (name, value_name, "value"), ((*path, "values", value_name, "value"), str(value["value"]))
 
 
-def _shown(form: str, value: object) -> str:
+def _fact_text(form: str, value: object) -> str:
     return str(value).lower() if isinstance(value, bool) else form.format(value)

@@ -61,7 +61,7 @@ from .repeated_facts import check_agreement
 from .run_time_parameters import coded_values, held_in_registers
 from .samples import samples
 from .spi_registers import check_spi_registers
-from .valid_parts import sound_so_far
+from .valid_parts import valid_parts_so_far
 from .verdicts import check_errata
 
 
@@ -166,16 +166,13 @@ def _definitions(raw: Raw) -> Mapping[str, Expression]:
 
 def code_grammar(raw: Raw) -> OrderCode:
     """Return the grammar of order codes from its checked data."""
-    parts = (
-        record(
-            CodePart,
-            part,
-            values=tuple(_code_value(text, value or {}, part) for text, value in part["values"].items()),
-            open_only_with=_only(part, "open_only_with"),
-        )
-        for part in raw["parts"]
-    )
-    return record(OrderCode, raw, parts=tuple(parts), also_written=tuple(map(_spelling, raw.get("also_written", ()))))
+    parts, spellings = map(_code_part, raw["parts"]), map(_spelling, raw.get("also_written", ()))
+    return record(OrderCode, raw, parts=tuple(parts), also_written=tuple(spellings))
+
+
+def _code_part(raw: Raw) -> CodePart:
+    values = tuple(_code_value(text, value or {}, raw) for text, value in raw["values"].items())
+    return record(CodePart, raw, values=values, open_only_with=_allowed_values(raw, "open_only_with"))
 
 
 def _spelling(raw: Raw) -> Spelling:
@@ -184,31 +181,32 @@ def _spelling(raw: Raw) -> Spelling:
 
 
 def _alternative(raw: Raw) -> Alternative:
-    answers = (
-        Answer(name, answer["meaning"], MappingProxyType(dict(answer["sets"])), sources(answer))
-        for name, answer in raw["values"].items()
-    )
-    return Alternative(raw["name"], raw["meaning"], tuple(answers), sources(raw), raw.get("default", ""))
+    answers = tuple(_answer(name, answer) for name, answer in raw["values"].items())
+    return Alternative(raw["name"], raw["meaning"], answers, sources(raw), raw.get("default", ""))
+
+
+def _answer(name: str, raw: Raw) -> Answer:
+    return Answer(name, raw["meaning"], MappingProxyType(dict(raw["sets"])), sources(raw))
 
 
 def _code_value(text: str, raw: Raw, part: Raw) -> CodeValue:
-    return record(CodeValue, raw, text=text, only_with=_only(raw, "only_with"), supply=supply(raw, sources(part)))
+    return record(
+        CodeValue, raw, text=text, only_with=_allowed_values(raw, "only_with"), supply=supply(raw, sources(part))
+    )
 
 
-def _only(raw: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
+def _allowed_values(raw: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
     return MappingProxyType({name: tuple(values) for name, values in raw.get(key, {}).items()})
 
 
 def _variants(
     order_code: OrderCode, definitions: Mapping[str, Expression], held_values: Mapping[str, int]
 ) -> tuple[Variant, ...]:
-    code_combinations = combinations(order_code) if order_code.parts else ()
-    return tuple(
-        Variant(
-            code, MappingProxyType(dict(parts)), interface, resolve_parameters({**held_values, **sets}, definitions)
-        )
-        for code, parts, interface, sets in code_combinations
-    )
+    variants = []
+    for code, parts, interface, sets in combinations(order_code) if order_code.parts else ():
+        parameters = resolve_parameters({**held_values, **sets}, definitions)
+        variants.append(Variant(code, MappingProxyType(dict(parts)), interface, parameters))
+    return tuple(variants)
 
 
 def _parameter(name: str, raw: Raw, context: Context) -> Parameter:
@@ -221,11 +219,9 @@ def _parameter(name: str, raw: Raw, context: Context) -> Parameter:
 
 
 def _registers(raw: Raw, context: Context) -> tuple[Register, ...]:
-    built = (
-        _register(raw_register, ("registers", index), context)
-        for index, raw_register in enumerate(raw.get("registers", ()))
-    )
-    return tuple(register for register in built if register is not None)
+    definitions = enumerate(raw.get("registers", ()))
+    registers = (_register(definition, ("registers", index), context) for index, definition in definitions)
+    return tuple(register for register in registers if register is not None)
 
 
 def _register(raw: Raw, path: Path, context: Context) -> Register | None:
@@ -254,8 +250,7 @@ def _register(raw: Raw, path: Path, context: Context) -> Register | None:
 
 
 def _register_meaning(raw: Raw, context: Context) -> RegisterMeaning:
-    low, high = (context.expression(raw[key]) if key in raw else None for key in ("min", "max"))
-    return record(RegisterMeaning, raw, value=raw["is"], min=low, max=high)
+    return record(RegisterMeaning, raw, value=raw["is"], **context.expressions(raw, ("min", "max")))
 
 
 def _check_limits(register: Register, path: Path, context: Context) -> None:
@@ -281,7 +276,7 @@ _Wrong = tuple[str, str, str]
 
 def _limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> tuple[int, int, int]:
     """Return the lowest and the highest value as stored, and the meaning of a stored zero."""
-    bounded_field = placed.field(bounded(register))
+    bounded_field = placed.find_field(bounded(register))
     zero_means = bounded_field.field.number.zero_means if bounded_field is not None else 0
     low, high = bounds(register, placed, (register.min, register.max), parameters)
     return low, high - 1 if zero_means and high == zero_means else high, zero_means
@@ -325,15 +320,15 @@ def _bounded_part(register: Register, placed: PlacedLayout, default: int) -> int
     if join is not None:
         value = codec.join_value(placed, join, default)
     else:
-        bounded_field = placed.field(bounded(register))
+        bounded_field = placed.find_field(bounded(register))
         value = default >> (bounded_field.low if bounded_field is not None else 0) & ((1 << width) - 1)
     return value - (1 << width) if value > representable(register, placed)[1] else value
 
 
 def _check_control_bytes(device: Device, report: DocumentReport) -> None:
     """Check that each printed control byte is the encoding of its data ID."""
-    interface = device.over(Rs485)
-    if interface is None or not sound_so_far(report).has_frames:
+    interface = device.find_interface(Rs485)
+    if interface is None or not valid_parts_so_far(report).has_frames:
         return
     variants = device.variants_over(interface.name)
     for data_id in interface.data_ids if variants else ():
@@ -358,14 +353,15 @@ def _check_control_bytes(device: Device, report: DocumentReport) -> None:
 
 def _check_requests(device: Device, report: DocumentReport) -> None:
     """Check that an encoder can distinguish its requests by constants in the bytes that two of them share."""
-    interface = device.over(Rs485)
-    if interface is None or not interface.exchanges or not sound_so_far(report).has_frames:
+    interface = device.find_interface(Rs485)
+    if interface is None or not interface.exchanges or not valid_parts_so_far(report).has_frames:
         return
     layouts = {layout.name: layout for layout in interface.layouts}
     requests = [layouts[exchange.request] for exchange in interface.exchanges if exchange.request in layouts]
     for index, layout in enumerate(requests):
         ambiguous_layout = next(
-            (earlier_layout for earlier_layout in requests[:index] if not _differ(earlier_layout, layout)), None
+            (earlier_layout for earlier_layout in requests[:index] if not _constants_differ(earlier_layout, layout)),
+            None,
         )
         if ambiguous_layout is not None:
             pair = f"'{layout.name}' from '{ambiguous_layout.name}'"
@@ -373,7 +369,7 @@ def _check_requests(device: Device, report: DocumentReport) -> None:
             report.add("rs485-exchange", ("interfaces", interface.name, "layouts", layout.name), problem)
 
 
-def _differ(layout: Layout, other_layout: Layout) -> bool:
+def _constants_differ(layout: Layout, other_layout: Layout) -> bool:
     """Return whether two requests have a different constant in the same bit of a byte."""
     constant_bits, other_constant_bits = _constant_bits(layout), _constant_bits(other_layout)
     return any(other_constant_bits.get(place, value) != value for place, value in constant_bits.items())
@@ -381,10 +377,11 @@ def _differ(layout: Layout, other_layout: Layout) -> bool:
 
 def _constant_bits(layout: Layout) -> dict[tuple[int, int], int]:
     """Return the constant bits of a layout, by byte and bit."""
-    return {
-        (piece.byte, piece.right + bit): field.kind.value >> piece.left + bit & 1
-        for field in layout.fields
-        if isinstance(field.kind, Constant)
-        for piece in field.pieces
-        for bit in range(piece.mask.bit_length())
-    }
+    constant_bits = {}
+    for field in layout.fields:
+        if isinstance(field.kind, Constant):
+            for piece in field.pieces:
+                value = field.kind.value >> piece.left
+                bits = range(piece.mask.bit_length())
+                constant_bits.update({(piece.byte, piece.right + bit): value >> bit & 1 for bit in bits})
+    return constant_bits

@@ -13,13 +13,13 @@ from typing import Any
 
 from ..language.document import Path
 from ..language.overlay import KINDS, Layer, LayeredSpec, LayerKind
-from ..language.places import NothingThere, as_affected, resolve
+from ..language.places import MissingPath, as_affected, resolve
 from ..language.problems import DocumentReport, Report, listed, quoted
 from ..language.rules.walk import leaves
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition
 from ..order_codes.narrowing import for_codes
 from .from_mapping import record
-from .overlays import Build, Family, errata_of, few, without_examples
+from .overlays import Build, Family, errata_of, shortened, without_examples
 
 #: Largest number of editions times values. Each edition is checked like a spec. The largest manual needs 26,000.
 MOST_VALUES = 500_000
@@ -47,7 +47,7 @@ def _edition(definition: Raw, revision: str, date: str) -> ManualEdition:
     return record(ManualEdition, definition, revision=revision, date=date)
 
 
-def chosen(device: Device, wanted: str) -> str:
+def revision_for(device: Device, wanted: str) -> str:
     """Return the revision of an edition given by its revision, or by a date on which it was the latest.
 
     Raises:
@@ -82,7 +82,7 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
     """
     laying = LayeredSpec(family.document, report)
     problems_before = len(report)
-    for index, key, name in _steps(family, revision):
+    for index, key, name in _change_lists(family, revision):
         laying.apply([Layer(family.document, ("editions", index, key), LayerKind.EDITION, name)])
     name = f"{family.device.name}_{re.sub('[^a-z0-9]+', '_', revision.lower()).strip('_')}"
     document = laying.document(name)
@@ -119,7 +119,7 @@ def _report_in_edition(inner_report: Report, revision: str, report: Report) -> N
             report.add_at(*place, problem.rule, message, path=problem.path, text=problem.text)
 
 
-def _steps(family: Family, revision: str) -> Iterator[tuple[int, str, str]]:
+def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str]]:
     """Yield the lists of changes that lead to a revision, each as index, key and name in outputs."""
     order = [edition.revision for edition in family.device.editions]
     own_index, wanted_index = order.index(family.device.manual.revision), order.index(revision)
@@ -141,19 +141,20 @@ def notes(raw: Raw) -> Iterator[Erratum]:
             for number, change in enumerate(edition.get(key, ()), 1):
                 # A change with no kind or several is reported when it is applied.
                 if len(kinds := [word for word in KINDS if word in change]) == 1:
-                    yield _note(raw, change, name, number, kinds[0])
+                    yield _edition_erratum(raw, change, name, number, kinds[0])
 
 
-def _note(raw: Raw, change: Raw, name: str, number: int, kind: str) -> Erratum:
+def _edition_erratum(raw: Raw, change: Raw, name: str, number: int, kind: str) -> Erratum:
     texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
-    affects = [] if kind == "also" else [_affected(raw, text) for text in texts]
+    affecting_texts = [] if kind == "also" else texts
+    affects = [_affected_path(raw, text) for text in affecting_texts]
     value = change.get("to", change.get("value"))
     used = {"remove": LEFT_OUT, "unknown": NOT_KNOWN, "also": NOT_KNOWN}.get(kind, _text(value))
     return record(
         Erratum,
         {"severity": "wrong_data", **{key: change[key] for key in ("why", "source", "severity") if key in change}},
         name=f"edition_{re.sub('[^a-z0-9]+', '_', name.lower())}_{number}",
-        printed=few(without_examples([text.removeprefix("registers.") for text in texts])),
+        printed=shortened(without_examples([text.removeprefix("registers.") for text in texts])),
         used=used,
         status="open" if used == NOT_KNOWN else "settled",
         affects=tuple(dict.fromkeys(filter(None, affects))),
@@ -174,11 +175,11 @@ def _text(value: object) -> str:
             return str(value)
 
 
-def _affected(raw: Raw, text: str) -> str:
+def _affected_path(raw: Raw, text: str) -> str:
     try:
         return as_affected(raw, resolve(raw, text))
-    except NothingThere as nothing:
-        return as_affected(raw, nothing.found)
+    except MissingPath as nothing:
+        return as_affected(raw, nothing.existing_path)
 
 
 def check_editions(raw: Raw, device: Device, report: DocumentReport) -> None:

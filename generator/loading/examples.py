@@ -26,7 +26,7 @@ from ..reference import codec
 from ..reference.crc import compute_bytes, in_order, start_for
 from ..reference.procedures import register_writes
 from .from_mapping import Raw, record
-from .valid_parts import sound_so_far
+from .valid_parts import valid_parts_so_far
 
 #: Path in an example, and the error there.
 Wrong = tuple[Path, str]
@@ -46,7 +46,7 @@ def _example(raw: Raw) -> Example:
 
 def check_examples(device: Device, report: DocumentReport) -> None:
     """Report every example that contradicts its layout, CRC or procedure, if these are valid themselves."""
-    valid_parts = sound_so_far(report)
+    valid_parts = valid_parts_so_far(report)
     for example in device.examples:
         for inner_path, problem in (
             _faults(device, example) if valid_parts.holds(example) and _is_built(device, example) else ()
@@ -82,7 +82,7 @@ def _faults(device: Device, example: Example) -> list[Wrong]:
     except UnknownOrderCode as reason:
         return [(("order_code",), str(reason))]
     except codec.EncodeError as reason:
-        return [(_data(example), str(reason))]
+        return [(_data_path(example), str(reason))]
 
 
 def example_variant(device: Device, example: Example) -> Variant:
@@ -169,9 +169,9 @@ def _check_decoded(device: Device, decoded: codec.Decoded, example: FrameExample
     if problems and problems[0].fault in (Fault.LENGTH, Fault.CRC):  # Further errors may only follow from it.
         problems = problems[:1]
     hint = _better_start(device, decoded.crc.name) if decoded.crc is not None and not decoded.crc.ok else ""
-    problems_found: list[Wrong] = [(_data(example), problem.message + hint) for problem in problems]
-    problems_found = problems_found or list(_compare(decoded, example))
-    yield from problems_found or _back(device, decoded, example)
+    problems_found: list[Wrong] = [(_data_path(example), problem.message + hint) for problem in problems]
+    problems_found = problems_found or list(_compare_values(decoded, example))
+    yield from problems_found or _check_encoding(device, decoded, example)
 
 
 def _better_start(device: Device, name: str) -> str:
@@ -179,14 +179,14 @@ def _better_start(device: Device, name: str) -> str:
 
     Every single example fits some start value. With one example, only the usual ones, all bits 0 or all 1, are named.
     """
-    starts = [start for example in device.examples for start in _starts(device, device.crc(name), example)]
+    starts = [start for example in device.examples for start in _start_values(device, device.crc(name), example)]
     crc, fitting = device.crc(name), set(starts)
     if len(fitting) != 1 or fitting == {crc.init} or (len(starts) == 1 and not fitting <= {0, crc.mask}):
         return ""
     return f"; with 'init: {fitting.pop():#x}' in the CRC '{name}', {'every example' if starts[1:] else 'it'} matches"
 
 
-def _starts(device: Device, crc: Crc, example: Example) -> Iterator[int]:
+def _start_values(device: Device, crc: Crc, example: Example) -> Iterator[int]:
     """Yield the start value that the CRC needs for an example that contains it."""
     if not crc.poly & 1:
         return
@@ -203,7 +203,7 @@ def _starts(device: Device, crc: Crc, example: Example) -> Iterator[int]:
             yield start_for(crc, *codec.covered(crc, decoded.layout, decoded.number), decoded.crc.received)
 
 
-def _data(example: Example) -> Path:
+def _data_path(example: Example) -> Path:
     if isinstance(example, ProcedureExample):
         return ("arguments",)
     return ("bits",) if isinstance(example, FrameExample) and example.bits else ("bytes",)
@@ -211,7 +211,7 @@ def _data(example: Example) -> Path:
 
 def decode_example(device: Device, example: FrameExample, variant: Variant) -> codec.Decoded:
     """Decode the frame of an example with the model."""
-    if not example.bits and (not example.layout or example.layout in _selected(device, example.sender)):
+    if not example.bits and (not example.layout or example.layout in _selected_layouts(device, example.sender)):
         return codec.decode_bytes(device, variant, example.sender, example.bytes)
     placed = device.layout(example.layout).place(variant.parameters)
     if not example.bits:
@@ -219,7 +219,7 @@ def decode_example(device: Device, example: FrameExample, variant: Variant) -> c
     return codec.decode_bits(device, placed, int(example.bits, 2), len(example.bits))
 
 
-def _selected(device: Device, sender: str) -> set[str]:
+def _selected_layouts(device: Device, sender: str) -> set[str]:
     """Return the names of the layouts of a sender that a field identifies, or that serve all other values."""
     names: set[str] = set()
     for interface in device.interfaces:
@@ -228,7 +228,7 @@ def _selected(device: Device, sender: str) -> set[str]:
     return names
 
 
-def _compare(decoded: codec.Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
+def _compare_values(decoded: codec.Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
     decoded_values = decoded.values
     for name, value in example.values.items():
         if name not in decoded_values:
@@ -237,7 +237,7 @@ def _compare(decoded: codec.Decoded, example: FrameExample | RegisterExample) ->
             yield ("values", name), f"{name} is {decoded_values[name]}, not {value}"
 
 
-def _back(device: Device, decoded: codec.Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
+def _check_encoding(device: Device, decoded: codec.Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
     """Yield an error if encoding the decoded values does not return the example."""
     if decoded.layout is None:
         return
@@ -251,4 +251,4 @@ def _back(device: Device, decoded: codec.Decoded, example: FrameExample | Regist
         described = sum(((1 << field.width) - 1) << field.low for field in decoded.layout.fields)
         encoded |= decoded.number & ~described
     if encoded != decoded.number:
-        yield _data(example), f"encoding its fields again gives {encoded:#x}, not {decoded.number:#x}"
+        yield _data_path(example), f"encoding its fields again gives {encoded:#x}, not {decoded.number:#x}"

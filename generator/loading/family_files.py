@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 
-from ..language.files import below, is_folder
+from ..language.files import find_files, is_folder
 
 MANUFACTURER = "manufacturer.yaml"
 
@@ -14,7 +14,7 @@ MANUFACTURER = "manufacturer.yaml"
 def spec_files(paths: Sequence[Path]) -> Iterator[Path]:
     """Yield the files that a run with these paths reads as specs."""
     for path in paths:
-        yield from below(path).specs if is_folder(path) else (path,)
+        yield from find_files(path).specs if is_folder(path) else (path,)
 
 
 def family_files(spec: Path, names_in: Callable[[Path], Iterable[str]] = os.listdir) -> list[Path]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from ..language.problems import DocumentReport, Path
 from ..language.rules.shapes import RESERVED
@@ -58,6 +58,10 @@ class Context:
         except ExpressionError:
             return None  # reported by the rules on references and expressions
 
+    def expressions(self, raw: Raw, keys: Iterable[str]) -> dict[str, Expression | None]:
+        """Return the expressions under these keys of a part of the spec, or None for those that it does not give."""
+        return dict.fromkeys(keys) | {key: self.expression(raw[key]) for key in keys if key in raw}
+
 
 def _makes_position(raw: Raw, interface: str) -> Verdict | None:
     """Return the verdict on the position while the flag ``raw`` is active, from the spec or the interface."""
@@ -95,7 +99,7 @@ def bit_range(text: int | str) -> tuple[int, int] | None:
     return bounds if bounds[0] >= bounds[1] else None
 
 
-def equals(raw: Raw, context: Context) -> Expression | int | str | None:
+def expected_value(raw: Raw, context: Context) -> Expression | int | str | None:
     """Return the expected value: text, a number, or an expression if it depends on the order code."""
     expected = raw.get("equals")
     if isinstance(expected, str) and "text" not in raw:
@@ -115,7 +119,7 @@ def zero_field(name: str, kind: Constant, low: Expression, width: Expression, si
     )
 
 
-def kind(raw: Raw, context: Context, interface: str, width: Expression) -> Kind:
+def kind_of(raw: Raw, context: Context, interface: str, width: Expression) -> Kind:
     """Return the kind of a field by its key. A field without such a key is a number."""
     if "constant" in raw:
         return Constant(raw["constant"])
@@ -127,7 +131,7 @@ def kind(raw: Raw, context: Context, interface: str, width: Expression) -> Kind:
         values = build_values(raw)
         return Choice(values + (_reserved(values, width.constant) if "others" in raw else ()))
     if "values_of" in raw:
-        return Choice(_data_ids(context.data_ids.get(interface, ())))
+        return Choice(tuple(map(_value_of, context.data_ids.get(interface, ()))))
     if "crc" in raw:
         return CrcValue(raw["crc"], tuple(raw.get("crc_of", ())))
     if "parity_of" in raw:
@@ -156,9 +160,8 @@ def _flag(raw: Raw, context: Context, interface: str) -> Flag:
 
 def build_values(raw: Raw) -> tuple[Value, ...]:
     """Return the named values in ``raw['values']``, in the order of the spec."""
-    return tuple(
-        record(Value, value, name=name, makes_position=_verdict(value)) for name, value in raw.get("values", {}).items()
-    )
+    values = raw.get("values", {}).items()
+    return tuple(record(Value, value, name=name, makes_position=_verdict(value)) for name, value in values)
 
 
 def _verdict(raw: Raw) -> Verdict | None:
@@ -167,15 +170,12 @@ def _verdict(raw: Raw) -> Verdict | None:
 
 def build_combinations(raw: Raw) -> tuple[Combination, ...]:
     """Return the combinations of a layout in the order of the spec."""
-    return tuple(
-        record(
-            Combination,
-            raw_combination,
-            when=tuple(f"{name}.{value}" for name, value in raw_combination["when"].items()),
-            makes_position=Verdict(raw_combination["makes_position"]),
-        )
-        for raw_combination in raw.get("combinations", ())
-    )
+    return tuple(map(_combination, raw.get("combinations", ())))
+
+
+def _combination(raw: Raw) -> Combination:
+    conditions = tuple(f"{name}.{value}" for name, value in raw["when"].items())
+    return record(Combination, raw, when=conditions, makes_position=Verdict(raw["makes_position"]))
 
 
 def _reserved(values: Sequence[Value], width: int) -> tuple[Value, ...]:
@@ -185,10 +185,14 @@ def _reserved(values: Sequence[Value], width: int) -> tuple[Value, ...]:
     return tuple(Value(f"{RESERVED}_{value}", value, "", {}, meaning, ()) for value in unlisted_numbers)
 
 
-def _data_ids(data_ids: Sequence[DataId]) -> tuple[Value, ...]:
-    return tuple(
-        Value(data_id.name, data_id.id, f"Data ID {data_id.id:X}", {}, data_id.meaning, data_id.source)
-        for data_id in data_ids
+def _value_of(data_id: DataId) -> Value:
+    return Value(
+        name=data_id.name,
+        value=data_id.id,
+        printed_name=f"Data ID {data_id.id:X}",
+        names={},
+        meaning=data_id.meaning,
+        source=data_id.source,
     )
 
 

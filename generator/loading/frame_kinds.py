@@ -7,7 +7,7 @@ from itertools import combinations
 
 from ..language.problems import DocumentReport, Path
 from ..model import Biss, Constant, Device, Field, Interface, Layout, Number, Rs485, Spi, Ssi
-from .valid_parts import sound_so_far
+from .valid_parts import valid_parts_so_far
 
 
 def check_frame_kinds(device: Device, report: DocumentReport) -> None:
@@ -15,7 +15,7 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
 
     Over RS-485, only the request tells the frames apart.
     """
-    for interface in device.interfaces if sound_so_far(report).has_frames else ():
+    for interface in device.interfaces if valid_parts_so_far(report).has_frames else ():
         _check_replies(interface, device.position_names(interface.name), report)
         if not isinstance(interface, Rs485):
             _check_positions(device, interface, report)
@@ -31,7 +31,7 @@ def _check_numbers(device: Device, interface: Interface, report: DocumentReport)
         numbers = {field.name for field in layout.fields if isinstance(field.kind, Number)}
         same_channel = [frame for frame in frames if frame.channel == layout.channel]
         candidates = [frame for frame in same_channel if _has_constant(frame, numbers)]
-        clash = next(_kinds(device, interface, layout, candidates), None)
+        clash = next(_ambiguous_numbers(device, interface, layout, candidates), None)
         if clash is not None:
             field, other_layout, value = clash
             message = f"'{field.name}' can be any number, but it is always {value:#x} in '{other_layout.name}'"
@@ -53,7 +53,7 @@ def _check_positions(device: Device, interface: Interface, report: DocumentRepor
     """
     frames = [layout for layout in interface.layouts if device.tells_position(interface.name, layout)]
     for first, second in combinations(frames if isinstance(interface, (Biss, Ssi)) else (), 2):
-        if second.note or first.channel != second.channel or _differ(first, second):
+        if second.note or first.channel != second.channel or _are_distinguished(first, second):
             continue
         message = (
             f"'{first.name}' and '{second.name}' both contain the position, and nothing distinguishes their frames"
@@ -67,7 +67,7 @@ def _check_positions(device: Device, interface: Interface, report: DocumentRepor
         return
 
 
-def _differ(layout: Layout, other_layout: Layout) -> bool:
+def _are_distinguished(layout: Layout, other_layout: Layout) -> bool:
     """Return whether a selector or a constant of the same name distinguishes two frames."""
     constants, other_constants = map(_constants, (layout, other_layout))
     common_names = constants.keys() & other_constants.keys()
@@ -101,15 +101,16 @@ def _check_replies(interface: Interface, positions: frozenset[str], report: Docu
 def _common_constant(requests: Sequence[Layout], name: str) -> int | None:
     """Return the value of a field that is the same constant in all requests with the field, or None."""
     kinds = [field.kind for request in requests for field in request.fields if field.name == name]
-    values = {kind.value if isinstance(kind, Constant) else None for kind in kinds}
-    return values.pop() if len(values) == 1 else None
+    constants = [kind for kind in kinds if isinstance(kind, Constant)]
+    values = {constant.value for constant in constants}
+    return values.pop() if len(constants) == len(kinds) and len(values) == 1 else None
 
 
 def _has_constant(layout: Layout, names: set[str]) -> bool:
     return any(isinstance(field.kind, Constant) and field.name in names for field in layout.fields)
 
 
-def _kinds(
+def _ambiguous_numbers(
     device: Device, interface: Interface, layout: Layout, other_layouts: list[Layout]
 ) -> Iterator[tuple[Field, Layout, int]]:
     """Yield the numbers that are a constant at the same place of a frame with the same length."""
@@ -118,7 +119,7 @@ def _kinds(
         for other_layout in other_layouts:
             other_placed = other_layout.place(variant.parameters)
             for placed_field in placed.fields if placed.bits == other_placed.bits else ():
-                other_field = other_placed.field(placed_field.name)
+                other_field = other_placed.find_field(placed_field.name)
                 if other_field is None or (other_field.low, other_field.width) != (
                     placed_field.low,
                     placed_field.width,

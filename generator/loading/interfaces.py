@@ -50,11 +50,11 @@ _WORD = (8, 64)
 
 def _check_words(raw: Raw, layouts: Sequence[Layout], site: Site) -> None:
     """Check that words have a possible number of bits for every order code, and that their layouts have as many."""
-    shared = _checked(raw, site)
+    shared = _checked_word_bits(raw, site)
     word_bits: list[tuple[Raw, Expression | None]] = []
     for index, exchange in enumerate(raw.get("exchanges", ())):
         has_own_bits = "word_bits" in exchange
-        word_bits.append((exchange, _checked(exchange, site, "exchanges", index) if has_own_bits else shared))
+        word_bits.append((exchange, _checked_word_bits(exchange, site, "exchanges", index) if has_own_bits else shared))
     widths = {layout.bits for layout in layouts}
     is_shared = shared is not None and all(bits == shared for _, bits in word_bits)
     if is_shared and len(layouts) > 1 and len(widths) == 1:
@@ -82,13 +82,16 @@ def _check_word_bits(layout: Layout, word_bits: Sequence[tuple[Raw, Expression |
         return
 
 
-def _checked(raw: Raw, site: Site, *below: str | int) -> Expression | None:
+def _checked_word_bits(raw: Raw, site: Site, *below: str | int) -> Expression | None:
     """Return ``word_bits`` of an interface or exchange, and check its range for every order code."""
     bits = site.context.expression(raw.get("word_bits", _WORD[0]))
+    if bits is None:
+        return None
     low, high = _WORD
-    lengths = sorted({bits.value(parameters) for parameters in site.sets} if bits is not None else ())
-    for length in [length for length in lengths if not low <= length <= high][:1]:
-        message = f"a word has {length} bits, but {low} to {high} are possible"
+    lengths = sorted({bits.value(parameters) for parameters in site.sets})
+    impossible_lengths = [length for length in lengths if not low <= length <= high]
+    if impossible_lengths:
+        message = f"a word has {impossible_lengths[0]} bits, but {low} to {high} are possible"
         site.report("width-mismatch", message, *below, "word_bits")
     return bits
 
@@ -99,8 +102,7 @@ def build_measurement(raw: Raw, context: Context) -> Measurement | None:
         return None
     definition = raw["measurement"]
     keys = ("counts_per_turn", "turns", "step_um", "step_nm", "per_counts", "modulus", "highest")
-    numbers = {key: context.expression(definition[key]) if key in definition else None for key in keys}
-    return Measurement(of=definition["of"], source=sources(definition), **numbers)
+    return Measurement(of=definition["of"], source=sources(definition), **context.expressions(definition, keys))
 
 
 def _clock(raw: Raw) -> Clock:

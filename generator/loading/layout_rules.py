@@ -35,7 +35,7 @@ LARGEST_NUMBER = 64
 LARGEST_BYTES = 128
 
 
-def is_sound(layout: Layout, site: Site, low_byte_first: bool) -> bool:
+def check_layout(layout: Layout, site: Site, low_byte_first: bool) -> bool:
     """Return True if a layout is valid with the parameters of every order code, otherwise report why.
 
     ``low_byte_first`` is true if the spec says so, also for a layout that is carried as bits.
@@ -62,10 +62,9 @@ def is_sound(layout: Layout, site: Site, low_byte_first: bool) -> bool:
     for selected in layout.selects:
         if selector is not None and selector.values and selected not in [value.value for value in selector.values]:
             site.report("undefined-reference", f"'{layout.selector}' has no value {selected}", "when")
-    for name in (*(member.name for member in layout.fields), *(member.name for member in layout.joins)):
-        if layout.unused and name == "unused":
-            message = "decoded frames use the name 'unused' for all unused bits; rename the field"
-            site.report("duplicate-name", message, "fields", name)
+    if layout.unused and "unused" in layout.member_names:
+        message = "decoded frames use the name 'unused' for all unused bits; rename the field"
+        site.report("duplicate-name", message, "fields", "unused")
     check_joined(layout, site, low_byte_first)
     return len(site.context.report) == problems_before
 

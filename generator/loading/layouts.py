@@ -15,9 +15,9 @@ from ..model import INTERFACES, Constant, Field, Join, Layout, LayoutRange, Pari
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from ..model.scale import WIDEST
-from .fields import Context, Site, bit_range, build_combinations, equals, kind, pieces, zero_field
+from .fields import Context, Site, bit_range, build_combinations, expected_value, kind_of, pieces, zero_field
 from .from_mapping import Raw, record, sources
-from .layout_rules import is_sound
+from .layout_rules import check_layout
 from .verdicts import with_verdicts_of_reserved_bits
 
 ZERO = Expression(0)
@@ -47,12 +47,12 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
     """
     byte_order = _byte_order(raw, "bytes" if total is not None else INTERFACES[site.interface].carried_as)
     low_first = byte_order == "low_byte_first"
-    arranged = _arranged(raw, site, total, low_first)
+    arranged = _place_items(raw, site, total, low_first)
     if arranged is None:
         return None
     parts, bits = arranged
     gaps = _content_of_gaps(raw, site.context)
-    fields = _covering(parts, bits, gaps, site)
+    fields = _with_gap_fields(parts, bits, gaps, site)
     if fields is None:
         return None
     if byte_order == "high_byte_first" and total is None and INTERFACES[site.interface].carried_as == "bits":
@@ -61,7 +61,7 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
         fields = [replace(field, pieces=pieces(field, site.widest(bits) // 8, low_first)) for field in fields]
     fields = _with_joins_covered(raw, fields, site)
     layout = _layout(raw, site, byte_order, bits, _in_order(fields, low_first and total is None), gaps)
-    if not is_sound(layout, site, raw.get("byte_order") == "low_byte_first"):
+    if not check_layout(layout, site, raw.get("byte_order") == "low_byte_first"):
         return None
     return with_verdicts_of_reserved_bits(layout, raw["fields"], site) if total is None else layout
 
@@ -100,8 +100,7 @@ def _position_range(raw: Raw, context: Context) -> LayoutRange | None:
     if "position_range" not in raw:
         return None
     definition = raw["position_range"]
-    keys = ("turns", "modulus", "highest")
-    numbers = {key: context.expression(definition[key]) if key in definition else None for key in keys}
+    numbers = context.expressions(definition, ("turns", "modulus", "highest"))
     return LayoutRange(source=sources(definition) or sources(raw), wraps=definition.get("wraps", True), **numbers)
 
 
@@ -117,7 +116,9 @@ def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]], constants: 
         message = f"'over' counts the bits of each field from 0, and '{join}' has several fields; list its fields"
         site.report("parity-of", message, "fields", field.name, "parity_of")
     names = tuple(part for name in field.kind.of for part in joins.get(name, (name,)))
-    constant_names = tuple(name for name in names if name in constants) if len(names) > 1 else ()
+    constant_names = tuple(name for name in names if name in constants)
+    if len(names) == 1:
+        constant_names = ()
     inverts = bool(sum((constants[name] & field.kind.mask).bit_count() for name in constant_names) & 1)
     odd, data_names = field.kind.odd != inverts, tuple(name for name in names if name not in constant_names)
     kind = Parity(data_names, odd, field.kind.over, constant_names, inverts) if data_names else Constant(int(odd))
@@ -131,7 +132,7 @@ def _byte_order(raw: Raw, carried_as: str) -> str:
     return order
 
 
-def _arranged(raw: Raw, site: Site, total: int | None, low_first: bool) -> tuple[list[Item], Expression] | None:
+def _place_items(raw: Raw, site: Site, total: int | None, low_first: bool) -> tuple[list[Item], Expression] | None:
     """Return the items with their places and the width of the layout, or report why they do not fit."""
     items = _items(raw.get("fields", ()), (*site.path, "fields"), site.context, low_first)
     if items is None:
@@ -142,14 +143,14 @@ def _arranged(raw: Raw, site: Site, total: int | None, low_first: bool) -> tuple
         items, bits = _in_sequence(items, low_first)
         if total is not None and not _sums_up(bits, total, site):
             return None
-    return (items, bits) if _fits(items, bits, site) else None
+    return (items, bits) if _check_items_fit(items, bits, site) else None
 
 
-def _covering(items: Sequence[Item], bits: Expression, gaps: str, site: Site) -> list[Field] | None:
+def _with_gap_fields(items: Sequence[Item], bits: Expression, gaps: str, site: Site) -> list[Field] | None:
     """Return the fields from the lowest up, with zero fields in zero gaps, or None if bits are left over."""
     fields = [field for field_item in items for field in _fields(field_item, site)]
     fields = _with_places(fields, site)
-    if not _covers(fields, bits, gaps, site):
+    if not _check_all_bits_covered(fields, bits, gaps, site):
         return None
     return _with_zeros(fields, bits, site) if gaps == "zero" else fields
 
@@ -234,7 +235,7 @@ def _in_sequence(items: Sequence[Item], low_first: bool) -> tuple[list[Item], Ex
     return placed if low_first else placed[::-1], position
 
 
-def _flat(items: Iterable[Item]) -> Iterable[Item]:
+def _flatten(items: Iterable[Item]) -> Iterable[Item]:
     """Yield the items with groups expanded, each at its place in the layout."""
     for field_item in items:
         inner = field_item.raw.get("group")
@@ -245,13 +246,13 @@ def _flat(items: Iterable[Item]) -> Iterable[Item]:
 
 
 def _highest(items: Sequence[Item], site: Site) -> int:
-    return max(site.widest(field_item.low + field_item.span) for field_item in _flat(items)) - 1
+    return max(site.widest(field_item.low + field_item.span) for field_item in _flatten(items)) - 1
 
 
 def _sums_up(bits: Expression, total: int, site: Site) -> bool:
     for parameters in site.sets:
         if (field_bits := bits.value(parameters)) != total:
-            message = f"the fields have {field_bits} bits{_with(parameters, bits)}, but the register has {total}"
+            message = f"the fields have {field_bits} bits{_values_text(parameters, bits)}, but the register has {total}"
             site.report("width-mismatch", message)
             return False
     return True
@@ -261,19 +262,20 @@ def _bits(high: int, low: int) -> str:
     return f"bits {high}:{low}" if high != low else f"bit {low}"
 
 
-def _with(parameters: Mapping[str, int], *expressions: Expression) -> str:
+def _values_text(parameters: Mapping[str, int], *expressions: Expression) -> str:
     """Return text such as `` with singleturn_bits = 17`` for the relevant parameters."""
     names = dict.fromkeys(name for expression in expressions for name in expression.parameters)
-    return " with " + ", ".join(f"{name} = {parameters[name]}" for name in names) if names else ""
+    values = ", ".join(f"{name} = {parameters[name]}" for name in names)
+    return f" with {values}" if values else ""
 
 
-def _fits(items: Sequence[Item], bits: Expression, site: Site) -> bool:
+def _check_items_fit(items: Sequence[Item], bits: Expression, site: Site) -> bool:
     """Return True if every field has a valid width, is inside the layout and overlaps no other field."""
-    flat = list(_flat(items))
+    flat = list(_flatten(items))
     for parameters in site.sets:
         total = bits.value(parameters)
         if total > _MOST_BITS:
-            message = f"the fields have {total} bits{_with(parameters, bits)}; the maximum is {_MOST_BITS}"
+            message = f"the fields have {total} bits{_values_text(parameters, bits)}; the maximum is {_MOST_BITS}"
             site.report("too-long", message)
             return False
         if not _fits_with(flat, total, parameters, site):
@@ -288,7 +290,9 @@ def _fits_with(flat: Sequence[Item], total: int, parameters: Mapping[str, int], 
     for field_item in flat:
         width, low = field_item.width.value(parameters), field_item.low.value(parameters)
         bits = range(low, low + field_item.span.value(parameters))
-        problem = _range_problem(field_item, width, bits, total, _with(parameters, field_item.width, field_item.low))
+        problem = _range_problem(
+            field_item, width, bits, total, _values_text(parameters, field_item.width, field_item.low)
+        )
         if problem is not None:
             site.context.report.add(problem[0], field_item.path, problem[1])
             return False
@@ -296,7 +300,7 @@ def _fits_with(flat: Sequence[Item], total: int, parameters: Mapping[str, int], 
             if bits.start < other_bits.stop and other_bits.start < bits.stop:
                 shared = _bits(min(bits.stop, other_bits.stop) - 1, max(bits.start, other_bits.start))
                 names = f"'{field_item.raw.get('name', '')}' and '{other_item.raw.get('name', '')}'"
-                condition = _with(parameters, field_item.width, field_item.low)
+                condition = _values_text(parameters, field_item.width, field_item.low)
                 site.context.report.add("bit-overlap", field_item.path, f"{names} both use {shared}{condition}")
                 has_overlap = True
         if width:
@@ -318,7 +322,7 @@ def _range_problem(field_item: Item, width: int, bits: range, total: int, condit
 
 def _fields(field_item: Item, site: Site) -> Iterable[Field]:
     """Yield the fields of an item: one, two with its padding, or those of a group."""
-    for part in _flat([field_item]):
+    for part in _flatten([field_item]):
         raw, width = part.raw, part.width
         widest = site.widest(width)
         container = raw.get("padded_to", 0)
@@ -328,13 +332,13 @@ def _fields(field_item: Item, site: Site) -> Iterable[Field]:
         yield record(
             Field,
             raw,
-            kind=kind(raw, site.context, site.interface, width),
+            kind=kind_of(raw, site.context, site.interface, width),
             low=part.low,
             width=width,
             widest=widest,
             group=part.group,
             container=container,
-            equals=equals(raw, site.context),
+            equals=expected_value(raw, site.context),
         )
         if container:
             padding_bits = part.span - width
@@ -380,7 +384,7 @@ def _gaps(
         yield below, None, position, gap_bits
 
 
-def _covers(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) -> bool:
+def _check_all_bits_covered(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) -> bool:
     """Return True if every bit has a field, or the spec defines the others."""
     if gaps:
         return True
@@ -390,7 +394,7 @@ def _covers(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) ->
         for field in (*sorted(present, key=lambda placed: placed.low.value(parameters)), None):
             low = field.low if field is not None else bits
             if (first := low.value(parameters)) > position:
-                condition = f"{_bits(first - 1, position)}{_with(parameters, low, below)}"
+                condition = f"{_bits(first - 1, position)}{_values_text(parameters, low, below)}"
                 message = (
                     f"no field covers {condition}; add one, or write 'other_bits: zero' or 'other_bits: unspecified'"
                 )
@@ -426,7 +430,7 @@ def _with_zeros(fields: Sequence[Field], bits: Expression, site: Site) -> list[F
     for below, above, low, width in _gaps(fields, bits):
         for parameters in site.sets:
             if width.value(parameters) < 0 and below is not None and above is not None:
-                problem = f"'{above.name}' is not above '{below.name}'{_with(parameters, low, width)}"
+                problem = f"'{above.name}' is not above '{below.name}'{_values_text(parameters, low, width)}"
                 site.report("bit-overlap", f"{problem}; with 'other_bits: zero' the order of fields must not change")
                 return None
         zeros.append(zero_field(_zero_name(below, above), zero, low, width, site, (above or below or fields[0]).source))

@@ -17,14 +17,14 @@ from ..language.document import Document
 from ..language.problems import Report, listed
 from ..language.read import read_document, read_specs
 from ..model import Device, Manufacturer
-from .across_devices import check_alike
+from .across_devices import check_shared_facts
 from .device import build_device
 from .editions import check_editions, edition_of, notes
 from .facts import build_manufacturer
 from .family_files import family_files, spec_files
 from .history import read_history
 from .overlays import Family as Family
-from .overlays import is_overlay, lay_over, overlays_beside
+from .overlays import apply_overlays, is_overlay, overlays_beside
 from .reading_counts import read_counts
 from .shipped import packaged_families
 from .stored import store_device, stored_device
@@ -182,9 +182,9 @@ def families_of(
         name = data["manufacturer"]
         own_files = {spec.file for spec in manufacturer_files if spec.data.get("manufacturer") == name}
         families.append(Family(device, document, frozenset({document.file, *own_files})))
-    check_alike(documents, report)
+    check_shared_facts(documents, report)
     plain = sorted(families, key=lambda family: family.device.name)
-    return lay_over(plain, overlays, partial(_built_again, makers), report) if overlays else plain
+    return apply_overlays(plain, overlays, partial(_built_again, makers), report) if overlays else plain
 
 
 def _maker_of(

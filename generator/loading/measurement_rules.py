@@ -55,7 +55,7 @@ def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, s
         shared = ("interfaces", interface.name, "measurement")
     for case in _cases(device, interface, measurement):
         own_range = case.layout.position_range
-        problem = _fault(device, measurement.within(own_range), case)
+        problem = _measurement_problem(device, measurement.within(own_range), case)
         if problem is not None:
             key, message = problem
             range_path: Path = ("interfaces", interface.name, "layouts", case.layout.name, "position_range")
@@ -71,7 +71,7 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
             continue
         for layout in interface.layouts:
             owner = ("interfaces", interface.name, "layouts", layout.name)
-            for field in map(layout.field, layout.names_in(measurement.of)):
+            for field in layout.find_fields(layout.names_in(measurement.of)):
                 path: Path = (*(("field_groups", field.group) if field.group else owner), "fields", field.name, "scale")
                 if field.scale is not None and path not in reported:
                     reported.add(path)
@@ -126,11 +126,11 @@ def _cases(device: Device, interface: Interface, measurement: Measurement) -> It
         names = layout.names_in(measurement.of)
         for variant in device.variants_over(interface.name):
             placed = layout.place(variant.parameters)
-            present = ((name, field.width) for name in names if (field := placed.field(name)) is not None)
-            yield _Case(variant, layout, tuple(present))
+            widths = tuple((field.name, field.width) for field in placed.find_fields(names))
+            yield _Case(variant, layout, widths)
 
 
-def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, str] | None:
+def _measurement_problem(device: Device, measurement: Measurement, case: _Case) -> tuple[str, str] | None:
     """Return the wrong key and the message, or None."""
     key = "counts_per_turn" if measurement.counts_per_turn is not None else "modulus"
     numbers = {name: getattr(measurement, name) for name in ("counts_per_turn", "turns", *_STEPS, "modulus")}
@@ -156,7 +156,7 @@ def _fault(device: Device, measurement: Measurement, case: _Case) -> tuple[str, 
         _does_not_fit(device, measurement, case, key, values)
         or _out_of_range(measurement, case, key)
         or _upside_down(measurement, case, key, values)
-        or _uneven(case, key, values)
+        or _revolution_problem(case, key, values)
     )
 
 
@@ -253,7 +253,7 @@ def _upside_down(measurement: Measurement, case: _Case, key: str, values: Mappin
     return None
 
 
-def _uneven(case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:
+def _revolution_problem(case: _Case, key: str, values: Mapping[str, int]) -> tuple[str, str] | None:
     """Return an error if the fields below a number of revolutions do not count one revolution in all their bits."""
     for index, (name, width) in enumerate(case.fields[:-1]):
         below = sum(width for _, width in case.fields[index + 1 :])

@@ -13,7 +13,7 @@ class UnknownName(ValueError):
     """A name matches no order code, interface or family. The message lists those that exist."""
 
 
-def narrowed(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
+def narrowed_to(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
     """Return the devices with the order codes that ``only`` names, and all of them if it is empty.
 
     Raises:
@@ -25,7 +25,7 @@ def narrowed(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
     known_names = {name for device in devices for variant in device.variants for name in _names(device, variant)}
     for word in words:
         if word.upper() not in known_names:
-            raise UnknownName(_unknown(devices, word))
+            raise UnknownName(_unknown_message(devices, word))
     wanted_names = {word.upper() for word in words}
     narrowed_devices = []
     for device in devices:
@@ -47,7 +47,7 @@ def _words(devices: Sequence[Device]) -> Iterator[str]:
     yield from sorted({interface.name for device in devices for interface in device.interfaces})
 
 
-def _unknown(devices: Sequence[Device], word: str) -> str:
+def _unknown_message(devices: Sequence[Device], word: str) -> str:
     """Return the message, with the order codes of the family if the word begins like one of them."""
     families = [device for device in devices if word.upper().startswith(device.name.upper())]
     codes = [variant.code for device in families for variant in device.variants]

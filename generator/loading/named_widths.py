@@ -54,7 +54,7 @@ def _difference(device: Device, parameter: Parameter, interface: Interface, layo
         return ""
     for variant in device.variants_over(interface.name):
         placed = layout.place(variant.parameters)
-        fields = [field for part in layout.names_in(name) if (field := placed.field(part)) is not None]
+        fields = placed.find_fields(layout.names_in(name))
         width, value = sum(field.width for field in fields), variant.parameters.get(parameter.name)
         if fields and value not in (None, width):
             return f"'{parameter.name}' is {value} for {variant.code}, but '{name}' in '{layout.name}' has {width} bits"

@@ -31,7 +31,7 @@ def check_only(raw: Raw, variants: Sequence[Variant], report: DocumentReport) ->
     """Report an ``only`` that no order code matches, and an ``only`` of a flag that no parameter distinguishes."""
     if not variants:
         return
-    for path, owner in _owners(raw, ()):
+    for path, owner in _mappings_with_only(raw, ()):
         only = owner["only"]
         if not any(fits(only, variant.code) for variant in variants):
             example_code = variants[0].code
@@ -66,14 +66,14 @@ def _quoted(owner: Raw) -> str:
     return f"the order codes {quoted(owner['only'])}" if "only" in owner else "all order codes"
 
 
-def _owners(value: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
+def _mappings_with_only(value: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
     """Yield the mappings that have an ``only``."""
     if isinstance(value, Mapping):
         if isinstance(value.get("only"), str):
             yield path, value
         for key, member in value.items():
             if key not in ("also_written", "names"):  # below these are texts of labels and of languages
-                yield from _owners(member, (*path, key))
+                yield from _mappings_with_only(member, (*path, key))
     elif isinstance(value, (list, tuple)):
         for index, member in enumerate(value):
-            yield from _owners(member, (*path, index))
+            yield from _mappings_with_only(member, (*path, index))

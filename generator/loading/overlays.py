@@ -63,7 +63,9 @@ def _is_overlay_of(path: Path, spec: Path) -> bool:
     return path.suffix == spec.suffix and path.stem.endswith(SUFFIX) and path.stem.startswith(f"{spec.stem}.")
 
 
-def lay_over(families: Sequence[Family], overlays: Sequence[Document], build: Build, report: Report) -> list[Family]:
+def apply_overlays(
+    families: Sequence[Family], overlays: Sequence[Document], build: Build, report: Report
+) -> list[Family]:
     """Return the families with their overlays applied, and those that overlays add, sorted by name.
 
     Args:
@@ -84,7 +86,7 @@ def lay_over(families: Sequence[Family], overlays: Sequence[Document], build: Bu
     for name, family in by_name.items():
         own_overlays = [overlay for overlay in valid_overlays if overlay.data["of"] == name]
         for_all = [overlay for overlay in own_overlays if "applies_to" not in overlay.data]
-        changed = _laid(family, for_all, "", build, report) if for_all else None
+        changed = _with_overlays(family, for_all, "", build, report) if for_all else None
         # If a correction fails, the family must not be mistaken for a corrected one.
         corrections = [overlay for overlay in overlays if "applies_to" not in overlay.data]
         files = {overlay.file for overlay in corrections if overlay.data.get("of") == name}
@@ -94,7 +96,7 @@ def lay_over(families: Sequence[Family], overlays: Sequence[Document], build: Bu
             if "applies_to" in overlay.data:
                 for_specials.setdefault(overlay.data["applies_to"]["special"], []).append(overlay)
         for special, for_special in for_specials.items():
-            special_family = _laid(family, [*for_all, *for_special], special, build, report)
+            special_family = _with_overlays(family, [*for_all, *for_special], special, build, report)
             results += [special_family] if special_family is not None else []
     return sorted(results, key=lambda family: family.device.name)
 
@@ -108,7 +110,9 @@ def _refuse_same_names(overlays: Sequence[Document], report: Report) -> None:
             report.add("duplicate-name", overlay, ("overlay",), message)
 
 
-def _laid(family: Family, overlays: Sequence[Document], special: str, build: Build, report: Report) -> Family | None:
+def _with_overlays(
+    family: Family, overlays: Sequence[Document], special: str, build: Build, report: Report
+) -> Family | None:
     """Return the family that results from applying overlays to another."""
     laying = LayeredSpec(family.document, report)
     problems_before = len(report)
@@ -117,7 +121,7 @@ def _laid(family: Family, overlays: Sequence[Document], special: str, build: Bui
     inner_report = Report()
     device = build(document, inner_report)
     if len(report) == problems_before:  # Changes that failed would look like missing parts.
-        _hand_on(inner_report, family.document, overlays[-1], report)
+        _report_in_overlay(inner_report, family.document, overlays[-1], report)
     if device is None:
         return None
     device = replace(
@@ -146,26 +150,26 @@ def _overlay(document: Document) -> Overlay:
 def errata_of(laid: Iterable[AppliedChange]) -> Iterator[Erratum]:
     """Yield the changes as errata: one by one, or for an edition one for all changes with the same reason."""
     numbers: Counter[str] = Counter()
-    for (kind, name, _), same_reason in groupby(laid, key=_one_story):
+    for (kind, name, _), same_reason in groupby(laid, key=_reported_together):
         changes = list(same_reason)
         numbers[name] += 1
         definition = {"severity": "wrong_data", **changes[0].raw}
         prose: dict[str, object] = {key: definition[key] for key in ("severity", "why", "source") if key in definition}
         is_known = changes[0].is_known
-        used = (few([change.now for change in changes if change.now]) or LEFT_OUT) if is_known else NOT_KNOWN
+        new_values = shortened([change.now for change in changes if change.now]) or LEFT_OUT
         yield record(
             Erratum,
             prose,  # The schema reports the rest.
             name=f"{_WORD.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{numbers[name]}",
-            printed=few(without_examples([change.was for change in changes])),
-            used=used,
+            printed=shortened(without_examples([change.was for change in changes])),
+            used=new_values if is_known else NOT_KNOWN,
             status="settled" if is_known else "open",
             affects=tuple(dict.fromkeys(path for change in changes for path in change.affects)),
             **{kind: name},
         )
 
 
-def _one_story(change: AppliedChange) -> tuple[str, str, object]:
+def _reported_together(change: AppliedChange) -> tuple[str, str, object]:
     """Return the key of items that are reported together."""
     layer = change.layer
     return layer.kind.value, layer.name, (layer.path, change.number) if layer.kind is LayerKind.EDITION else change
@@ -176,7 +180,7 @@ def without_examples(names: Sequence[str]) -> Sequence[str]:
     return [name for name in names if not name.startswith("examples.")] or names
 
 
-def few(names: Sequence[str]) -> str:
+def shortened(names: Sequence[str]) -> str:
     """Return the names as text, shortened to the first ones and the number of the others."""
     unique_names = list(dict.fromkeys(names))
     omitted = len(unique_names) - _MOST_NAMED
@@ -199,7 +203,7 @@ def _of_codes(device: Device, overlays: Sequence[Document], report: Report) -> D
     return for_codes(device, wanted & known_codes) if wanted & known_codes else device
 
 
-def _hand_on(inner_report: Report, spec: Document, overlay: Document, report: Report) -> None:
+def _report_in_overlay(inner_report: Report, spec: Document, overlay: Document, report: Report) -> None:
     """Report the problems of the resulting family in the overlay, even if they are located in the spec."""
     reported = set(report.problems)
     for problem in inner_report.problems:
@@ -207,7 +211,7 @@ def _hand_on(inner_report: Report, spec: Document, overlay: Document, report: Re
             location = (
                 f"{Path(spec.file).name}:{problem.line}, {problem.path}" if problem.path else Path(spec.file).name
             )
-            _tell(problem, overlay, f"with this overlay, {location}: {problem.message}", report)
+            _report_problem(problem, overlay, f"with this overlay, {location}: {problem.message}", report)
         elif problem not in reported:
             report.add_at(
                 problem.file,
@@ -220,5 +224,5 @@ def _hand_on(inner_report: Report, spec: Document, overlay: Document, report: Re
             )
 
 
-def _tell(problem: Problem, overlay: Document, message: str, report: Report) -> None:
+def _report_problem(problem: Problem, overlay: Document, message: str, report: Report) -> None:
     report.add(problem.rule, overlay, ("overlay",), message)

@@ -55,7 +55,7 @@ def _wait(raw: Raw, source: Sources, device: Device) -> Step:
 
 def _send(raw: Raw, source: Sources, device: Device) -> Step:
     """Build a send step. The request is one byte, the control field of the data ID."""
-    interface = device.over(Rs485)
+    interface = device.find_interface(Rs485)
     data_ids = interface.data_ids if interface is not None else ()
     control = bytes(data_id.control for data_id in data_ids if data_id.name == raw.get("data_id"))
     pause = raw.get("every_at_least_us", 0)

@@ -179,14 +179,14 @@ def _check_bits_named(raw: Raw, device: Device, report: DocumentReport) -> None:
             if len(named_bits) != 1 or not widths or named_bits[0] in (*widths.values(), sum(widths.values())):
                 continue
             variants = [variant for variant in device.variants if variant.parts.get(part["name"]) == text]
-            if any(named_bits[0] in _widths(device, variant) for variant in variants):
+            if any(named_bits[0] in _frame_and_position_widths(device, variant) for variant in variants):
                 continue
             name = next(iter(widths))
             message = f"the meaning of '{text}' says {named_bits[0]} bits, but '{name}' is {widths[name]}"
             report.add("meaning-mismatch", ("order_code", "parts", index, "values", text, "sets", name), message)
 
 
-def _widths(device: Device, variant: Variant) -> set[int]:
+def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
     """Return the widths of the frames that an encoder with this order code sends, and of the positions in them."""
     measurement = device.measurement_of(variant.interface)
     interface = next((candidate for candidate in device.interfaces if candidate.name == variant.interface), None)
@@ -195,7 +195,7 @@ def _widths(device: Device, variant: Variant) -> set[int]:
         return widths
     for layout in interface.layouts:
         placed = layout.place(variant.parameters)
-        fields = [field for name in layout.names_in(measurement.of) if (field := placed.field(name)) is not None]
+        fields = placed.find_fields(layout.names_in(measurement.of))
         if layout.sender == "encoder" and fields:
             widths |= {placed.bits, sum(field.width for field in fields)}
     return widths

@@ -52,7 +52,7 @@ class RevisionError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Named:
+class RevisionPath:
     """A path in a revision. ``path`` is empty for the whole repository."""
 
     revision: str
@@ -63,21 +63,21 @@ class Named:
 
 
 @dataclass(frozen=True, slots=True)
-class LaidOut:
+class RevisionFiles:
     """Specs of a revision on disk: the file or folder to read, and the original name of each path."""
 
     place: Path
     names: Mapping[str, str]
 
 
-def named(text: str) -> Named | None:
+def revision_in(text: str) -> RevisionPath | None:
     """Return the revision and path in ``text``, or None if it is an existing path or not a revision."""
     revision, colon, path = text.partition(":")
     is_path = os.path.lexists(text) or _ON_A_DRIVE.match(text)
-    return Named(revision, path) if colon and not is_path else None
+    return RevisionPath(revision, path) if colon and not is_path else None
 
 
-def lay_out(place: Named, folder: Path) -> LaidOut:
+def write_revision(place: RevisionPath, folder: Path) -> RevisionFiles:
     """Write the specs of a revision to an empty folder, with the manufacturer's file if it is a single spec.
 
     Folders are renamed to numbers. Files keep names that are valid on every system.
@@ -101,13 +101,13 @@ def lay_out(place: Named, folder: Path) -> LaidOut:
         raise RevisionError(f"{visible(str(place))} contains {len(specs)} YAML files; name the folder of the specs")
     _refuse_large_files(place, specs)
     contents = _contents(specs.values())
-    files = _neutral(specs, folder)
+    files = _target_paths(specs, folder)
     for name, file in files.items():
         file.parent.mkdir(exist_ok=True)
         with open(file, "xb") as new:
             new.write(contents[specs[name]])
     names = {str(file): f"{place.revision}:{name}" for name, file in files.items()}
-    return LaidOut(files.get(path, folder), {str(folder): str(Named(place.revision, path)), **names})
+    return RevisionFiles(files.get(path, folder), {str(folder): str(RevisionPath(place.revision, path)), **names})
 
 
 def _refuse_bad_names(revision: str, names: Iterable[str]) -> None:
@@ -123,7 +123,7 @@ def _is_hidden(name: str) -> bool:
     return any(part.startswith(".") for part in name.split("/"))
 
 
-def _neutral(names: Iterable[str], folder: Path) -> dict[str, Path]:
+def _target_paths(names: Iterable[str], folder: Path) -> dict[str, Path]:
     """Return the path to write each file to. Files of one folder stay together."""
     folders: dict[str, Path] = {}
     paths: dict[str, Path] = {}
@@ -150,7 +150,7 @@ def _commit(revision: str) -> str:
     return commit.decode().strip()
 
 
-def _in_repository(place: Named) -> str:
+def _in_repository(place: RevisionPath) -> str:
     """Return the path from the top of the repository. A path with a leading dot is relative to the current folder."""
     path = place.path
     if path in (".", "..") or path.startswith(("./", "../")):
@@ -175,7 +175,7 @@ def _entries(commit: str, path: str) -> dict[str, str]:
     return blobs
 
 
-def _refuse_large_files(place: Named, specs: Mapping[str, str]) -> None:
+def _refuse_large_files(place: RevisionPath, specs: Mapping[str, str]) -> None:
     command = ["cat-file", "--batch-check=%(objectname) %(objecttype) %(objectsize)"]
     replies = (line.split(" ") for line in _git(command, specs.values()).decode().splitlines())
     sizes = {reply[0]: int(reply[2]) for reply in replies if len(reply) == 3 and reply[1] == "blob"}

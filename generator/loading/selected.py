@@ -143,7 +143,7 @@ def _beginnings_of_parts(spec: Path) -> tuple[str, ...]:
 
     If these data have problems or refer to other data, the result matches any label.
     """
-    from ..language.yaml import Refused, parse
+    from ..language.yaml import Unreadable, parse
     from ..order_codes.labels import beginnings
     from .device import code_grammar
 
@@ -152,7 +152,7 @@ def _beginnings_of_parts(spec: Path) -> tuple[str, ...]:
     try:
         data, _ = parse(section[0] if section else "", problems.append, problems.append)
         prefixes = beginnings(code_grammar(data["order_code"]))
-    except (Refused, LookupError, TypeError, ValueError, AttributeError, StopIteration):
+    except (Unreadable, LookupError, TypeError, ValueError, AttributeError):
         return ("",)
     return ("",) if problems or "{" in "".join(prefixes) else prefixes
 

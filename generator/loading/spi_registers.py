@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 from ..language.problems import DocumentReport
 from ..model import Device, Register, Spi
 from ..say.words import counted
-from .valid_parts import sound_so_far
+from .valid_parts import valid_parts_so_far
 
 #: Field of a frame that holds the value of a register.
 _DATA = "data"
@@ -15,8 +15,8 @@ _DATA = "data"
 
 def check_spi_registers(device: Device, report: DocumentReport) -> None:
     """Compare the length of each register with the frames that read and write it, for every order code."""
-    interface = device.over(Spi)
-    if interface is None or not sound_so_far(report).has_frames:
+    interface = device.find_interface(Spi)
+    if interface is None or not valid_parts_so_far(report).has_frames:
         return
     for register in device.registers_over(interface.name):
         for name, bits in _widths(device, interface, set(_frames(interface, register))):
@@ -39,6 +39,6 @@ def _widths(device: Device, interface: Spi, frames: Collection[str]) -> Iterator
     """Yield each of these frames that has a value, with the number of its bits."""
     for layout in interface.layouts:
         for variant in device.variants_over(interface.name) if layout.name in frames else ():
-            field = layout.place(variant.parameters).field(_DATA)
+            field = layout.place(variant.parameters).find_field(_DATA)
             if field is not None:
                 yield layout.name, field.width

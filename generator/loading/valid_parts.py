@@ -26,7 +26,7 @@ Item = tuple[str, str]
 
 
 @dataclass(frozen=True)
-class Sound:
+class ValidParts:
     """The faulty parts of a spec: ``places`` with their parents, and ``items`` by name with their dependents."""
 
     places: frozenset[Path]
@@ -66,13 +66,13 @@ class Sound:
         return is_valid and self.has_codes
 
 
-def sound_so_far(report: DocumentReport) -> Sound:
+def valid_parts_so_far(report: DocumentReport) -> ValidParts:
     """Return the validity of the parts of a document, based on the problems reported so far."""
     document = report.document
-    return sound(document.data, (*report.faults(), *document.broken, *document.doubtful))
+    return valid_parts(document.data, (*report.faults(), *document.broken, *document.doubtful))
 
 
-def sound(data: Spec, faults: Iterable[Path]) -> Sound:
+def valid_parts(data: Spec, faults: Iterable[Path]) -> ValidParts:
     """Return the validity of the parts of a spec as read, given its faulty places."""
     places = frozenset(fault[:end] for fault in faults for end in range(1, len(fault) + 1))
     faulty: set[Item] = set()
@@ -89,7 +89,7 @@ def sound(data: Spec, faults: Iterable[Path]) -> Sound:
     for path, procedure in items(data, "procedures"):
         if path in places or _rests_on(procedure, faulty):
             faulty.add(("procedures", _name(procedure)))
-    return Sound(places, frozenset(faulty))
+    return ValidParts(places, frozenset(faulty))
 
 
 _MADE_OF = (("use", "field_groups"), ("crc", "crcs"))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..model import Biss, Device, Ssi, assert_never
-from ..model.only import applying
+from ..model.only import facts_for_code
 from ..model.record import dataclass
 from ..say.words import hertz
 
@@ -76,7 +76,7 @@ def cable_table(device: Device, interface: Ssi | Biss, code: str = "") -> CableT
         case Ssi():
             path = f"interfaces.{interface.name}.cable_lengths"
             rows = tuple(CableRow(row.shorter_than_m, row.below_hz, True) for row in interface.cable_lengths)
-            errata = applying(device.errata, code) if code else device.errata
+            errata = facts_for_code(device.errata, code) if code else device.errata
             return CableTable(rows, _MANUAL, tuple(erratum.name for erratum in errata if path in erratum.affects))
         case Biss():
             return CableTable(tuple(CableRow(metres, clock, False) for metres, clock in _BISS), _PUBLIC, ())

@@ -31,7 +31,7 @@ from ..model import (
     Unused,
     Variant,
 )
-from ..model.only import applying
+from ..model.only import facts_for_code
 from ..order_codes.run_time import with_answers
 from ..say.evidence import document
 from ..say.mentions import Subject, mentions
@@ -439,7 +439,7 @@ def _clock_and_times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
     elif timeout is not None and timeout.half_clock_periods is not None:
         slowest = interface.clock.min_hz
         longest = -(-timeout.half_clock_periods * 500_000 // slowest) if slowest is not None else None
-    timings = {timing.name: timing for timing in applying(interface.timings, code)}
+    timings = {timing.name: timing for timing in facts_for_code(interface.timings, code)}
     pause, busy = timings.get("pause"), timings.get("busy")
     return {
         "clock_min_hz": interface.clock.min_hz,

@@ -101,6 +101,7 @@ from .layout import (
     number_from_bytes,
     number_to_bytes,
 )
+from .lookup import first_of, member_named
 from .measurement import LayoutRange, Measurement
 from .never import assert_never
 from .scale import Scale
@@ -234,6 +235,8 @@ __all__ = [
     "assert_never",
     "choices",
     "cite",
+    "first_of",
+    "member_named",
     "number_from_bytes",
     "number_to_bytes",
 ]

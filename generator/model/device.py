@@ -34,6 +34,7 @@ from .interfaces import INTERFACES, Interface
 from .interfaces.biss import Biss
 from .kinds import CrcValue, Flag, Value
 from .layout import Crc, Field, Layout, PlacedField, PlacedLayout
+from .lookup import first_of, member_named
 from .measurement import Measurement
 from .positions import PositionRange, narrower_range
 from .record import dataclass
@@ -73,11 +74,9 @@ class Parameter:
 
     def held_value(self, number: int) -> int | None:
         """Return the value for the number in ``read_from``, or None if that is not one of the codes."""
-        return (
-            next((code_entry.value for code_entry in self.by_code if code_entry.code == number), None)
-            if self.by_code
-            else number
-        )
+        if not self.by_code:
+            return number
+        return next((code_entry.value for code_entry in self.by_code if code_entry.code == number), None)
 
     @property
     def register(self) -> str:
@@ -366,12 +365,10 @@ class Device:
     @cached_property
     def set_parameters(self) -> tuple[Parameter, ...]:
         """Independent parameters: those that an order code sets, a register holds, or an answer with a default sets."""
-        optional = {alternative.name for alternative in self.optional_alternatives}
-        return tuple(
-            parameter
-            for parameter in self.parameters
-            if parameter.equals is None and (not parameter.alternative or parameter.alternative in optional)
-        )
+        no_question = ""
+        questions = {no_question, *(alternative.name for alternative in self.optional_alternatives)}
+        independent = (parameter for parameter in self.parameters if parameter.equals is None)
+        return tuple(parameter for parameter in independent if parameter.alternative in questions)
 
     @property
     def optional_alternatives(self) -> tuple[Alternative, ...]:
@@ -408,9 +405,7 @@ class Device:
         if not self.alternatives:
             return ()
         sets = {name for field in layout.fields for name in (*field.low.parameters, *field.width.parameters)}
-        return tuple(
-            alternative for alternative in self.alternatives if not sets.isdisjoint(alternative.answers[0].sets)
-        )
+        return tuple(question for question in self.alternatives if not sets.isdisjoint(question.answers[0].sets))
 
     @cached_property
     def run_time_parameters(self) -> tuple[Parameter, ...]:
@@ -423,14 +418,19 @@ class Device:
                 yield interface, layout
 
     def interface(self, name: str) -> Interface:
-        return next(interface for interface in self.interfaces if interface.name == name)
+        return member_named(self.interfaces, name, "interface")
 
-    def over(self, kind: type[_Kind]) -> _Kind | None:
+    def interface_of(self, layout: Layout) -> Interface:
+        """Return the interface with this layout, or raise a ``LookupError``."""
+        matches = (interface for interface, candidate in self.layouts() if candidate is layout)
+        return first_of(matches, f"interface with the layout '{layout.name}'")
+
+    def find_interface(self, kind: type[_Kind]) -> _Kind | None:
         """Return the interface of this kind, or None."""
         return next((interface for interface in self.interfaces if isinstance(interface, kind)), None)
 
     def layout(self, name: str) -> Layout:
-        return next(layout for _, layout in self.layouts() if layout.name == name)
+        return member_named((layout for _, layout in self.layouts()), name, "layout")
 
     def limits(self, register: Register, meant_as: str = "") -> tuple[Expression | None, Expression | None]:
         """Return the lowest and highest value of a register, or of one of its meanings."""
@@ -440,12 +440,8 @@ class Device:
     @cached_property
     def identity(self) -> tuple[tuple[Register, Field], ...]:
         """Register fields that identify a device of this family: those with a documented value."""
-        return tuple(
-            (register, field)
-            for register in self.registers
-            for field in register.layout.fields
-            if field.equals is not None
-        )
+        fields = ((register, field) for register in self.registers for field in register.layout.fields)
+        return tuple((register, field) for register, field in fields if field.equals is not None)
 
     def measurement_of(self, interface: str) -> Measurement | None:
         """Return the measurement of the position on this interface."""
@@ -461,11 +457,11 @@ class Device:
 
         The manual gives none if the part that determines the supply has an unlisted value.
         """
-        telling = [part for part in self.order_code.parts if any(value.supply is not None for value in part.values)]
-        if not telling:
+        values = [(part.name, value) for part in self.order_code.parts for value in part.values]
+        if all(value.supply is None for _, value in values):
             return self.supply
-        values = (value for part in telling for value in part.values if variant.parts.get(part.name) == value.text)
-        return next((value.supply for value in values if value.supply is not None), None)
+        own_values = (value for name, value in values if variant.parts.get(name) == value.text)
+        return next((value.supply for value in own_values if value.supply is not None), None)
 
     def position_names(self, interface: str) -> frozenset[str]:
         """Return the names of the fields and joins that form the measured position or a part of it.
@@ -515,7 +511,7 @@ class Device:
         return valid.lowest.value(placed.parameters), valid.highest.value(placed.parameters)
 
     def register(self, name: str) -> Register:
-        return next(register for register in self.registers if register.name == name)
+        return member_named(self.registers, name, "register")
 
     def registers_over(self, interface: str) -> tuple[Register, ...]:
         """Return the registers that this interface reaches."""
@@ -527,7 +523,7 @@ class Device:
         return interface.bank_select if isinstance(interface, Biss) and register.bank is not None else ""
 
     def crc(self, name: str) -> Crc:
-        return next(crc for crc in self.crcs if crc.name == name)
+        return member_named(self.crcs, name, "CRC")
 
     def crc_of(self, layout: Layout) -> Crc | None:
         """Return the CRC at the end of a layout, or None."""
@@ -535,15 +531,17 @@ class Device:
 
     def reflects_input(self, crc: Crc) -> bool:
         """Return whether the input of a CRC is reflected. In frames of bits, there are no bytes to reflect."""
-        layouts = [*(layout for _, layout in self.layouts()), *(register.layout for register in self.registers)]
+        layouts = [layout for _, layout in self.layouts()]
+        layouts += [register.layout for register in self.registers]
         covers_bytes = [layout.crc_covers_bytes for layout in layouts if self.crc_of(layout) == crc]
         return crc.refin and (any(covers_bytes) or not covers_bytes)
 
     def procedure(self, name: str) -> Procedure:
-        return next(procedure for procedure in self.procedures if procedure.name == name)
+        return member_named(self.procedures, name, "procedure")
 
     def variant(self, code: str) -> Variant:
-        return next(variant for variant in self.variants if variant.code == code)
+        matches = (variant for variant in self.variants if variant.code == code)
+        return first_of(matches, f"order code '{code}'")
 
     def variants_over(self, interface: str) -> tuple[Variant, ...]:
         """Return the listed order codes with this interface."""

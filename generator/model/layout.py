@@ -6,14 +6,16 @@ layout.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property
+from itertools import accumulate
 from types import MappingProxyType
 
 from .expressions import Expression
 from .facts import Sources
 from .kinds import Choice, Constant, CrcValue, Decimal, Digits, Flag, Kind, Number, Parity, Text, Unused, Value, Verdict
+from .lookup import first_of, member_named
 from .measurement import LayoutRange
 from .never import assert_never
 from .record import dataclass
@@ -101,7 +103,7 @@ class Field:
         assert isinstance(self.kind, Flag)
         return replace(self, kind=self.kind.unexplained, meaning="", note="", remedy="", by_hand=())
 
-    def held_by(self, parameters: Mapping[str, int]) -> Field:
+    def for_parameters(self, parameters: Mapping[str, int]) -> Field:
         """Return the field as it is for an order code with these parameters, and with the verdict that they decide."""
         if not isinstance(self.kind, Flag):
             return self
@@ -110,6 +112,10 @@ class Field:
         if self.kind.verdict_parameter and parameters.get(self.kind.verdict_parameter):
             return replace(self, kind=replace(self.kind, makes_position=self.kind.verdict_if_set))
         return self
+
+    def place(self, parameters: Mapping[str, int]) -> PlacedField:
+        """Return the field at its bits, as it is for an order code with these parameters."""
+        return PlacedField(self.for_parameters(parameters), self.low.value(parameters), self.width.value(parameters))
 
     @property
     def is_fixed(self) -> bool:
@@ -145,6 +151,15 @@ class Field:
     def values(self) -> tuple[Value, ...]:
         """Named values of a choice, or none."""
         return self.kind.values if isinstance(self.kind, Choice) else ()
+
+    def value_named(self, name: str) -> Value:
+        """Return the named value with this name, or raise a ``LookupError``."""
+        return member_named(self.values, name, f"value of '{self.name}'")
+
+    def value_of(self, number: int) -> Value:
+        """Return the named value with this number, or raise a ``LookupError``."""
+        matches = (value for value in self.values if value.value == number)
+        return first_of(matches, f"value {number} of '{self.name}'")
 
     @property
     def runs(self) -> tuple[Digits, ...]:
@@ -256,7 +271,16 @@ class Layout:
     position_range: LayoutRange | None = None
 
     def field(self, name: str) -> Field:
-        return next(field for field in self.fields if field.name == name)
+        """Return the field with this name, or raise a ``LookupError``."""
+        return member_named(self.fields, name, f"field of '{self.name}'")
+
+    def find_field(self, name: str) -> Field | None:
+        """Return the field with this name, or None if the layout has none."""
+        return next((field for field in self.fields if field.name == name), None)
+
+    def find_fields(self, names: Iterable[str]) -> list[Field]:
+        """Return the fields with these names that the layout has, in the same order."""
+        return [field for field in map(self.find_field, names) if field is not None]
 
     def names_in(self, name: str) -> tuple[str, ...]:
         """Return the names of the fields of a join, most significant first. For a field, return its own name."""
@@ -265,7 +289,8 @@ class Layout:
     @cached_property
     def member_names(self) -> frozenset[str]:
         """Names of its fields and joins."""
-        return frozenset((*(member.name for member in self.fields), *(member.name for member in self.joins)))
+        field_names = {field.name for field in self.fields}
+        return frozenset(field_names.union(join.name for join in self.joins))
 
     @property
     def carried_as(self) -> str:
@@ -285,14 +310,14 @@ class Layout:
     def spoiling_flags(self) -> tuple[Field, ...]:
         """Flags that make the position in this frame unusable, except those that only combine other flags in it."""
         names_in_frame = {field.name for field in self.fields}
-        return tuple(
-            field
-            for field in self.fields
-            if field.implemented
-            and isinstance(field.kind, Flag)
-            and field.kind.makes_position is Verdict.NOT_USABLE
-            and not (field.kind.sums_up and names_in_frame.issuperset(field.kind.sums_up))
-        )
+        spoiling = []
+        for member in self.fields:
+            flag = member.kind
+            if isinstance(flag, Flag) and member.implemented and flag.makes_position is Verdict.NOT_USABLE:
+                only_combines = flag.sums_up and names_in_frame.issuperset(flag.sums_up)
+                if not only_combines:
+                    spoiling.append(member)
+        return tuple(spoiling)
 
     @property
     def unused(self) -> tuple[tuple[Field, int], ...]:
@@ -311,7 +336,8 @@ class Layout:
             # In a word, the field sent last is the lowest. In bytes with the low byte first, it is the field sent
             # first.
             fields = fields if self.byte_order == "low_byte_first" else fields[::-1]
-            places = [sum(field.widest for field in fields[:index]) for index in range(len(fields))]
+            ends = list(accumulate((field.widest for field in fields), initial=0))
+            places = ends[:-1]
         return tuple(zip(fields, places, strict=True))
 
     @cached_property
@@ -326,12 +352,7 @@ class Layout:
     @property
     def status_fields(self) -> tuple[Field, ...]:
         """Bits for error and warning: flags, and unused status bits, which are never active and therefore always 1."""
-        return tuple(
-            field
-            for field in self.fields
-            if isinstance(field.kind, Flag)
-            or (isinstance(field.kind, Unused) and field.kind.value and field.widest == 1)
-        )
+        return tuple(filter(_is_status, self.fields))
 
     @cached_property
     def tells_validity(self) -> bool:
@@ -361,10 +382,7 @@ class Layout:
 
     def place(self, parameters: Mapping[str, int]) -> PlacedLayout:
         """Return the layout for one order code, without zero-width fields. Flags of other codes are unexplained."""
-        placed_fields = (
-            PlacedField(field.held_by(parameters), field.low.value(parameters), field.width.value(parameters))
-            for field in self.fields
-        )
+        placed_fields = (field.place(parameters) for field in self.fields)
         by_name = {field.name: field for field in placed_fields if field.width > 0}
         gray = bool(self.gray_of and (not self.gray_when or parameters.get(self.gray_when)))
         unused = tuple((by_name[field.name], place) for field, place in self.unused if field.name in by_name)
@@ -389,11 +407,20 @@ class PlacedLayout:
     def name(self) -> str:
         return self.layout.name
 
-    def field(self, name: str) -> PlacedField | None:
+    def field(self, name: str) -> PlacedField:
+        """Return the field with this name, or raise a ``LookupError``."""
+        return member_named(self.fields, name, f"field of '{self.name}'")
+
+    def find_field(self, name: str) -> PlacedField | None:
+        """Return the field with this name, or None if the order code or the layout has none."""
         for placed_field in self.fields:  # a generator takes twice as long, and decode - calls this for every line
             if placed_field.field.name == name:
                 return placed_field
         return None
+
+    def find_fields(self, names: Iterable[str]) -> list[PlacedField]:
+        """Return the fields with these names that the order code has, in the same order."""
+        return [field for field in map(self.find_field, names) if field is not None]
 
     @cached_property
     def crc_field(self) -> PlacedField | None:
@@ -406,7 +433,7 @@ class PlacedLayout:
         if end is None or not isinstance(end.kind, CrcValue):
             return (0, 0)
         width = end.width.constant
-        run = [field for field in map(self.field, end.kind.of) if field is not None]
+        run = self.find_fields(end.kind.of)
         return (run[-1].low, run[0].high + 1 - run[-1].low) if run else (width, self.bits - width)
 
     @property
@@ -417,8 +444,14 @@ class PlacedLayout:
 
     def place_of(self, name: str) -> tuple[int, int]:
         """Return lowest bit and width of a field, or of a join of adjacent fields. An absent field has width 0."""
-        parts = [field for field in map(self.field, self.layout.names_in(name)) if field is not None]
-        return (parts[-1].low, sum(part.width for part in parts)) if parts else (0, 0)
+        parts = self.find_fields(self.layout.names_in(name))
+        width = sum(part.width for part in parts)
+        return (parts[-1].low, width) if parts else (0, 0)
+
+
+def _is_status(field: Field) -> bool:
+    is_unused_one = isinstance(field.kind, Unused) and bool(field.kind.value) and field.widest == 1
+    return isinstance(field.kind, Flag) or is_unused_one
 
 
 def _sign_of_value(field: Field, value: Value) -> Sign | None:
@@ -458,13 +491,14 @@ def _condition(layout: Layout, text: str) -> tuple[str, int]:
     field = layout.field(name)
     if isinstance(field.kind, Flag):
         return name, int(word == "active")
-    return name, next(value.value for value in field.values if value.name == word)
+    return name, field.value_named(word).value
 
 
 def have_lengths(layouts: Sequence[Layout], sender: str) -> bool:
     """Return whether frames of a sender on one channel have different lengths, so that bytes imply no leading zeros."""
     frames = [layout for layout in layouts if layout.sender == sender]
-    return len({(layout.channel, layout.bits) for layout in frames}) > len({layout.channel for layout in frames})
+    channels_and_lengths = {(layout.channel, layout.bits) for layout in frames}
+    return len(channels_and_lengths) > len({layout.channel for layout in frames})
 
 
 def number_from_bytes(layout: Layout, data: bytes) -> int:

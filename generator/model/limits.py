@@ -24,7 +24,7 @@ def bounded_width(register: Register, placed: PlacedLayout) -> int:
 def representable(register: Register, placed: PlacedLayout) -> tuple[int, int]:
     """Return the lowest and highest number that fit in the limited field, join or register."""
     width = bounded_width(register, placed)
-    limited_field = placed.field(bounded(register))
+    limited_field = placed.find_field(bounded(register))
     if limited_field is not None and limited_field.field.number.signed:
         return -(1 << (width - 1)), (1 << (width - 1)) - 1
     return 0, (1 << width) - 1
@@ -38,7 +38,7 @@ def bounds(
 ) -> tuple[int, int]:
     """Return the lowest and highest value that may be written, from ``limits`` or otherwise from the width."""
     lowest, highest = representable(register, placed)
-    limited_field = placed.field(bounded(register))
+    limited_field = placed.find_field(bounded(register))
     if limited_field is not None:
         highest = max(highest, limited_field.field.number.zero_means)
     low, high = limits

@@ -22,7 +22,7 @@ class Restricted(Protocol):
 _Fact = TypeVar("_Fact", bound=Restricted)
 
 
-def applying(facts: Iterable[_Fact], code: str) -> tuple[_Fact, ...]:
+def facts_for_code(facts: Iterable[_Fact], code: str) -> tuple[_Fact, ...]:
     """Return the facts that apply to an order code."""
     return tuple(fact for fact in facts if fits(fact.only, code))
 
@@ -33,11 +33,11 @@ def fits(only: str, code: str) -> bool:
     ``...`` stands for any text and ``x`` for any one character. Commas separate several patterns. The hyphen after an
     order code on a label counts as part of it.
     """
-    return not only or any(pattern.match(text) for pattern in _patterns(only) for text in (code, f"{code}-"))
+    return not only or any(pattern.match(text) for pattern in _code_patterns(only) for text in (code, f"{code}-"))
 
 
 @cache
-def _patterns(only: str) -> tuple[re.Pattern[str], ...]:
+def _code_patterns(only: str) -> tuple[re.Pattern[str], ...]:
     return tuple(_pattern(order_code.strip()) for order_code in only.split(","))
 
 

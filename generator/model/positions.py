@@ -36,12 +36,13 @@ def narrower_range(measurement: Measurement, layout: Layout, sets: Sequence[Mapp
     if any(not isinstance(field.kind, Number) for field in fields):
         return None
     if len(fields) == 1 and fields[0].number.signed:
-        position_range = _signed(measurement, fields[0])
+        position_range = _signed_range(measurement, fields[0])
     else:
-        position_range = _unsigned(measurement, fields, sets)
+        position_range = _unsigned_range(measurement, fields, sets)
     if position_range is None or position_range.field.number.zero_means:
         return None
-    return position_range if any(_is_narrower(position_range, parameters) for parameters in sets) else None
+    is_narrower = any(_is_narrower(position_range, parameters) for parameters in sets)
+    return position_range if is_narrower else None
 
 
 def _is_narrower(position_range: PositionRange, parameters: Mapping[str, int]) -> bool:
@@ -49,14 +50,14 @@ def _is_narrower(position_range: PositionRange, parameters: Mapping[str, int]) -
     return bool(width) and 0 <= highest - position_range.lowest.value(parameters) < (1 << width) - 1
 
 
-def _signed(measurement: Measurement, field: Field) -> PositionRange | None:
+def _signed_range(measurement: Measurement, field: Field) -> PositionRange | None:
     total, highest = measurement.total, measurement.highest
     if total is None or highest is None:
         return None
     return PositionRange(field, highest - total + Expression(1), highest)
 
 
-def _unsigned(
+def _unsigned_range(
     measurement: Measurement, fields: Sequence[Field], sets: Sequence[Mapping[str, int]]
 ) -> PositionRange | None:
     total, turns, counts = measurement.total, measurement.turns, measurement.counts_per_turn

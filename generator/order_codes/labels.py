@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 
-from ..model import CodePart, Device, OrderCode, Spelling, Variant
+from ..model import CodePart, Device, OrderCode, Spelling, Variant, member_named
 from ..model.record import dataclass
 from . import messages
 
@@ -105,13 +105,15 @@ def beginnings(code: OrderCode) -> tuple[str, ...]:
         text, *pieces = _BRACES.split(spelling.pattern)
         texts = [text]
         if not text.strip():
-            part = next(part for part in code.parts if part.name == pieces[0])
+            part = member_named(code.parts, pieces[0], "part of the order code")
             is_open = part.open and part.name not in {value.part for value in spelling.values}
             texts = [*spelled(part, spelling), *([""] if is_open else [])]
         prefixes |= {without_blanks(beginning).upper() for beginning in texts}
-    return tuple(
-        sorted(prefix for prefix in prefixes if not any(prefix != o and prefix.startswith(o) for o in prefixes))
-    )
+    shortest: list[str] = []
+    for prefix in sorted(prefixes):  # A prefix of another one comes before it.
+        if not prefix.startswith(tuple(shortest)):
+            shortest.append(prefix)
+    return tuple(shortest)
 
 
 def as_listed(order_code: OrderCode) -> Spelling:
@@ -121,10 +123,10 @@ def as_listed(order_code: OrderCode) -> Spelling:
 
 def _resolve(device: Device, parts: Mapping[str, str], code: str) -> tuple[Variant, tuple[str, ...]]:
     """Return the order code with these parts, and the names of parts with unlisted values."""
-    listed_values = {part.name: _listed(part, parts[part.name]) for part in device.order_code.parts}
-    variant = _fitting(device, listed_values)
+    listed_values = {part.name: _listed_value(part, parts[part.name]) for part in device.order_code.parts}
+    variant = _fitting_code(device, listed_values)
     if variant is None:
-        raise UnknownOrderCode(_clash(device, code, parts, listed_values), close=True)
+        raise UnknownOrderCode(_clash_message(device, code, parts, listed_values), close=True)
     unlisted = tuple(name for name, value in listed_values.items() if value is None)
     if unlisted:
         printed_values = {name: value or parts[name] for name, value in listed_values.items()}
@@ -133,56 +135,58 @@ def _resolve(device: Device, parts: Mapping[str, str], code: str) -> tuple[Varia
     return variant, unlisted
 
 
-def _listed(part: CodePart, text: str) -> str | None:
+def _listed_value(part: CodePart, text: str) -> str | None:
     return next((value.text for value in part.values if value.text.upper() == text.upper()), None)
 
 
-def _fitting(device: Device, listed_values: Mapping[str, str | None]) -> Variant | None:
+def _fitting_code(device: Device, listed_values: Mapping[str, str | None]) -> Variant | None:
     """Return the first listed code with these parts, where None stands for an unlisted value."""
-    unlisted = [part for part in device.order_code.parts if listed_values[part.name] is None]
+    for part in device.order_code.parts:
+        if listed_values[part.name] is None and not _can_be_open(part, listed_values):
+            return None
     for variant in device.variants:
-        if all(value in (None, variant.parts[name]) for name, value in listed_values.items()) and all(
-            listed_values[other_name] is None or listed_values[other_name] in allowed
-            for part in unlisted
-            for other_name, allowed in part.open_only_with.items()
-        ):
+        if all(value in (None, variant.parts[name]) for name, value in listed_values.items()):
             return variant
     return None
+
+
+def _can_be_open(part: CodePart, listed_values: Mapping[str, str | None]) -> bool:
+    """Return whether a part can have an unlisted value next to these values of the other parts."""
+    return all(listed_values[name] in (None, *allowed) for name, allowed in part.open_only_with.items())
 
 
 def regex(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
     """Return a regular expression for the whole code in this spelling. The part ``anything`` can have any text."""
     spelled_parts = {value.part for value in spelling.values}
-    parts = {
-        part.name: _any_of(spelled(part, spelling)) if part.name in spelled_parts else _alternatives(part)
-        for part in order_code.parts
-    }
+    parts = {part.name: _value_pattern(part) for part in order_code.parts}
+    parts |= {part.name: _any_of(spelled(part, spelling)) for part in order_code.parts if part.name in spelled_parts}
     if anything:
         parts[anything] = "[A-Z0-9]*"
-    pieces = [
-        f"(?P<{piece}>{parts[piece]})" if index % 2 else re.escape(without_blanks(piece))
-        for index, piece in enumerate(_BRACES.split(spelling.pattern))
-    ]
+    pieces = _BRACES.split(spelling.pattern)  # Text and names of parts in turn.
+    pieces[::2] = [re.escape(without_blanks(text)) for text in pieces[::2]]
+    pieces[1::2] = [f"(?P<{name}>{parts[name]})" for name in pieces[1::2]]
     return "".join(pieces) + (f"(?:{spelling.then})" if spelling.then else "")
 
 
-def _alternatives(part: CodePart) -> str:
-    return "|".join([_any_of(value.text for value in part.values), *([part.open] if part.open else [])])
+def _value_pattern(part: CodePart) -> str:
+    listed = _any_of(value.text for value in part.values)
+    return f"{listed}|{part.open}" if part.open else listed
 
 
 def _any_of(texts: Iterable[str]) -> str:
     return "|".join(re.escape(without_blanks(text)) for text in sorted(texts, key=len, reverse=True))
 
 
-def _clash(device: Device, code: str, parts: Mapping[str, str], listed_values: Mapping[str, str | None]) -> str:
+def _clash_message(device: Device, code: str, parts: Mapping[str, str], listed_values: Mapping[str, str | None]) -> str:
     """Return the message about parts that are valid individually but not in combination, with the parts to change."""
-    names = [
-        part.name
-        for part in device.order_code.parts
-        if any(_fitting(device, {**listed_values, part.name: value.text}) for value in part.values)
-    ]
+    names = [part.name for part in device.order_code.parts if _fits_if_changed(device, part, listed_values)]
     listed_parts = " and ".join(f"{name} '{listed_values[name] or parts[name]}'" for name in names) or "its parts"
-    return messages.cannot_be_combined(code, listed_parts, _nearest(device, code))
+    return messages.cannot_be_combined(code, listed_parts, _nearest_hint(device, code))
+
+
+def _fits_if_changed(device: Device, part: CodePart, listed_values: Mapping[str, str | None]) -> bool:
+    """Return whether there is a code with these parts if another value of ``part`` is chosen."""
+    return any(_fitting_code(device, {**listed_values, part.name: value.text}) for value in part.values)
 
 
 def _explain(device: Device, code: str) -> UnknownOrderCode:
@@ -196,20 +200,20 @@ def _explain(device: Device, code: str) -> UnknownOrderCode:
             other_parts = [other_part for other_part in device.order_code.parts if other_part is not part]
             candidates.append(
                 (
-                    sum(_listed(other_part, match[other_part.name]) is None for other_part in other_parts),
+                    sum(_listed_value(other_part, match[other_part.name]) is None for other_part in other_parts),
                     match[part.name] != "",
                     part,
                     match[part.name],
                 )
             )
     if not candidates:
-        problem = messages.not_of_family(code, device.name.upper(), _nearest(device, code))
+        problem = messages.not_of_family(code, device.name.upper(), _nearest_hint(device, code))
         return UnknownOrderCode(problem, close=False)
     # Prefer a part without which all others have listed values, and then a missing part.
     _, _, part, part_text = min(candidates, key=lambda candidate: candidate[:2])
     valid = ", ".join(value.text for value in part.values)
     problem = messages.has_part(part.name, part_text) if part_text else messages.has_no_part(part.name)
-    return UnknownOrderCode(messages.wrong_part(code, problem, valid, _nearest(device, code)), close=True)
+    return UnknownOrderCode(messages.wrong_part(code, problem, valid, _nearest_hint(device, code)), close=True)
 
 
 def _has_more_than(match: re.Match[str], part: CodePart, code: str) -> bool:
@@ -233,7 +237,7 @@ def closest_reason(devices: Iterable[Device], text: str) -> str | None:
     return None
 
 
-def _nearest(device: Device, code: str) -> str:
+def _nearest_hint(device: Device, code: str) -> str:
     return ", ".join(nearest_codes([device], code))
 
 

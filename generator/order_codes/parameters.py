@@ -17,17 +17,11 @@ def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
     used_by_interface = {interface.name: _used(device, interface.name) for interface in device.interfaces}
     elsewhere = set[str]().union(*used_by_interface.values()) - used_by_interface[kind]
     possible = [parameter for parameter in device.parameters if parameter.interface in ("", kind)]
-    kept_names = {
-        parameter.name
-        for parameter in possible
-        if parameter.name not in elsewhere and (parameter.equals is None or parameter.name in used_by_interface[kind])
-    }
+    calculated = {parameter.name: parameter.equals for parameter in possible if parameter.equals is not None}
+    unused_calculated = calculated.keys() - used_by_interface[kind]
+    kept_names = {parameter.name for parameter in possible} - elsewhere - unused_calculated
     for _ in possible:
-        kept_names |= {
-            parameter.name
-            for parameter in possible
-            if parameter.equals is not None and kept_names.issuperset(parameter.equals.parameters)
-        }
+        kept_names |= {name for name, value in calculated.items() if kept_names.issuperset(value.parameters)}
     return tuple(parameter for parameter in device.parameters if parameter.name in kept_names)
 
 

@@ -25,18 +25,17 @@ def reduced_to_codes(device: Device, codes: Collection[str]) -> Device:
     lose their ``only``. Questions about unexplained flags are omitted.
     """
     manual_steps = {step.name for step in device.characteristics if not _applies_to_others(step, codes)}
-    reduced = replace(device, **{name: _reduced(getattr(device, name), codes, manual_steps) for name in _PARTS})
+    reduced = replace(device, **{name: _reduced_part(getattr(device, name), codes, manual_steps) for name in _PARTS})
     if not device.optional_alternatives:
         return reduced
     layouts = [layout for _, layout in reduced.layouts()]
     decisive = {alternative.name for layout in layouts for alternative in reduced.verdict_alternatives(layout)}
-    remaining = tuple(
-        alternative for alternative in reduced.alternatives if not alternative.default or alternative.name in decisive
-    )
+    decisive |= {alternative.name for alternative in reduced.alternatives if not alternative.default}
+    remaining = tuple(alternative for alternative in reduced.alternatives if alternative.name in decisive)
     return replace(reduced, alternatives=remaining)
 
 
-def _reduced(part: Any, codes: Collection[str], manual_steps: Collection[str]) -> Any:
+def _reduced_part(part: Any, codes: Collection[str], manual_steps: Collection[str]) -> Any:
     """Return the part without facts about other order codes, and without manual steps not in ``manual_steps``."""
     if isinstance(part, _ALWAYS):
         return part
@@ -48,7 +47,7 @@ def _reduced(part: Any, codes: Collection[str], manual_steps: Collection[str]) -
         return part
     changed: dict[str, Any] = {}
     for member_name, member in parts_of(part):
-        reduced_member = _reduced(member, codes, manual_steps)
+        reduced_member = _reduced_part(member, codes, manual_steps)
         if reduced_member is not member:
             changed[member_name] = reduced_member
     only = getattr(part, "only", "")
@@ -65,7 +64,7 @@ def _reduced_values(values: tuple[Any, ...], codes: Collection[str], manual_step
     if all(isinstance(value, _ALWAYS) for value in values):
         return values
     applying = [value for value in values if not _applies_to_others(value, codes)]
-    reduced_values = tuple([_reduced(value, codes, manual_steps) for value in applying])
+    reduced_values = tuple([_reduced_part(value, codes, manual_steps) for value in applying])
     is_unchanged = len(reduced_values) == len(values) and all(map(is_, reduced_values, values))
     return values if is_unchanged else reduced_values
 

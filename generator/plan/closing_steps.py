@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..model import Device, ModifyStep, Register, Step, WriteStep
+from ..model import Device, ModifyStep, Register, Step, WriteStep, member_named
 
 
 def closing_steps(device: Device, steps: Sequence[Step]) -> frozenset[int]:
@@ -40,4 +40,4 @@ def _opening_number(device: Device, opened: Register) -> int:
     """Return the number that opens the register."""
     fields = device.register(opened.opened_by).layout.fields
     values = (value for field in fields if opened.opened_by_field in ("", field.name) for value in field.values)
-    return next(value.value for value in values if value.name == opened.opened_by_value)
+    return member_named(values, opened.opened_by_value, f"value of '{opened.opened_by}'").value

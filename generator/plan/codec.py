@@ -72,8 +72,8 @@ class ZerosAbove:
 class ParityIs:
     """The bit is the parity of the fields ``of``: 1 for an odd number of ones or, with ``odd``, for an even number.
 
-    ``mask`` is the mask of the bits of each field that count, or 0 if all of them count. ``known`` is the only valid
-    value of the bit in this frame if each field in ``of`` has a single value.
+    ``mask`` is the mask of the bits of each field that count, or 0 if all of them count. ``known_parity`` is the only
+    valid value of the bit in this frame if each field in ``of`` has a single value.
     """
 
     field: Field
@@ -82,7 +82,7 @@ class ParityIs:
     of_bits: tuple[Bits, ...]
     odd: bool
     mask: int
-    known: int | None
+    known_parity: int | None
     fault = Fault.CONSTANT
 
     @property
@@ -262,7 +262,7 @@ class Fixed:
 
 
 @dataclass(frozen=True, slots=True)
-class Given:
+class ValueOfField:
     """The value of a field. The inverse of its meaning converts it to bits."""
 
     field: Field
@@ -283,7 +283,7 @@ class ParityOf:
 
 
 @dataclass(frozen=True, slots=True)
-class Turned:
+class ReservedBits:
     """Reserved bits: ``value``, with those bits inverted that are 1 in ``unused``, starting at ``place``."""
 
     value: int
@@ -296,7 +296,7 @@ class Term:
 
     field: Field
     bits: Bits
-    value: Fixed | Given | ParityOf | Turned
+    value: Fixed | ValueOfField | ParityOf | ReservedBits
 
     @property
     def depends(self) -> bool:
@@ -489,7 +489,7 @@ def _constants(layout: Layout, by_word: bool) -> Iterator[Check]:
                     of_bits=of_bits,
                     odd=odd,
                     mask=_parity_mask(kind, fields),
-                    known=_known_parity(layout, fields, kind),
+                    known_parity=_known_parity(layout, fields, kind),
                 )
 
 
@@ -553,11 +553,13 @@ def _terms(layout: Layout) -> Iterator[Term]:
             case Parity(of=names, odd=odd) as kind:
                 fields = tuple(map(layout.field, names))
                 bit, mask = _known_parity(layout, fields, kind), _parity_mask(kind, fields)
-                value: Fixed | Given | ParityOf | Turned = ParityOf(fields, odd, mask) if bit is None else Fixed(bit)
+                value: Fixed | ValueOfField | ParityOf | ReservedBits = (
+                    ParityOf(fields, odd, mask) if bit is None else Fixed(bit)
+                )
             case Unused(number):
-                value = Turned(number, places[field.name])
+                value = ReservedBits(number, places[field.name])
             case _:
-                value = Given(field) if single_value is None else Fixed(single_value)
+                value = ValueOfField(field) if single_value is None else Fixed(single_value)
         yield Term(field, bits_of(layout, field), value)
 
 

@@ -161,11 +161,17 @@ class Description:
     otherwise: Verdict | None
 
 
+def _unused(reserved: plan.Reserved) -> Unused:
+    return Unused(reserved.field.low, reserved.field.width, reserved.value, reserved.place)
+
+
 def describe(codec: plan.Codec, reporting: reports.Reporting | None = None) -> Description:
     """Return the description of a frame or register. ``reporting`` contains the reports and the verdict of a frame."""
     layout, powers = codec.layout, powers_of_two(codec)
     order = "little" if layout.byte_order == "low_byte_first" else "big"
     sent_values = [(Place(term.field.low, term.field.width), term.value) for term in codec.terms]
+    constants = ((place, value.number) for place, value in sent_values if isinstance(value, plan.Fixed))
+    fixed_numbers = ((place, number) for place, number in constants if number)
     judgement = reporting.judgement if reporting is not None else None
     return Description(
         bits=layout.bits,
@@ -173,20 +179,15 @@ def describe(codec: plan.Codec, reporting: reports.Reporting | None = None) -> D
         order=order if codec.in_bytes else "",
         columns=tuple(_column(field, field.name in powers) for field in layout.fields),
         joins=tuple(map(_join, codec.wholes)),
-        unused=tuple(
-            Unused(reserved_bits.field.low, reserved_bits.field.width, reserved_bits.value, reserved_bits.place)
-            for reserved_bits in codec.reserved
-        ),
+        unused=tuple(map(_unused, codec.reserved)),
         checks=tuple(map(_check, codec.checks)),
         parities=tuple(_parity(place, value) for place, value in sent_values if isinstance(value, plan.ParityOf)),
         speaks=tuple(_speaks(judgement)) if judgement is not None else (),
-        tells=tuple(map(_tells, reporting.told)) if reporting is not None else (),
+        tells=tuple(map(_tells, reporting.causes)) if reporting is not None else (),
         fields=tuple(BitField(field.name, field.low, field.width) for field in layout.fields),
         crc=codec.crc,
         gray=codec.gray,
-        fixed=tuple(
-            (place, value.number) for place, value in sent_values if isinstance(value, plan.Fixed) and value.number
-        ),
+        fixed=tuple(fixed_numbers),
         otherwise=judgement.otherwise if judgement is not None else None,
     )
 
@@ -254,12 +255,12 @@ def _speaks(judgement: verdicts.Judgement) -> Iterator[Speaks]:
             yield Speaks(verdict, name, unless, _mask(speaker.by), speaker.only, when, speaker.chosen)
 
 
-def _tells(told_report: reports.Told) -> Tells:
+def _tells(told_report: reports.ReportCause) -> Tells:
     name, mask, when = Name(told_report.by.field.name), _mask(told_report.by), _when(told_report.by)
-    return Tells(told_report.report.name, name, mask, told_report.only, when, _answered(told_report.made_of))
+    return Tells(told_report.report.name, name, mask, told_report.only, when, _verdict_by_answer(told_report.made_of))
 
 
-def _answered(field: Field) -> Answered | None:
+def _verdict_by_answer(field: Field) -> Answered | None:
     match field.kind:
         case Flag(verdict_parameter=parameter, verdict_if_set=verdict) if verdict is not None:
             return Answered(parameter, verdict)

@@ -9,7 +9,7 @@ from ..model.record import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Compared:
+class IdentityRegister:
     """A register, and those of its fields that have a documented value."""
 
     register: Register
@@ -21,7 +21,7 @@ class Identity:
     """Identifying registers of one interface. ``alone`` is true if no other interface has such registers."""
 
     interface: str
-    compared: tuple[Compared, ...]
+    compared: tuple[IdentityRegister, ...]
     alone: bool
 
 
@@ -31,5 +31,5 @@ def identities(device: Device) -> Iterator[Identity]:
     for register, field in device.identity:
         by_interface.setdefault(register.interface, {}).setdefault(register.name, []).append(field)
     for interface, registers in by_interface.items():
-        compared = (Compared(device.register(name), tuple(fields)) for name, fields in registers.items())
+        compared = (IdentityRegister(device.register(name), tuple(fields)) for name, fields in registers.items())
         yield Identity(interface, tuple(compared), len(by_interface) == 1)

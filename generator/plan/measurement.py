@@ -88,7 +88,7 @@ def _range_key(position_range: PositionRange) -> Hashable:
     return measurement.total, measurement.highest, position_range.never_wraps, field is not None, width
 
 
-def also_measured(device: Device) -> frozenset[str]:
+def parameters_in_measurement(device: Device) -> frozenset[str]:
     """Return the derived parameters that equal a quantity of the measurement for all order codes.
 
     These quantities are the counts per revolution and the number of counts after which a position wraps around.

@@ -18,23 +18,23 @@ SSI_AROUND = 2
 
 
 @dataclass(frozen=True, slots=True)
-class Received:
+class FrameSize:
     """Size of a frame for one order code: its length in bits, and the bytes of a buffer for it and the bits around it.
 
-    ``answers`` are the user's decisions on which the length depends. ``held`` is true if registers change the length at
-    run time. The number of bits is then that of the factory default, and the buffer is large enough for any register
-    value.
+    ``answers`` are the user's decisions on which the length depends. ``depends_on_registers`` is true if registers
+    change the length at run time. The number of bits is then that of the factory default, and the buffer is large
+    enough for any register value.
     """
 
     variant: Variant
     layout: Layout
     bits: int
     bytes: int
-    held: bool
+    depends_on_registers: bool
     answers: tuple[Answer, ...] = ()
 
 
-def received(device: Device, interface: Interface) -> Iterator[Received]:
+def received(device: Device, interface: Interface) -> Iterator[FrameSize]:
     """Yield the frames that the encoder sends as bits on this interface, by order code.
 
     A frame whose length depends on a question that the manual leaves open is yielded once for each answer.
@@ -50,7 +50,9 @@ def received(device: Device, interface: Interface) -> Iterator[Received]:
         for variant, (answers, sets) in product(device.variants_over(interface.name), choices(deciding)):
             bits = layout.sent_bits.value({**variant.parameters, **sets})
             size = (around + (layout.widest if moves else bits) + 7) // 8
-            yield Received(variant=variant, layout=layout, bits=bits, bytes=size, held=moves, answers=answers)
+            yield FrameSize(
+                variant=variant, layout=layout, bits=bits, bytes=size, depends_on_registers=moves, answers=answers
+            )
 
 
 def _bits_around(interface: Interface) -> int | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..model import Constant, CrcValue, Device, Exchange, Interface, Layout, Rs485, Spi
+from ..model import Constant, CrcValue, Device, Exchange, Interface, Layout, Rs485, Spi, member_named
 from ..model.record import dataclass
 from .frames import dispatches
 
@@ -20,7 +20,7 @@ def reply_to(device: Device, interface: str, data_id: str) -> Reply | None:
     rs485 = device.interface(interface)
     if not isinstance(rs485, Rs485):
         return None
-    layout = answer(rs485, next(request.id for request in rs485.data_ids if request.name == data_id))
+    layout = answer(rs485, member_named(rs485.data_ids, data_id, "data ID").id)
     if layout is None or not layout.bits.is_constant:
         return None
     kind = layout.crc_field.kind if layout.crc_field is not None else None
@@ -44,7 +44,7 @@ class Exchanged:
     ``repeats_first`` is true if the reply begins with the first byte of the request.
     """
 
-    item: Exchange
+    exchange: Exchange
     request: Layout
     reply: Layout | None
     repeats_first: bool

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..model import Device, Field, Flag, Interface, Layout, Verdict
 from ..model.kinds import Unused
 from .codec import Codec, codec_of
-from .verdicts import Cause, Judgement, Only, by_code, judgement_of, telling, unexplained
+from .verdicts import Cause, Judgement, Only, by_code, judgement_of, unexplained, verdict_causes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,7 +29,7 @@ class Report:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class ReportCause:
     """Report in a frame: an active flag, reserved bits that differ from the manual, or values with a verdict.
 
     Without ``only`` it applies to all order codes.
@@ -57,7 +57,7 @@ class Reporting:
 
     interface: Interface
     codec: Codec
-    told: tuple[Told, ...]
+    causes: tuple[ReportCause, ...]
     judgement: Judgement | None
 
 
@@ -72,20 +72,18 @@ def reports_of(device: Device) -> tuple[Report, ...]:
 def reportings(device: Device) -> Iterator[Reporting]:
     """Yield the reports and the verdict of each frame of the encoder that has any."""
     reports = _reports(device)
-    for interface, layout in _sent(device):
+    for interface, layout in _sent_layouts(device):
         codec = codec_of(device, layout)
-        told_reports = tuple(
-            Told(reports[layout.name, coded_field.name], cause, only)
-            for cause in telling(codec)
-            for coded_field, only in by_code(cause.field)
-            if _is_told(coded_field)
-        )
-        tells = device.tells_position(interface.name, layout)
-        if told_reports or tells:
-            yield Reporting(interface, codec, told_reports, judgement_of(codec) if tells else None)
+        causes: list[ReportCause] = []
+        for cause in verdict_causes(codec):
+            reported = ((field, only) for field, only in by_code(cause.field) if _is_reported(field))
+            causes += [ReportCause(reports[layout.name, field.name], cause, only) for field, only in reported]
+        judgement = judgement_of(codec) if device.tells_position(interface.name, layout) else None
+        if causes or judgement is not None:
+            yield Reporting(interface, codec, tuple(causes), judgement)
 
 
-def _sent(device: Device) -> Iterator[tuple[Interface, Layout]]:
+def _sent_layouts(device: Device) -> Iterator[tuple[Interface, Layout]]:
     return ((interface, layout) for interface, layout in device.layouts() if layout.sender == "encoder")
 
 
@@ -99,22 +97,29 @@ def sums_up(field: Field) -> tuple[str, ...]:
     return field.kind.sums_up if isinstance(field.kind, Flag) else ()
 
 
-def _is_told(field: Field) -> bool:
+def _is_reported(field: Field) -> bool:
     """Return whether the field reports a problem. Those that leave the position usable do not."""
     return isinstance(field.kind, (Flag, Unused)) and field.kind.makes_position is not Verdict.USABLE
 
 
+def _fields_by_code(layout: Layout) -> Iterator[tuple[Field, Only | None]]:
+    """Yield the fields and signs that report a problem, each with the order codes for which it does."""
+    for field in (*layout.fields, *(sign.flag for sign in layout.signs)):
+        for coded_field, only in by_code(field):
+            if _is_reported(coded_field):
+                yield coded_field, only
+
+
 def _reports(device: Device) -> Mapping[tuple[str, str], Report]:
     """Return the reports by frame and field."""
-    reported_fields = [
-        (interface.name, layout.name, coded_field, only is not None and not only.holds)
-        for interface, layout in _sent(device)
-        for field in (*layout.fields, *(sign.flag for sign in layout.signs))
-        for coded_field, only in by_code(field)
-        if _is_told(coded_field)
-    ]
+    explained_fields: list[tuple[str, str, Field]] = []
+    unexplained_fields: list[tuple[str, str, Field]] = []
+    for interface, layout in _sent_layouts(device):
+        for field, only in _fields_by_code(layout):
+            is_unexplained = only is not None and not only.holds
+            (unexplained_fields if is_unexplained else explained_fields).append((interface.name, layout.name, field))
     # Unexplained flags are last, so that the others keep their numbers.
-    fields = [row[:3] for row in sorted(reported_fields, key=lambda row: row[3])]
+    fields = explained_fields + unexplained_fields
     properties_by_name: dict[str, set[object]] = {}
     for kind, _, field in fields:
         for name in (field.name, f"{kind}_{field.name}"):

@@ -11,11 +11,11 @@ from .values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, Z
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class HeldParameter:
     """A parameter in a register.
 
     ``meaning`` converts its bits to an unsigned number. ``low`` and ``high`` are None if no value of the field can be
-    outside them. ``most`` is the highest valid value. If the parameter has codes, its bits are one of them, and
+    outside them. ``highest_value`` is the highest valid one. If the parameter has codes, its bits are one of them, and
     ``low`` and ``high`` are None.
     """
 
@@ -25,53 +25,53 @@ class Held:
     meaning: Raw | ZeroMeans
     low: int | None
     high: int | None
-    most: int
+    highest_value: int
 
 
 @dataclass(frozen=True, slots=True)
-class HeldBy:
+class HoldingRegister:
     """A register, and the parameters that it holds."""
 
     register: Register
-    parameters: tuple[Held, ...]
+    parameters: tuple[HeldParameter, ...]
 
 
-def held_parameters(device: Device) -> Iterator[HeldBy]:
+def held_parameters(device: Device) -> Iterator[HoldingRegister]:
     """Yield the registers that hold parameters, without duplicates."""
     by_register: dict[str, list[Parameter]] = {}
     for parameter in device.run_time_parameters:
         by_register.setdefault(parameter.register, []).append(parameter)
     for name, parameters in by_register.items():
         register = device.register(name)
-        yield HeldBy(register, tuple(_held(register, parameter) for parameter in parameters))
+        yield HoldingRegister(register, tuple(_held_parameter(register, parameter) for parameter in parameters))
 
 
-def _held(register: Register, parameter: Parameter) -> Held:
+def _held_parameter(register: Register, parameter: Parameter) -> HeldParameter:
     field = register.layout.field(parameter.field)
     bits = bits_of(register.layout, field)
     if parameter.by_code:
-        return Held(
+        return HeldParameter(
             parameter=parameter,
             field=field,
             bits=bits,
             meaning=Raw(),
             low=None,
             high=None,
-            most=max(row.value for row in parameter.by_code),
+            highest_value=max(row.value for row in parameter.by_code),
         )
     meaning, lowest, highest = _unsigned_meaning(field), 0, (1 << field.widest) - 1
     if isinstance(meaning, ZeroMeans):
         lowest, highest = 1, max(highest, meaning.number)
     low = parameter.min if parameter.min is not None and parameter.min > lowest else None
     high = parameter.max if parameter.max is not None and parameter.max < highest else None
-    return Held(
+    return HeldParameter(
         parameter=parameter,
         field=field,
         bits=bits,
         meaning=meaning,
         low=low,
         high=high,
-        most=highest if high is None else high,
+        highest_value=highest if high is None else high,
     )
 
 

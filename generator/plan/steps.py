@@ -25,6 +25,7 @@ from ..model import (
     WaitStep,
     WriteStep,
     assert_never,
+    member_named,
 )
 from ..model.record import dataclass
 from .closing_steps import closing_steps
@@ -47,7 +48,7 @@ class Call(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Stated:
+class FixedNumber:
     """The same number every time."""
 
     number: int
@@ -76,7 +77,7 @@ class AsMember:
     member: str
 
 
-Source = Stated | InField | AsNumber | AsMember
+Source = FixedNumber | InField | AsNumber | AsMember
 
 
 # -- operations
@@ -177,7 +178,7 @@ Operation = Writes | Reads | Polls | Verifies | Waits | Sends
 
 
 @dataclass(frozen=True, slots=True)
-class Beyond:
+class OutsideArgumentLimits:
     """The argument is outside its limits: those of the register or, if it has several meanings, of one ``meaning``."""
 
     register: Register
@@ -192,11 +193,11 @@ class Undecodable:
     register: Register
 
 
-ArgumentRefusal = Beyond | TooWide | NotOneOf | Undecodable
+ArgumentRefusal = OutsideArgumentLimits | TooWide | NotOneOf | Undecodable
 
 
 @dataclass(frozen=True, slots=True)
-class Given:
+class CheckedArgument:
     """An argument, the operation that writes it, and the reasons for which it is rejected before any write.
 
     Values that do not fit are also rejected when the register is encoded.
@@ -213,7 +214,7 @@ class Run:
 
     procedure: Procedure
     operations: tuple[Operation, ...]
-    arguments: tuple[Given, ...]
+    arguments: tuple[CheckedArgument, ...]
     changes_frames: bool
 
     @cached_property
@@ -259,7 +260,7 @@ def _changes_frames(device: Device, write: Writes) -> bool:
 def _with_taught_parameters(device: Device, operations: Sequence[Operation]) -> Iterator[Operation]:
     """Yield the operations, with the written parameters on which later limits depend."""
     for index, operation in enumerate(operations):
-        if isinstance(operation, Writes) and operation.field is None and not isinstance(operation.value, Stated):
+        if isinstance(operation, Writes) and operation.field is None and not isinstance(operation.value, FixedNumber):
             yield replace(operation, teaches=tuple(_taught_parameters(device, operation, operations[index + 1 :])))
         else:
             yield operation
@@ -343,7 +344,7 @@ def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Oper
             register = device.register(step.register)
             field = register.layout.field(step.field)
             argument = _argument_of_step(procedure, step)
-            value = InField(argument, field) if argument is not None else Stated(step.value or 0)
+            value = InField(argument, field) if argument is not None else FixedNumber(step.value or 0)
             return Writes(step, register, field, pieces_of(register, field), value)
         case WriteStep():
             register = device.register(step.register)
@@ -377,19 +378,19 @@ def pieces_of(register: Register, field: Field | None = None) -> tuple[Piece, ..
 def _argument_of_step(procedure: Procedure, step: WriteStep | ModifyStep) -> Argument | None:
     if step.value is not None:
         return None
-    return next(candidate for candidate in procedure.arguments if candidate.name == step.value_name)
+    return member_named(procedure.arguments, step.value_name, f"argument of '{procedure.name}'")
 
 
 def _written_value(register: Register, step: WriteStep, argument: Argument | None) -> Source:
     if argument is None:
-        return Stated(step.value or 0)
+        return FixedNumber(step.value or 0)
     member = limited_member(register)
     return AsMember(argument, member) if member else AsNumber(argument)
 
 
 def _argument_in(value: Source) -> Argument | None:
     match value:
-        case Stated():
+        case FixedNumber():
             return None
         case InField() | AsNumber() | AsMember():
             return value.argument
@@ -397,12 +398,12 @@ def _argument_in(value: Source) -> Argument | None:
             assert_never(value)
 
 
-def _checked_argument(device: Device, argument: Argument, writes: tuple[Writes, ...]) -> Given:
+def _checked_argument(device: Device, argument: Argument, writes: tuple[Writes, ...]) -> CheckedArgument:
     refusals: list[ArgumentRefusal] = []
     for write in writes:
         # An argument that is written to the same register twice is checked only once.
         refusals += [refusal for refusal in _argument_refusals(device, write, argument) if refusal not in refusals]
-    return Given(argument, writes, tuple(refusals))
+    return CheckedArgument(argument, writes, tuple(refusals))
 
 
 def _argument_refusals(device: Device, write: Writes, argument: Argument) -> Iterator[ArgumentRefusal]:
@@ -417,7 +418,7 @@ def _argument_refusals(device: Device, write: Writes, argument: Argument) -> Ite
                 yield Undecodable(write.register)
         case InField(field=field):
             yield from field_refusals(device, write.register, field, argument)
-        case Stated():
+        case FixedNumber():
             return
         case _:
             assert_never(write.value)
@@ -425,7 +426,7 @@ def _argument_refusals(device: Device, write: Writes, argument: Argument) -> Ite
 
 def field_refusals(
     device: Device, register: Register, field: Field, argument: Argument
-) -> Iterator[TooWide | Beyond | NotOneOf]:
+) -> Iterator[TooWide | OutsideArgumentLimits | NotOneOf]:
     """Yield the reasons to reject an argument for one field of a register. If a meaning is given, its limits apply."""
     yield TooWide(field, field.width)
     if argument.meant_as or limited_member(register) == field.name:
@@ -435,8 +436,8 @@ def field_refusals(
         yield NotOneOf(field, values)
 
 
-def _limit_refusals(device: Device, register: Register, argument: Argument) -> Iterator[Beyond]:
+def _limit_refusals(device: Device, register: Register, argument: Argument) -> Iterator[OutsideArgumentLimits]:
     meaning = next((candidate for candidate in register.meanings if candidate.name == argument.meant_as), None)
     limits = limits_of(device, register, meaning)
     if limits.low is not None or limits.high is not None:
-        yield Beyond(register, meaning, limits)
+        yield OutsideArgumentLimits(register, meaning, limits)

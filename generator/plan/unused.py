@@ -10,7 +10,7 @@ from .codec import Codec, Reserved
 
 
 @dataclass(frozen=True, slots=True)
-class Moved:
+class ShiftedBits:
     """Unused bits with one shift: bit 0 of the member is bit ``shift`` of the ``byte``, or of the word if it is None.
 
     ``mask`` and ``value``, the value in the manual, have the places of the member.
@@ -22,9 +22,9 @@ class Moved:
     value: int
 
 
-def moved_bits(codec: Codec) -> tuple[Moved, ...]:
+def moved_bits(codec: Codec) -> tuple[ShiftedBits, ...]:
     """Return the unused bits whose position is the same for every order code. Those with the same shift are one."""
-    bits_by_shift: dict[tuple[int | None, int], Moved] = {}
+    bits_by_shift: dict[tuple[int | None, int], ShiftedBits] = {}
     for op in codec.reserved:
         for bits in _moved_bits_of_field(op, codec.by_word) if op.bits.are_fixed else ():
             bits_so_far = bits_by_shift.get((bits.byte, bits.shift), replace(bits, mask=0, value=0))
@@ -33,12 +33,12 @@ def moved_bits(codec: Codec) -> tuple[Moved, ...]:
     return tuple(bits_by_shift.values())
 
 
-def _moved_bits_of_field(op: Reserved, by_word: bool) -> Iterator[Moved]:
+def _moved_bits_of_field(op: Reserved, by_word: bool) -> Iterator[ShiftedBits]:
     """Yield the bits of a field, in the word or byte by byte."""
     if by_word:
-        yield Moved(None, op.bits.low.constant - op.place, op.mask, op.value << op.place)
+        yield ShiftedBits(None, op.bits.low.constant - op.place, op.mask, op.value << op.place)
         return
     for piece in op.bits.pieces:
         place = op.place + piece.left
         mask = piece.mask << place
-        yield Moved(piece.byte, piece.right - place, mask, op.value << op.place & mask)
+        yield ShiftedBits(piece.byte, piece.right - place, mask, op.value << op.place & mask)

@@ -44,7 +44,7 @@ Cause = Part | Reserved | Match
 
 
 @dataclass(frozen=True, slots=True)
-class Speaks:
+class VerdictCause:
     """Cause of a verdict, unless one of the flags ``unless``, which it combines, is active.
 
     ``unless`` omits flags that lead to the same verdict or a worse one, since they make no difference. Without ``only``
@@ -70,12 +70,12 @@ class Judgement:
     If ``otherwise`` is UNKNOWN, warnings have no effect, since UNKNOWN is worse than a warning.
     """
 
-    not_usable: tuple[Speaks, ...]
-    with_warning: tuple[Speaks, ...]
+    not_usable: tuple[VerdictCause, ...]
+    with_warning: tuple[VerdictCause, ...]
     otherwise: Verdict
 
     @property
-    def worst_first(self) -> tuple[tuple[Verdict, tuple[Speaks, ...]], ...]:
+    def worst_first(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
         """Return the verdicts with their causes, worst first."""
         levels = ((Verdict.NOT_USABLE, self.not_usable), (Verdict.USABLE_WITH_WARNING, self.with_warning))
         return tuple(level for level in levels if level[1])
@@ -84,17 +84,17 @@ class Judgement:
 def judgement_of(codec: Codec) -> Judgement:
     """Return the verdict on the position of a frame, with everything that it depends on."""
     parts = {part.field.name: part for part in codec.parts}
-    speaking: dict[Verdict, list[Speaks]] = {verdict: [] for verdict in Verdict}
-    for cause in telling(codec):
+    speaking: dict[Verdict, list[VerdictCause]] = {verdict: [] for verdict in Verdict}
+    for cause in verdict_causes(codec):
         match cause.field.kind:
             case Flag():
                 for flag, only in _by_worth(cause.field):
                     summed_parts = [parts[name] for name in flag.sums_up if name in parts]
                     for flag_verdict, chosen in _by_answer(flag):
-                        unless = tuple(part for part in summed_parts if not _decides(part, flag_verdict, parts))
-                        speaking[flag_verdict].append(Speaks(cause, unless, only, chosen))
+                        unless = tuple(part for part in summed_parts if not _always_leads_to(part, flag_verdict, parts))
+                        speaking[flag_verdict].append(VerdictCause(cause, unless, only, chosen))
             case Unused(makes_position=verdict):
-                speaking[verdict].append(Speaks(cause, ()))
+                speaking[verdict].append(VerdictCause(cause, ()))
     tells = codec.layout.tells_validity
     warning = speaking[Verdict.USABLE_WITH_WARNING] if tells else ()
     otherwise = Verdict.USABLE if tells else Verdict.UNKNOWN
@@ -119,7 +119,7 @@ def _by_answer(flag: Flag) -> Iterator[tuple[Verdict, Only | None]]:
     yield flag.verdict_if_set, Only(flag.verdict_parameter, True)
 
 
-def _decides(part: Part, verdict: Verdict, parts: Mapping[str, Part]) -> bool:
+def _always_leads_to(part: Part, verdict: Verdict, parts: Mapping[str, Part]) -> bool:
     """Return whether a flag always leads to ``verdict`` or a worse one."""
     match part.field.kind:
         case Flag(makes_position=flag_verdict, sums_up=names, only_while="", verdict_if_set=None) if (
@@ -142,7 +142,7 @@ def verdict_of(field: Field) -> Verdict | None:
             assert_never(field.kind)
 
 
-def telling(codec: Codec) -> Iterator[Cause]:
+def verdict_causes(codec: Codec) -> Iterator[Cause]:
     """Yield the flags, the reserved bits, and the values of a frame that can decide its verdict."""
     yield from (part for part in codec.parts if isinstance(part.field.kind, Flag))
     yield from codec.reserved

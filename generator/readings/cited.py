@@ -49,7 +49,7 @@ def contents(reading: Reading) -> Iterator[Fact]:
 def texts(reading: Reading) -> Iterator[Fact]:
     """Yield the numbers in every text, and the sections that every source cites."""
     for place, text in _texts((), reading.document.data):
-        if value := _compared(place[-1], text):
+        if value := _compared_text(place[-1], text):
             is_source, path_text = _is_source(place[-1]), ".".join(map(str, place))
             key, description = (CITED, "section cited at") if is_source else (NUMBERS, "numbers in")
             yield Fact(
@@ -61,7 +61,7 @@ def _is_source(key: str | int) -> bool:
     return key == "source" or str(key).endswith("_source")
 
 
-def _compared(key: str | int, text: str) -> str:
+def _compared_text(key: str | int, text: str) -> str:
     """Return what is compared of a text: its numbers, or the sections of the manual itself that a source cites."""
     if not _is_source(key):
         return numbers_in(text)
@@ -70,8 +70,11 @@ def _compared(key: str | int, text: str) -> str:
 
 def by_path(reading: Reading) -> dict[str, tuple[str, Path]]:
     """Return what a second reading gives for texts and sources by their paths, with the places there."""
-    texts_by_path = reading.document.data.get("found", {})
-    return {path: (_compared(path.rpartition(".")[2], text), ("found", path)) for path, text in texts_by_path.items()}
+    numbers_and_places: dict[str, tuple[str, Path]] = {}
+    for path, text in reading.document.data.get("found", {}).items():
+        key = path.rpartition(".")[2]
+        numbers_and_places[path] = (_compared_text(key, text), ("found", path))
+    return numbers_and_places
 
 
 def sections_by_path(reading: Reading) -> dict[str, list[str]]:

@@ -17,6 +17,6 @@ def facts_of(reading: Reading) -> Facts:
     facts.add(surroundings.surroundings(reading))
     facts.add(cited.contents(reading))
     facts.add(cited.texts(reading))
-    facts.found, facts.sections = cited.by_path(reading), cited.sections_by_path(reading)
+    facts.printed_numbers, facts.sections = cited.by_path(reading), cited.sections_by_path(reading)
     facts.decided = reading.document.data.get("decided", ())
     return facts

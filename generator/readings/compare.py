@@ -14,9 +14,9 @@ from ..language.problems import Path
 from ..say.numbers import first_of
 from ..say.place import bits
 from .cited import NUMBERS
-from .fact import NOTHING, Bit, Case, Fact, Facts, Key, Names, Placed, Sort, Value, Word
-from .frame_bits import continues, run
-from .mistaken_names import are_settled, mistaken
+from .fact import NOTHING, Bit, Case, Fact, Facts, Key, Names, Sort, Value, Word, WordCase
+from .frame_bits import continues_item, describe_bits
+from .mistaken_names import are_settled, mistaken_pairs
 from .reading import same_name
 
 #: Items that each reader defines as needed, so that none is missing if the other has a different set.
@@ -43,7 +43,7 @@ class Disagreement:
     """
 
     sort: Sort
-    what: str
+    description: str
     used: str
     other: str
     place: Path
@@ -78,7 +78,7 @@ class Comparison:
 def compare(spec: Facts, second: Facts) -> Comparison:
     """Compare the facts of a spec with those of its second reading."""
     comparison = Comparison(settled=are_settled(spec, second))
-    near = partial(_near, comparison, spec, second)
+    near = partial(_nearest_place, comparison, spec, second)
     differences = _compare_facts(comparison, spec.facts, second.facts | dict(_by_path(spec, second)), near)
     for disagreement in chain(
         differences, _codes_differ(spec, second), _compare_names(comparison, spec.names, second.names)
@@ -90,11 +90,11 @@ def compare(spec: Facts, second: Facts) -> Comparison:
         # Of frames with different byte orders, only that is reported.
         if len(orders) < 2:
             _compare_words(comparison, word, second.words.get(key))
-    _mark(comparison, spec, second)
+    _count_decided(comparison, spec, second)
     return comparison
 
 
-def _near(comparison: Comparison, spec: Facts, second: Facts, fact: Fact) -> Path | None:
+def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, fact: Fact) -> Path | None:
     """Return the place where the spec would state a fact of the second reading, or None if the spec may lack it.
 
     This is its subject, or the only item of the same kind that the second reading lacks, or the list of such items.
@@ -121,11 +121,11 @@ def _container(place: Path) -> Path:
 def _by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
     """Yield the facts that the second reading gives by paths: numbers in texts, and sections."""
     paths = {_dotted(fact.place): fact for fact in spec.facts.values() if fact.sort in _WORDS}
-    for path, (value, place) in second.found.items():
+    for path, (value, place) in second.printed_numbers.items():
         spec_fact = paths.get(path) or Fact(Sort.TEXT, (NUMBERS, path), "", f"numbers in {path}", ())
         yield spec_fact.key, replace(spec_fact, value=value, place=place)
     for key, fact in spec.facts.items():
-        if fact.sort is Sort.SECTION and _dotted(fact.place) not in second.found:
+        if fact.sort is Sort.SECTION and _dotted(fact.place) not in second.printed_numbers:
             enclosing_paths = (_dotted(fact.place[:end]) for end in range(len(fact.place), 0, -1))
             if sections := next((second.sections[path] for path in enclosing_paths if path in second.sections), None):
                 yield key, replace(fact, value=", ".join(sorted(sections)), place=("sections", sections[0]))
@@ -135,14 +135,14 @@ def _dotted(place: Path) -> str:
     return ".".join(map(str, place))
 
 
-def _mark(comparison: Comparison, spec: Facts, second: Facts) -> None:
+def _count_decided(comparison: Comparison, spec: Facts, second: Facts) -> None:
     """Count facts that no manual prints as decided, and texts of which only a name was compared as read once."""
     for (sort, place), read in comparison.read.items():
         path = _dotted(place)
         if read is not Read.TWICE:
             continue
         is_name = sort is Sort.CHARACTERISTIC and len(place) == 2 and (NUMBERS, *place, "value") not in spec.facts
-        if is_name or (sort in _WORDS and path in second.found):
+        if is_name or (sort in _WORDS and path in second.printed_numbers):
             comparison.read[sort, place] = Read.ONCE
         elif sort not in _WORDS and _is_decided(sort, path, second.decided):
             comparison.read[sort, place] = Read.DECIDED
@@ -164,26 +164,28 @@ def _codes_differ(spec: Facts, second: Facts) -> Iterator[Disagreement]:
         missing = [fact for key, fact in codes.items() if key not in other_codes]
         if missing and other_codes:
             fact, known_fact = missing[0], next(iter(other_codes.values()))
-            description = fact.what + (f" and of {len(missing) - 1} more" if len(missing) > 1 else "")
+            description = fact.description + (f" and of {len(missing) - 1} more" if len(missing) > 1 else "")
             if codes is spec_codes:
-                yield Disagreement(fact.sort, description, _shown(fact.value), NOTHING, fact.place, known_fact.place)
+                yield Disagreement(
+                    fact.sort, description, _value_text(fact.value), NOTHING, fact.place, known_fact.place
+                )
             else:
-                yield _lacking(replace(fact, what=description), known_fact.place)
+                yield _missing_in_spec(replace(fact, description=description), known_fact.place)
 
 
-def _lacking(fact: Fact, near: Path) -> Disagreement:
+def _missing_in_spec(fact: Fact, near: Path) -> Disagreement:
     """Return the disagreement on a fact that only the second reading has."""
-    return Disagreement(fact.sort, fact.what, NOTHING, _shown(fact.value), (), fact.place, near)
+    return Disagreement(fact.sort, fact.description, NOTHING, _value_text(fact.value), (), fact.place, near)
 
 
 def _compare_names(
     comparison: Comparison, spec: Mapping[Key, Names], second: Mapping[Key, Names]
 ) -> Iterator[Disagreement]:
     for kind, names in spec.items():
-        for own_name, other_name in mistaken(names, second.get(kind, {}), comparison.settled):
+        for own_name, other_name in mistaken_pairs(names, second.get(kind, {}), comparison.settled):
             yield Disagreement(
                 own_name.sort,
-                own_name.what,
+                own_name.description,
                 f"'{own_name.value}'",
                 f"'{other_name.value}'",
                 own_name.place,
@@ -191,11 +193,11 @@ def _compare_names(
             )
 
 
-def _shown(value: Value) -> str:
+def _value_text(value: Value) -> str:
     return value if isinstance(value, str) else next(iter(value.values()), NOTHING)
 
 
-def _everywhere(value: Value) -> Value:
+def _common_value(value: Value) -> Value:
     """Return the common value if all cases have the same one, otherwise all values."""
     distinct = {value} if isinstance(value, str) else set(value.values())
     return distinct.pop() if len(distinct) == 1 else value
@@ -217,25 +219,25 @@ def _compare_facts(
         elif other_fact is not None and not other_fact.implied:
             place = near(other_fact) if fact is None else fact.place
             if place is not None:
-                yield _lacking(other_fact, place)
+                yield _missing_in_spec(other_fact, place)
 
 
 def _compare_values(comparison: Comparison, fact: Fact, other_fact: Fact) -> Iterator[Disagreement]:
-    own_value, other_value = _everywhere(fact.value), _everywhere(other_fact.value)
+    own_value, other_value = _common_value(fact.value), _common_value(other_fact.value)
     places = fact.place, other_fact.place
     if isinstance(own_value, str) or isinstance(other_value, str):
-        values = _shown(own_value), _shown(other_value)
+        values = _value_text(own_value), _value_text(other_value)
         if own_value == other_value or (fact.sort is Sort.PRINTED and same_name(*values)):
             comparison.note(fact.sort, fact.place, Read.TWICE)
         else:
-            yield Disagreement(fact.sort, fact.what, *values, *places)
+            yield Disagreement(fact.sort, fact.description, *values, *places)
         return
     common = [case for case in own_value if case in other_value]
     missing = [case for case in own_value if case not in other_value and not _is_default(own_value, case)]
     differing = [case for case in common if own_value[case] != other_value[case]]
     if differing:
         values = own_value[differing[0]], other_value[differing[0]]
-        yield Disagreement(fact.sort, fact.what + _with(differing), *values, *places)
+        yield Disagreement(fact.sort, fact.description + _cases_text(differing), *values, *places)
     comparison.note(fact.sort, fact.place, Read.ONCE if missing else Read.TWICE)
 
 
@@ -245,7 +247,7 @@ def _is_default(value: Mapping[Case, str], case: Case) -> bool:
     return state != "" and value[case] == value.get((code, ""))
 
 
-def _with(cases: list[Case]) -> str:
+def _cases_text(cases: list[Case]) -> str:
     """Return the text on the order codes and the state of the registers."""
     state = cases[0][1]
     while_text = f" while {state}" if state else ""
@@ -277,11 +279,13 @@ def _compare_words(comparison: Comparison, word: Word, other_word: Word | None) 
     for disagreement, cases in first_cases.values():
         is_everywhere = len(cases) == len(word.cases)
         comparison.differ(
-            disagreement if is_everywhere else replace(disagreement, what=disagreement.what + _with(cases))
+            disagreement
+            if is_everywhere
+            else replace(disagreement, description=disagreement.description + _cases_text(cases))
         )
 
 
-def _note_all(comparison: Comparison, placed: Placed) -> None:
+def _note_all(comparison: Comparison, placed: WordCase) -> None:
     for bit in placed.bits:
         comparison.note(Sort.POSITION, bit.place, Read.ONCE)
     for properties in placed.fields.values():
@@ -289,18 +293,25 @@ def _note_all(comparison: Comparison, placed: Placed) -> None:
             comparison.note(fact.sort, fact.place, Read.ONCE)
 
 
-def _in_case(comparison: Comparison, word: Word, own_placed: Placed, other_placed: Placed) -> Iterator[Disagreement]:
+def _in_case(
+    comparison: Comparison, word: Word, own_placed: WordCase, other_placed: WordCase
+) -> Iterator[Disagreement]:
     """Yield the differences in one case. Different lengths are reported with the other facts."""
     if len(own_placed.bits) != len(other_placed.bits):
         return
-    for high, low in _runs(own_placed.bits, other_placed.bits):
+    for high, low in _different_ranges(own_placed.bits, other_placed.bits):
         own_bits, other_bits = own_placed.bits[low : high + 1][::-1], other_placed.bits[low : high + 1][::-1]
-        description = f"{bits(high, low)} of {word.what}"
+        description = f"{bits(high, low)} of {word.description}"
         yield Disagreement(
-            Sort.POSITION, description, run(own_bits), run(other_bits), own_bits[0].place, other_bits[0].place
+            Sort.POSITION,
+            description,
+            describe_bits(own_bits),
+            describe_bits(other_bits),
+            own_bits[0].place,
+            other_bits[0].place,
         )
     for own_bit, other_bit in zip(own_placed.bits, other_placed.bits, strict=True):
-        if _alike(own_bit, other_bit):
+        if _have_same_value(own_bit, other_bit):
             comparison.note(Sort.POSITION, own_bit.place, Read.TWICE)
     for span, properties in own_placed.fields.items():
         near = next((fact.place for fact in properties.values()), word.place)
@@ -314,20 +325,20 @@ def _unless_mild(near: Path, fact: Fact) -> Path | None:
     return None if fact.mild else near
 
 
-def _alike(bit: Bit, other_bit: Bit) -> bool:
+def _have_same_value(bit: Bit, other_bit: Bit) -> bool:
     return (bit.part, bit.weight, bit.fixed) == (other_bit.part, other_bit.weight, other_bit.fixed)
 
 
-def _runs(own_bits: tuple[Bit, ...], other_bits: tuple[Bit, ...]) -> list[tuple[int, int]]:
+def _different_ranges(own_bits: tuple[Bit, ...], other_bits: tuple[Bit, ...]) -> list[tuple[int, int]]:
     """Return ranges of different bits, grouped if they differ in the same way."""
     ranges: list[tuple[int, int]] = []
     for index in range(len(own_bits) - 1, -1, -1):
-        if _alike(own_bits[index], other_bits[index]):
+        if _have_same_value(own_bits[index], other_bits[index]):
             continue
         if (
             ranges
             and ranges[-1][1] == index + 1
-            and all(continues(*side[index : index + 2]) for side in (own_bits, other_bits))
+            and all(continues_item(*side[index : index + 2]) for side in (own_bits, other_bits))
         ):
             ranges[-1] = ranges[-1][0], index
         else:

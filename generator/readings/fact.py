@@ -64,7 +64,7 @@ Value = str | Mapping[Case, str]
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """A fact. ``what`` is its name in messages, ``place`` its place in the spec.
+    """A fact. ``description`` is its name in messages, ``place`` its place in the spec.
 
     ``under`` is the key of the fact that this one depends on, such as the register of a default. A ``mild`` fact may be
     missing from the other reading, such as a printed name in another language. ``name`` is the reader's name of the
@@ -75,7 +75,7 @@ class Fact:
     sort: Sort
     key: Key
     value: Value
-    what: str
+    description: str
     place: Path
     under: Key = ()
     mild: bool = False
@@ -98,7 +98,7 @@ class Bit:
 
 
 @dataclass(frozen=True, slots=True)
-class Placed:
+class WordCase:
     """A word in one case: its bits, lowest first, and the properties of its fields by low bit and width.
 
     ``names`` contains the names of the fields, and of the values of each field.
@@ -113,12 +113,12 @@ class Placed:
 class Word:
     """A frame or a register, bit by bit, in each case."""
 
-    what: str
+    description: str
     place: Path
-    cases: Mapping[Case, Placed]
+    cases: Mapping[Case, WordCase]
 
     @property
-    def everywhere(self) -> Placed | None:
+    def everywhere(self) -> WordCase | None:
         """The word if it is the same in every case, so that it can be compared independently of the order codes."""
         distinct = {id(placed): placed for placed in self.cases.values()}
         return next(iter(distinct.values())) if len(distinct) == 1 else None
@@ -129,15 +129,15 @@ class Facts:
     """All facts of a reading. ``derived`` counts the facts that follow from others.
 
     ``names`` contains the names of items of one kind, by interface if they belong to one. A second reading can give
-    the numbers of a text in ``found`` by its path, and in ``sections`` the sections of everything under a path.
-    ``decided`` contains the paths and classes of facts that no manual prints.
+    the numbers of a text in ``printed_numbers`` by its path, and the sections of everything under a path in
+    ``sections``. ``decided`` contains the paths and classes of facts that no manual prints.
     """
 
     facts: dict[Key, Fact] = field(default_factory=dict)
     words: dict[Key, Word] = field(default_factory=dict)
     derived: Counter[Sort] = field(default_factory=Counter)
     names: dict[Key, Names] = field(default_factory=dict)
-    found: Mapping[str, tuple[str, Path]] = field(default_factory=dict)
+    printed_numbers: Mapping[str, tuple[str, Path]] = field(default_factory=dict)
     sections: Mapping[str, Sequence[str]] = field(default_factory=dict)
     decided: Sequence[str] = ()
 
@@ -153,7 +153,7 @@ class Facts:
                 owner = fact.place[: fact.place.index(fact.name) + 1]
                 self.call(
                     key[: 2 if key[0] in _BY_INTERFACE else 1],
-                    Fact(fact.sort, key, fact.name, f"name of {fact.what}", (*owner, "name")),
+                    Fact(fact.sort, key, fact.name, f"name of {fact.description}", (*owner, "name")),
                 )
 
     def call(self, kind: Key, name: Fact) -> None:

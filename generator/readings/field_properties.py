@@ -8,7 +8,7 @@ from dataclasses import replace
 from ..model import CrcValue, Field, PlacedField, Register, Unused
 from ..say.place import bits
 from .fact import Fact, Facts, Sort
-from .reading import Parameters, as_delivered, in_hex, over
+from .reading import Parameters, as_delivered, in_hex, interface_label
 from .stated import Subject
 
 
@@ -24,7 +24,7 @@ def add_names(subject: Subject, placed_field: PlacedField, owner: str | int, fac
         facts.call(("field",), Fact(Sort.POSITION, span, name, f"name of {bits_text}", (*place, "name")))
     for value in placed_field.field.values:
         description, path = f"name of value {in_hex(value.value)} of {bits_text}", (*place, "values", value.name)
-        fact = Fact(Sort.VALUE, (value.value,), value.name, description, subject.reading.first(path, place))
+        fact = Fact(Sort.VALUE, (value.value,), value.name, description, subject.reading.first_existing(path, place))
         facts.call(("value", *span), fact)
 
 
@@ -41,26 +41,26 @@ def properties(
     default, is_implied = (field.default, False) if register is None else _default(placed_field, register)
     if default is not None:
         yield replace(subject.fact(Sort.DEFAULT, "default", in_hex(default), "default"), implied=is_implied)
-    yield from subject.stated(field)
+    yield from subject.stated_facts(field)
 
 
 def _of_kind(subject: Subject, field: Field) -> Iterator[Fact]:
     reading = subject.reading
-    for fact in subject.stated(field.kind):
+    for fact in subject.stated_facts(field.kind):
         # The verdict of a flag that the interface defines is not in the spec.
         is_verdict = fact.sort is Sort.VERDICT
-        place = reading.first(fact.place, subject.place) if is_verdict else fact.place
+        place = reading.first_existing(fact.place, subject.place) if is_verdict else fact.place
         yield replace(fact, place=place, mild=is_verdict and isinstance(field.kind, Unused))
     if isinstance(field.kind, CrcValue):
-        crc = Subject(reading, ("crc",), ("crcs", field.kind.crc), f"the CRC over {over(subject.interface)}")
-        yield from crc.stated(reading.device.crc(field.kind.crc))
+        crc = Subject(reading, ("crc",), ("crcs", field.kind.crc), f"the CRC over {interface_label(subject.interface)}")
+        yield from crc.stated_facts(reading.device.crc(field.kind.crc))
     for named_value in field.values:
-        place = reading.first((*subject.place, "values", named_value.name), subject.place)
+        place = reading.first_existing((*subject.place, "values", named_value.name), subject.place)
         value_subject = Subject(
-            reading, ("value", named_value.value), place, f"value {in_hex(named_value.value)} of {subject.what}"
+            reading, ("value", named_value.value), place, f"value {in_hex(named_value.value)} of {subject.description}"
         )
-        yield value_subject.first(Sort.VALUE, "named")
-        yield from value_subject.stated(named_value)
+        yield value_subject.existence(Sort.VALUE, "named")
+        yield from value_subject.stated_facts(named_value)
 
 
 def _default(placed_field: PlacedField, register: Register) -> tuple[int | None, bool]:

@@ -25,7 +25,7 @@ from ..model import (
 )
 from ..order_codes.parameters import deciding_parameters
 from ..say.place import bits
-from .fact import Bit, Case, Facts, Placed, Word
+from .fact import Bit, Case, Facts, Word, WordCase
 from .field_properties import add_names, properties
 from .reading import Parameters
 from .stated import Subject
@@ -33,25 +33,25 @@ from .stated import Subject
 
 def word(owner: Subject, layout: Layout, register: Register | None = None) -> Word:
     """Return a frame or register, which ``owner`` describes, in each case of its interface."""
-    placed_by_values: dict[tuple[int, ...], Placed] = {}
+    placed_by_values: dict[tuple[int, ...], WordCase] = {}
     deciding = deciding_parameters(layout)
-    cases: dict[Case, Placed] = {}
+    cases: dict[Case, WordCase] = {}
     for case, parameters in owner.reading.cases(owner.interface).items():
         values = tuple(parameters[name] for name in deciding)
         if values not in placed_by_values:
-            placed_by_values[values] = _placed(owner, layout.place(parameters), parameters, register)
+            placed_by_values[values] = _word_case(owner, layout.place(parameters), parameters, register)
         cases[case] = placed_by_values[values]
-    return Word(owner.what, owner.place, cases)
+    return Word(owner.description, owner.place, cases)
 
 
-def _placed(owner: Subject, placed: PlacedLayout, parameters: Parameters, register: Register | None) -> Placed:
+def _word_case(owner: Subject, placed: PlacedLayout, parameters: Parameters, register: Register | None) -> WordCase:
     placed_bits = [Bit("unspecified", None, None, (*owner.place, "other_bits"))] * placed.bits
     fields = {}
     names = Facts()
     for placed_field in placed.fields:
         place, description = (
             owner.reading.field_place(owner.place, placed_field.field),
-            f"{bits(placed_field.high, placed_field.low)} of {owner.what}",
+            f"{bits(placed_field.high, placed_field.low)} of {owner.description}",
         )
         for index, bit in enumerate(_bits(placed_field, placed, place), placed_field.low):
             placed_bits[index] = bit
@@ -59,14 +59,14 @@ def _placed(owner: Subject, placed: PlacedLayout, parameters: Parameters, regist
         facts = properties(subject, placed_field, parameters, register)
         fields[placed_field.low, placed_field.width] = {fact.key: fact for fact in facts}
         add_names(subject, placed_field, owner.place[-1], names)
-    return Placed(tuple(placed_bits), fields, names.names)
+    return WordCase(tuple(placed_bits), fields, names.names)
 
 
 def _bits(placed_field: PlacedField, placed: PlacedLayout, place: Path) -> Iterator[Bit]:
     """Yield each bit of a field, lowest first."""
     kind = placed_field.field.kind
-    part, offset = _part(kind, placed_field, placed), 0
-    joined = _joined(placed_field, placed)
+    part, offset = _owner_text(kind, placed_field, placed), 0
+    joined = _weight_in_join(placed_field, placed)
     if joined is not None and isinstance(kind, (Number, Choice, Decimal, Flag)):
         offset = joined
     for index in range(placed_field.width):
@@ -81,7 +81,7 @@ def _bits(placed_field: PlacedField, placed: PlacedLayout, place: Path) -> Itera
                 yield Bit(part, offset + index, None, place)
 
 
-def _part(kind: Kind, placed_field: PlacedField, placed: PlacedLayout) -> str:
+def _owner_text(kind: Kind, placed_field: PlacedField, placed: PlacedLayout) -> str:
     """Return the owner of the bits of a field."""
     match kind:
         case Number(signed=True):
@@ -98,7 +98,7 @@ def _part(kind: Kind, placed_field: PlacedField, placed: PlacedLayout) -> str:
             low, count = placed.crc_covers
             return f"the CRC of {bits(low + count - 1, low)}" if covered else "the CRC"
         case Parity(covered, odd, over):
-            covered_bits = [_bits_of(placed.field(name)) or name for name in covered]
+            covered_bits = [_bits_of(placed, name) for name in covered]
             counted = f"the {over.replace('_', ' ')} of " if over else ""
             return f"{'odd' if odd else 'even'} parity of {counted}{listed(covered_bits)}"
         case Text():
@@ -107,26 +107,29 @@ def _part(kind: Kind, placed_field: PlacedField, placed: PlacedLayout) -> str:
             assert_never(kind)
 
 
-def _bits_of(placed_field: PlacedField | None) -> str:
-    return bits(placed_field.high, placed_field.low) if placed_field is not None else ""
+def _bits_of(placed: PlacedLayout, name: str) -> str:
+    """Return the bits of a field, or its name if the order code has no such field."""
+    placed_field = placed.find_field(name)
+    return bits(placed_field.high, placed_field.low) if placed_field is not None else name
 
 
 def _gray(placed_field: PlacedField, placed: PlacedLayout) -> str:
     return " in Gray code" if placed.gray and placed_field.name in placed.layout.names_in(placed.layout.gray_of) else ""
 
 
-def _joined(placed_field: PlacedField, placed: PlacedLayout) -> int | None:
+def _weight_in_join(placed_field: PlacedField, placed: PlacedLayout) -> int | None:
     """Return the weight of the field's lowest bit in the longest joined number that contains it, or None."""
     weights: list[tuple[int, int | None]] = [(0, None)]
     for join in placed.layout.joins:
         if placed_field.name in join.fields:
-            parts = [part for part in map(placed.field, join.fields) if part is not None]
-            below = parts[[part.name for part in parts].index(placed_field.name) + 1 :]
-            weights.append((sum(part.width for part in parts), sum(part.width for part in below)))
+            parts = placed.find_fields(join.fields)
+            below = parts[parts.index(placed_field) + 1 :]
+            width = sum(part.width for part in parts)
+            weights.append((width, sum(part.width for part in below)))
     return max(weights, key=itemgetter(0))[1]
 
 
-def run(adjacent_bits: Sequence[Bit]) -> str:
+def describe_bits(adjacent_bits: Sequence[Bit]) -> str:
     """Describe adjacent bits, highest first: ``bits 7:0 of a number``, ``constant 0010``."""
     first, last = adjacent_bits[0], adjacent_bits[-1]
     if first.fixed is not None:
@@ -136,7 +139,7 @@ def run(adjacent_bits: Sequence[Bit]) -> str:
     return f"{bits(first.weight, last.weight)} of {first.part}"
 
 
-def continues(bit: Bit, above: Bit) -> bool:
+def continues_item(bit: Bit, above: Bit) -> bool:
     """Return True if a bit continues the same item as ``above``, the next higher bit."""
     if (bit.part, bit.place) != (above.part, above.place) or (bit.fixed is None) is not (above.fixed is None):
         return False

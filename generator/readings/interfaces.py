@@ -11,7 +11,7 @@ from ..model import Biss, Constant, ControlField, Flag, Interface, Layout, Place
 from ..say.place import bits as bit_text
 from .fact import Fact, Facts, Key, Sort
 from .frame_bits import word
-from .reading import Reading, in_hex, over, plain
+from .reading import Reading, in_hex, interface_label, plain
 from .stated import Subject
 
 #: Width of a frame without byte order, even if a reader states one.
@@ -61,7 +61,7 @@ def _add_frames(reading: Reading, interface: Interface, layout: Layout, identity
         for field in layout.fields:
             if field.group:
                 bits = reading.bits_of(interface.name, field)
-                description, place = f"group of {bits} of {frame.what}", reading.field_place(owner, field)
+                description, place = f"group of {bits} of {frame.description}", reading.field_place(owner, field)
                 facts.call(
                     ("group", interface.name), Fact(Sort.POSITION, (*key, bits), field.group, description, place)
                 )
@@ -70,7 +70,7 @@ def _add_frames(reading: Reading, interface: Interface, layout: Layout, identity
 def _of_frame(frame: Subject, layout: Layout) -> Iterator[Fact]:
     reading, owner = frame.reading, frame.place
     yield from frame.present(Sort.POSITION, layout, f"sent by the {layout.sender}", at="name")
-    place = reading.first((*owner, "carried_as"), owner)
+    place = reading.first_existing((*owner, "carried_as"), owner)
     yield frame.fact(Sort.POSITION, "carried", layout.carried_as, "units", place)
     has_several_bytes, is_stated = layout.widest > _BYTE, reading.document.has((*owner, "byte_order"))
     if layout.in_bytes and (has_several_bytes or is_stated):
@@ -83,20 +83,18 @@ def _of_frame(frame: Subject, layout: Layout) -> Iterator[Fact]:
 
 def _combinations(frame: Subject, layout: Layout) -> Iterator[Fact]:
     """Yield the verdicts of combinations of values, which are identified by their bits."""
+    if not layout.combinations:
+        return
     signs = {sign.flag.name: sign for sign in layout.signs}
     parameters = next(iter(frame.reading.cases(frame.interface).values()), {})
-    placed = (
-        {placed_field.name: placed_field for placed_field in layout.place(parameters).fields}
-        if layout.combinations
-        else {}
-    )
+    placed = {placed_field.name: placed_field for placed_field in layout.place(parameters).fields}
     for combination in layout.combinations:
         conditions = ((placed[name], value) for name, value in signs[combination.name].conditions)
         values = ", ".join(sorted(_condition(field, value) for field, value in conditions))
         path = ("combinations", combination.name)
-        subject = frame.inside(("combination", values), path, f"the combination of {values} in {frame.what}")
-        yield subject.first(Sort.VERDICT, combination.makes_position.value, "makes_position")
-        yield from subject.stated(combination)
+        subject = frame.inside(("combination", values), path, f"the combination of {values} in {frame.description}")
+        yield subject.existence(Sort.VERDICT, combination.makes_position.value, "makes_position")
+        yield from subject.stated_facts(combination)
 
 
 def _condition(field: PlacedField, value: int) -> str:
@@ -108,10 +106,10 @@ def _condition(field: PlacedField, value: int) -> str:
 def _of_interface(reading: Reading, interface: Interface) -> Iterator[Fact]:
     owner: Path = ("interfaces", interface.name)
     whole = Subject(reading, ("interface", interface.name), owner, interface.short, interface.name, (), " over ")
-    yield from whole.stated(interface)
+    yield from whole.stated_facts(interface)
     for name, joint in _PARTS.items():
         if part := getattr(interface, name, None):
-            yield from replace(whole, key=(name, interface.name), place=(*owner, name), joint=joint).stated(part)
+            yield from replace(whole, key=(name, interface.name), place=(*owner, name), joint=joint).stated_facts(part)
     match interface:
         case Ssi():
             for index, cable in enumerate(interface.cable_lengths):
@@ -140,14 +138,14 @@ def _control(reading: Reading, control_field: ControlField, offset: int) -> Iter
     subject = Subject(reading, ("control", offset), place, f"field of the control frame from bit {offset + 1}")
     yield from subject.present(Sort.POSITION, control_field, f"{control_field.bits} bits")
     for named_value in control_field.values:
-        description = f"value {in_hex(named_value.value)} of {subject.what}"
+        description = f"value {in_hex(named_value.value)} of {subject.description}"
         value_subject = subject.inside(("value", named_value.value), ("values", named_value.name), description)
         yield from value_subject.present(Sort.VALUE, named_value, "named")
     if control_field.crc:
         crc = replace(
             subject.inside(("crc",), (), "the control frame's CRC over BiSS"), place=("crcs", control_field.crc)
         )
-        yield from crc.stated(reading.device.crc(control_field.crc))
+        yield from crc.stated_facts(reading.device.crc(control_field.crc))
 
 
 def _rs485(reading: Reading, interface: Rs485) -> Iterator[Fact]:
@@ -179,7 +177,7 @@ def _exchanges(interface: Rs485 | Spi) -> Iterator[Fact]:
 
 def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[Fact]:
     """Yield timings, identified by their printed symbols, or by their numbers if they have none."""
-    interface_text = f" over {over(interface)}" if interface else ""
+    interface_text = f" over {interface_label(interface)}" if interface else ""
     for timing in printed_timings:
         bounds = {name: getattr(timing, name) for name in ("at_least_us", "typical_us", "at_most_us")}
         times = {name: f"{value} µs" for name, value in bounds.items() if value is not None}

@@ -13,14 +13,14 @@ _SETTLED = 0.9
 def are_settled(spec: Facts, second: Facts) -> bool:
     """Return True if the second reading uses the names of the spec, so that any different name is a mistake."""
     count, equal_count = 0, 0
-    for own_names, other_names in _both(spec, second):
+    for own_names, other_names in _common_names(spec, second):
         for key in own_names.keys() & other_names.keys():
             count += 1
             equal_count += own_names[key].value == other_names[key].value
     return equal_count >= _SETTLED * count
 
 
-def _both(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
+def _common_names(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
     """Yield the names of each kind that both readings have, those of fields for the first case of each word."""
     for kind in spec.names.keys() & second.names.keys():
         yield spec.names[kind], second.names[kind]
@@ -32,7 +32,7 @@ def _both(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
             yield from ((own_cases[case].names[kind], other_cases[case].names[kind]) for kind in kinds)
 
 
-def mistaken(own_names: Names, other_names: Names, settled: bool) -> Iterator[tuple[Fact, Fact]]:
+def mistaken_pairs(own_names: Names, other_names: Names, settled: bool) -> Iterator[tuple[Fact, Fact]]:
     """Yield pairs of different names of one item if one must be a mistake.
 
     This is the case if the other reader uses the name for another item, if the two differ in one letter, or if all
@@ -43,11 +43,11 @@ def mistaken(own_names: Names, other_names: Names, settled: bool) -> Iterator[tu
         other_name = other_names.get(key)
         if other_name is None or other_name.value == own_name.value:
             continue
-        if settled or own_name.value in used_names or _is_slip(str(own_name.value), str(other_name.value)):
+        if settled or own_name.value in used_names or _is_misspelling(str(own_name.value), str(other_name.value)):
             yield own_name, other_name
 
 
-def _is_slip(name: str, other_name: str) -> bool:
+def _is_misspelling(name: str, other_name: str) -> bool:
     """Return True if two different names differ by one extra, missing or wrong letter, or two swapped ones."""
     short, long = sorted((name, other_name), key=len)
     if len(short) < len(long):

@@ -22,9 +22,9 @@ def add_codes(reading: Reading, facts: Facts) -> None:
     facts.add(_parameters(reading))
     _add_alternatives(reading, facts)
     for parameter in reading.device.run_time_parameters:
-        facts.add(_held(reading, parameter))
+        facts.add(_held_parameter_facts(reading, parameter))
     for interface in reading.device.interfaces:
-        facts.add(_measured(reading, interface))
+        facts.add(_measurement_facts(reading, interface))
     movement = reading.device.movement
     facts.add(iter((Fact(Sort.MEASUREMENT, ("movement",), movement, "movement", ("movement",)),)))
     facts.derived[Sort.LIMIT] += len(reading.device.definitions)
@@ -54,7 +54,9 @@ def _supplies(reading: Reading) -> Iterator[Fact]:
         if supply is not None:
             supplies[variant.code, ""] = f"{supply.min_mv} to {supply.max_mv} mV"
     if supplies:
-        yield Fact(Sort.SUPPLY, ("supply",), supplies, "supply", reading.first(("supply",), ("order_code", "parts")))
+        yield Fact(
+            Sort.SUPPLY, ("supply",), supplies, "supply", reading.first_existing(("supply",), ("order_code", "parts"))
+        )
 
 
 def _parameters(reading: Reading) -> Iterator[Fact]:
@@ -64,8 +66,8 @@ def _parameters(reading: Reading) -> Iterator[Fact]:
         values = {case: short(parameters[parameter.name]) for case, parameters in cases if parameter.name in parameters}
         name = f"the parameter '{parameter.name}'"
         subject = Subject(reading, ("parameter", parameter.name), ("parameters", parameter.name), name)
-        yield replace(subject.first(Sort.ORDER_CODE, values), mild=True)
-        yield from subject.stated(parameter)
+        yield replace(subject.existence(Sort.ORDER_CODE, values), mild=True)
+        yield from subject.stated_facts(parameter)
 
 
 def _add_alternatives(reading: Reading, facts: Facts) -> None:
@@ -93,7 +95,7 @@ def _spellings(reading: Reading) -> Iterator[Fact]:
                 yield Fact(Sort.ORDER_CODE, ("label", label, spelling.then), variant.code, f"label {label}", place)
 
 
-def _held(reading: Reading, parameter: Parameter) -> Iterator[Fact]:
+def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fact]:
     bits_text = reading.bits_at(parameter.read_from)
     place: Path = ("parameters", parameter.name)
     register = reading.register(parameter.register)
@@ -104,7 +106,7 @@ def _held(reading: Reading, parameter: Parameter) -> Iterator[Fact]:
             yield Fact(Sort.LIMIT, ("held", bits_text, name), short(bound), description, (*place, name), register_key)
 
 
-def _measured(reading: Reading, interface: Interface) -> Iterator[Fact]:
+def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
     measurement = reading.device.measurement_of(interface.name)
     if measurement is None:
         return
@@ -134,5 +136,5 @@ def _range_of(measured: Subject, interface: Interface, layout: Layout) -> Iterat
     place: Path = ("interfaces", interface.name, "layouts", layout.name, "position_range")
     key = (*measured.key, "range", layout.sender, *layout.selects)
     description = f"position range of '{layout.name}'"
-    subject = replace(measured, key=key, place=place, what=description, under=measured.key)
+    subject = replace(measured, key=key, place=place, description=description, under=measured.key)
     yield from subject.present(Sort.MEASUREMENT, layout.position_range)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from ..language.problems import Path
 from ..model import ModifyStep, PollStep, Procedure, ReadStep, SendStep, Step, WaitStep, WriteStep, assert_never
 from .fact import Fact, Key, Sort
-from .reading import Reading, at, in_hex, over
+from .reading import Reading, in_hex, interface_label, register_text
 
 #: A fact about part of a procedure: its class, its key and its place within the procedure, its value and its name.
 _Detail = tuple[Sort, Key, Path, str, str]
@@ -20,7 +20,12 @@ def procedures(reading: Reading) -> Iterator[Fact]:
         key: Key = ("procedure", procedure.interface, text)
         owner: Path = ("procedures", procedure.name)
         yield Fact(
-            Sort.PROCEDURE, key, text, f"a procedure over {over(procedure.interface)}", owner, name=procedure.name
+            Sort.PROCEDURE,
+            key,
+            text,
+            f"a procedure over {interface_label(procedure.interface)}",
+            owner,
+            name=procedure.name,
         )
         for sort, part, place, value, description in (*_arguments(reading, procedure), *_times(reading, procedure)):
             yield Fact(sort, (*key, *part), value, description, (*owner, *place), key)
@@ -34,7 +39,7 @@ def _arguments(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
         while_text = f" while {reading.state(meaning.when, meaning.value)}" if meaning is not None else ""
         description = f"limits of argument {number} of the procedure '{procedure.name}'"
         place = ("arguments", argument.name, "of")
-        yield Sort.LIMIT, ("argument", number), place, f"{at(register)}{while_text}", description
+        yield Sort.LIMIT, ("argument", number), place, f"{register_text(register)}{while_text}", description
 
 
 def _times(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
@@ -49,7 +54,7 @@ def _times(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
                 description = f"wait {before} in {procedure_text}"
                 yield Sort.WAIT, ("wait", done_steps), (*place, "at_least_ms"), f"{waited // 1000} ms", description
             continue
-        text = f"'{_done(reading, step, procedure)}'"
+        text = f"'{_step_text(reading, step, procedure)}'"
         done_steps, waited, before = done_steps + 1, 0, f"after {text}"
         if isinstance(step, ReadStep) and step.field:
             bits = _bits(reading, step.register, step.field)
@@ -77,11 +82,11 @@ def _times(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
 
 def program(reading: Reading, procedure: Procedure) -> str:
     """Return the steps of a procedure as text, without waits and repetitions."""
-    texts = (_done(reading, step, procedure) for step in procedure.steps)
+    texts = (_step_text(reading, step, procedure) for step in procedure.steps)
     return "; ".join(text for text in texts if text)
 
 
-def _done(reading: Reading, step: Step, procedure: Procedure) -> str:
+def _step_text(reading: Reading, step: Step, procedure: Procedure) -> str:
     match step:
         case WriteStep(register, name, value):
             written = reading.device.register(register)
@@ -115,7 +120,7 @@ def _bits(reading: Reading, name: str, field: str) -> str:
     bits_text = f" {reading.bits_of(register.interface, used_field)}" if used_field is not None else ""
     if used_field is not None and used_field.width.is_constant and used_field.width.constant == 8 * register.length:
         bits_text = ""
-    return f"{at(register).removeprefix('register ')}{bits_text}"
+    return f"{register_text(register).removeprefix('register ')}{bits_text}"
 
 
 def programs(reading: Reading, names: tuple[str, ...]) -> str:

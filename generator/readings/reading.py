@@ -68,7 +68,7 @@ class Reading:
         register, field = self._field_at(path)
         if register is None or field is None:
             return path
-        return f"{at(register)} {self.bits_of(register.interface, field)}"
+        return f"{register_text(register)} {self.bits_of(register.interface, field)}"
 
     def state(self, path: str, name: str) -> str:
         """Return the condition that ``register.field`` has the value ``name``, in words without names."""
@@ -105,7 +105,7 @@ class Reading:
         own_place: Path = (*owner, "fields", field.padding_of or field.name)
         if field.name.startswith(_ZEROS) and not self.document.has(own_place):
             return (*owner, "other_bits")
-        return self.first(own_place, owner)
+        return self.first_existing(own_place, owner)
 
     def bits_in_frames(self, interface: str, layout: Layout, field: Field) -> Iterator[str]:
         """Yield a bit of each frame with a layout, in words without names, for the first order code."""
@@ -121,7 +121,7 @@ class Reading:
             texts_by_language.setdefault(self.device.manual.language, []).append(plain(name))
         return {language: _OR.join(texts) for language, texts in texts_by_language.items()}
 
-    def first(self, *paths: Path) -> Path:
+    def first_existing(self, *paths: Path) -> Path:
         """Return the first of these places that exists in the file, otherwise the last."""
         return next((path for path in paths if self.document.has(path)), paths[-1])
 
@@ -135,13 +135,13 @@ class Reading:
         return (*key, "read" if register.readable else "write")
 
 
-def at(register: Register) -> str:
+def register_text(register: Register) -> str:
     """Return text such as ``register 0x49``, with its bank."""
     bank = f" of bank {register.bank}" if register.bank is not None else ""
     return f"register 0x{register.address:02X}{bank}"
 
 
-def over(interface: str) -> str:
+def interface_label(interface: str) -> str:
     """Return the short name of an interface."""
     return INTERFACES[interface].short
 

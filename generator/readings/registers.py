@@ -9,7 +9,7 @@ from ..model.limits import bounded
 from ..say.place import bits
 from .fact import NOTHING, Fact, Facts, Sort
 from .frame_bits import word
-from .reading import Reading, as_delivered, at, in_hex
+from .reading import Reading, as_delivered, in_hex, register_text
 from .stated import Subject
 
 
@@ -17,7 +17,7 @@ def add_registers(reading: Reading, facts: Facts) -> None:
     """Add every register, its bits, and its behaviour."""
     for register in reading.device.registers:
         key, place = reading.key_of(register), ("registers", register.name)
-        subject = Subject(reading, key, place, at(register), register.interface)
+        subject = Subject(reading, key, place, register_text(register), register.interface)
         facts.add(_facts(subject, register))
         _add_names(subject, register, facts)
         facts.derived[Sort.POSITION] += len(register.layout.joins)
@@ -26,18 +26,18 @@ def add_registers(reading: Reading, facts: Facts) -> None:
 
 def _add_names(subject: Subject, register: Register, facts: Facts) -> None:
     """Add the names that a register refers to: the field with limits, and the field that opens it."""
-    description, place = f"field that the limits of {subject.what} apply to", (*subject.place, "limits_of")
+    description, place = f"field that the limits of {subject.description} apply to", (*subject.place, "limits_of")
     facts.call(("bounded",), Fact(Sort.LIMIT, subject.key, register.limits_of, description, place))
     if register.opened_by:
-        name, description = register.opened_by_field or NOTHING, f"field that opens {subject.what}"
+        name, description = register.opened_by_field or NOTHING, f"field that opens {subject.description}"
         place = (*subject.place, "opened_by")
         facts.call(("opener",), Fact(Sort.BEHAVIOUR, subject.key, name, description, place))
 
 
 def _facts(subject: Subject, register: Register) -> Iterator[Fact]:
     length = f"{register.length} byte{'s' * (register.length != 1)}"
-    yield subject.first(Sort.ADDRESS, length, at="address", name=register.name)
-    yield from subject.stated(register, without=("byte_order",) if register.length == 1 else ())
+    yield subject.existence(Sort.ADDRESS, length, at="address", name=register.name)
+    yield from subject.stated_facts(register, without=("byte_order",) if register.length == 1 else ())
     default = as_delivered(register)
     if default is not None:
         place = (*subject.place, "fields" if register.default is None else "default")
@@ -54,8 +54,8 @@ def _opened_by(reading: Reading, register: Register) -> str:
     for field in opener.layout.fields:
         value = next((value for value in field.values if value.name == register.opened_by_value), None)
         if value is not None and register.opened_by_field in ("", field.name):
-            return f"{in_hex(value.value)} in {at(opener)} {reading.bits_of(opener.interface, field)}"
-    return at(opener)
+            return f"{in_hex(value.value)} in {register_text(opener)} {reading.bits_of(opener.interface, field)}"
+    return register_text(opener)
 
 
 def _limits(subject: Subject, register: Register) -> Iterator[Fact]:
@@ -63,19 +63,17 @@ def _limits(subject: Subject, register: Register) -> Iterator[Fact]:
     reading = subject.reading
     limited_parts: list[Register | RegisterMeaning] = [register, *register.meanings]
     if any(limited_part.min is not None or limited_part.max is not None for limited_part in limited_parts):
-        place = reading.first((*subject.place, "limits_of"), subject.place)
-        description = f"bits that the limits of {subject.what} apply to"
+        place = reading.first_existing((*subject.place, "limits_of"), subject.place)
+        description = f"bits that the limits of {subject.description} apply to"
         value = {case: _bounded(register, parameters) for case, parameters in reading.cases(register.interface).items()}
         yield Fact(Sort.LIMIT, (*subject.key, "bounded"), value, description, place, subject.key)
     for meaning in register.meanings:
-        description = f"{subject.what} while {reading.state(meaning.when, meaning.value)}"
-        yield from subject.inside((description,), ("meanings", meaning.name), description).stated(meaning)
+        description = f"{subject.description} while {reading.state(meaning.when, meaning.value)}"
+        yield from subject.inside((description,), ("meanings", meaning.name), description).stated_facts(meaning)
 
 
 def _bounded(register: Register, parameters: Mapping[str, int]) -> str:
     """Return the bits of a register that its limits apply to."""
-    placed = map(register.layout.place(parameters).field, register.layout.names_in(bounded(register)))
-    return (
-        " and ".join(bits(field.low + field.width - 1, field.low) for field in placed if field is not None)
-        or "all bits"
-    )
+    names = register.layout.names_in(bounded(register))
+    fields = register.layout.place(parameters).find_fields(names)
+    return " and ".join(bits(field.high, field.low) for field in fields) or "all bits"

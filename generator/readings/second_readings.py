@@ -30,7 +30,7 @@ _MEND = "check the manual; if it prints both, add an erratum with both under 're
 
 
 @dataclass(frozen=True)
-class Second:
+class SecondReading:
     """A second reading: its file and its facts, or no facts if it has problems."""
 
     document: Document
@@ -38,26 +38,26 @@ class Second:
 
 
 #: Function that reads the second reading of a family, if there is one, and adds its problems to the report.
-Reader = Callable[[Family, Report], Second | None]
+Reader = Callable[[Family, Report], SecondReading | None]
 
 
-def read_beside(family: Family, report: Report) -> Second | None:
+def read_beside(family: Family, report: Report) -> SecondReading | None:
     """Read the second reading next to the spec of a family."""
     file = second_reading_path(File(family.document.file))
     document = read_document(file, report) if file.is_file() else None
     return second_of(document, family.device.manufacturer, report) if document is not None else None
 
 
-def second_of(document: Document, manufacturer: Manufacturer, report: Report) -> Second:
+def second_of(document: Document, manufacturer: Manufacturer, report: Report) -> SecondReading:
     """Return the second reading in a document, and add its problems to ``report``."""
     problems_before = len(report)
     data = check_second(document, report)
     device = build_device(data, manufacturer, report.for_document(document)) if data is not None else None
     is_valid = device is not None and len(report) == problems_before
-    return Second(document, facts_of(Reading(device, document)) if device is not None and is_valid else None)
+    return SecondReading(document, facts_of(Reading(device, document)) if device is not None and is_valid else None)
 
 
-def sound_specs(families: Iterable[Family], report: Report) -> frozenset[str]:
+def comparable_specs(families: Iterable[Family], report: Report) -> frozenset[str]:
     """Return the files of the families without problems in their facts so far, which can be compared."""
     valid_families = (family for family in families if not report.faults((family.plain or family).document))
     return frozenset(family.document.file for family in valid_families)
@@ -111,7 +111,7 @@ def _report_disagreement(
     disagreement: Disagreement, place: Path, spec: Document, second: Document, report: Report
 ) -> None:
     """Report a disagreement at its places in the spec and in the second reading."""
-    fact, used, second_value = disagreement.what, disagreement.used, disagreement.other
+    fact, used, second_value = disagreement.description, disagreement.used, disagreement.other
     line, _ = second.position(disagreement.second)
     report.add(RULE, spec, place, f"{fact}: {used} here, {second_value} in {File(second.file).name}:{line}; {_MEND}")
     if disagreement.sort is Sort.ORDER_CODE and NOTHING in (used, second_value):
@@ -130,7 +130,7 @@ def _check_explanations(
         if path not in used:
             message = f"no fact affected by this erratum is {values}; correct or remove it"
             report.add("readings-unused", spec, path, message)
-        elif _lacks(spec.data["errata"][path[1]]["printed"], second_value):
+        elif _lacks_number(spec.data["errata"][path[1]]["printed"], second_value):
             message = f"the printed text has other values than {second_value}, which the second reading has; correct it"
             report.add("readings-unused", spec, (*path[:2], "printed"), message)
 
@@ -142,7 +142,7 @@ def _explanations(spec: Document) -> Iterator[tuple[Path, Sequence[str], str, st
             yield ("errata", number, "readings", index), erratum.get("affects", ()), pair["second"], pair["used"]
 
 
-def _lacks(text: str, value: str) -> bool:
+def _lacks_number(text: str, value: str) -> bool:
     """Return True if a value has a unit, and a text has a value with this unit, but the number nowhere."""
     quantity = _QUANTITY.fullmatch(value)
     if quantity is None or quantity[2] not in {unit for _, unit in _QUANTITY.findall(text)}:

@@ -10,7 +10,7 @@ from ..language.problems import Path
 from ..model import Alarm, Connector, Edition, Manual
 from .cited import numbers_in
 from .fact import Fact, Key, Sort
-from .reading import Reading, at, over, plain
+from .reading import Reading, interface_label, plain, register_text
 from .stated import Subject
 
 
@@ -20,8 +20,8 @@ def surroundings(reading: Reading) -> Iterator[Fact]:
     for alarm in reading.device.alarms:
         for place in _bits_of(reading, alarm):
             subject = Subject(reading, ("alarm", place), ("alarms", alarm.name), f"the alarm '{alarm.name}'")
-            yield replace(subject.first(Sort.ALARM, "present", name=alarm.name), what=f"alarm at {place}")
-            yield from subject.stated(alarm)
+            yield replace(subject.existence(Sort.ALARM, "present", name=alarm.name), description=f"alarm at {place}")
+            yield from subject.stated_facts(alarm)
     for number, hardware_input in enumerate(reading.device.inputs, 1):
         subject = Subject(reading, ("input", number), ("inputs", hardware_input.name), f"input {number}")
         yield from subject.present(Sort.INPUT, hardware_input)
@@ -42,25 +42,25 @@ def _connectors(reading: Reading) -> Iterator[Fact]:
 
 def _contacts(reading: Reading, connector: Connector, interface: str, number: int) -> Iterator[Fact]:
     """Yield a connector or cable of an interface, and its contacts."""
-    description = f"{connector.kind} {number}" + (f" for {over(interface)}" if interface else "")
+    description = f"{connector.kind} {number}" + (f" for {interface_label(interface)}" if interface else "")
     key: Key = ("connector", interface, connector.kind, number)
     owner = Subject(reading, key, ("connectors", connector.name), description)
-    yield owner.first(Sort.PIN, "present", name=connector.name)
+    yield owner.existence(Sort.PIN, "present", name=connector.name)
     for contact in connector.contacts:
         place: Path = (*owner.place, "contacts", contact.contact)
-        description = f"contact {contact.contact} of {owner.what}"
+        description = f"contact {contact.contact} of {owner.description}"
         subject = Subject(reading, (*owner.key, plain(contact.contact)), place, description, joint=" with ")
         # Two readers differ in capitals and blanks, but not in the sign of a signal.
         signal = "".join(contact.signal.casefold().split())
-        yield subject.first(Sort.PIN, signal, at="signal", under=owner.key)
-        yield from subject.stated(contact)
+        yield subject.existence(Sort.PIN, signal, at="signal", under=owner.key)
+        yield from subject.stated_facts(contact)
 
 
 def _bits_of(reading: Reading, alarm: Alarm) -> Iterator[str]:
     """Yield the places of the bits of an alarm, in words without names."""
     register = reading.register(alarm.register) if alarm.register else None
     if register is not None:
-        yield reading.bits_at(f"{alarm.register}.{alarm.field}") if alarm.field else at(register)
+        yield reading.bits_at(f"{alarm.register}.{alarm.field}") if alarm.field else register_text(register)
     for interface, layout in reading.device.layouts():
         for field in layout.fields:
             if alarm.group and (field.group, field.name) == (alarm.group, alarm.field):
@@ -74,9 +74,9 @@ def _history(reading: Reading, manual: Manual) -> Iterator[Fact]:
     editions += [(("manual", "editions", edition.revision), edition) for edition in manual.editions]
     for place, edition in editions:
         subject = Subject(reading, ("edition", edition.language), place, f"the edition '{edition.language}'")
-        description = f"revision of {subject.what}"
-        yield replace(subject.first(Sort.HISTORY, edition.revision, at="revision"), what=description)
-        yield from subject.stated(edition)
+        description = f"revision of {subject.description}"
+        yield replace(subject.existence(Sort.HISTORY, edition.revision, at="revision"), description=description)
+        yield from subject.stated_facts(edition)
     for row in manual.history:
         key, place = ("revision", row.revision), ("manual", "history", row.revision)
         yield from Subject(reading, key, place, f"revision {row.revision}").present(Sort.HISTORY, row, "listed")
@@ -89,8 +89,8 @@ def _characteristics(reading: Reading) -> Iterator[Fact]:
         subject = Subject(reading, key, place, f"the characteristic '{characteristic.name}'")
         yield from subject.present(Sort.CHARACTERISTIC, characteristic)
         for index, value in enumerate(characteristic.values):
-            description = f"{value.quantity} {index + 1} of {subject.what}"
-            yield from subject.inside((index,), ("values", index), description).stated(value)
+            description = f"{value.quantity} {index + 1} of {subject.description}"
+            yield from subject.inside((index,), ("values", index), description).stated_facts(value)
 
 
 def _tables(reading: Reading) -> Iterator[Fact]:
@@ -109,8 +109,8 @@ def _leds(reading: Reading) -> Iterator[Fact]:
     """Yield every LED by its name, with its states in the order of the manual."""
     for led in reading.device.leds:
         owner = Subject(reading, ("led", led.name), ("leds", led.name), f"the LED '{led.name}'")
-        yield owner.first(Sort.LED, f"{len(led.states)} states", name=led.name)
+        yield owner.existence(Sort.LED, f"{len(led.states)} states", name=led.name)
         for number, state in enumerate(led.states):
-            subject = owner.inside((number,), ("states", number), f"state {number + 1} of {owner.what}")
+            subject = owner.inside((number,), ("states", number), f"state {number + 1} of {owner.description}")
             yield subject.fact(Sort.LED, "state", state.state.casefold(), "words")
-            yield from subject.stated(state)
+            yield from subject.stated_facts(state)

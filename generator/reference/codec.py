@@ -114,10 +114,10 @@ def select(
         if not layout.selector:
             return placed, ()
         allowed.extend(layout.selects)
-        if _selected(placed, data) in layout.selects:
+        if _selected_value(placed, data) in layout.selects:
             return placed, ()
     layout = candidates[0]
-    selected_value = _selected(layout.place(variant.parameters), data)
+    selected_value = _selected_value(layout.place(variant.parameters), data)
     if selected_value is None:
         return None, (Problem(Fault.LENGTH, "", fault.too_few_bytes(counted(len(data), "byte"))),)
     choices = ", ".join(f"{value:X}" for value in sorted(allowed))
@@ -125,9 +125,9 @@ def select(
     return None, (Problem(Fault.RANGE, layout.selector, message),)
 
 
-def _selected(placed: PlacedLayout, data: bytes) -> int | None:
+def _selected_value(placed: PlacedLayout, data: bytes) -> int | None:
     """Return the value of the selector field, or None if ``data`` is too short for it. Longer data is accepted."""
-    selector = placed.field(placed.layout.selector)
+    selector = placed.find_field(placed.layout.selector)
     if selector is None:
         return None
     low_first = placed.layout.byte_order == "low_byte_first"
@@ -186,9 +186,9 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
                 Problem(Fault.RANGE, placed_field.name, fault.of_other_frame(placed_field.name, f"{raw:X}"))
             )
     valid = device.range_in(placed.layout)
-    limited = placed.field(valid.field.name) if valid is not None else None
+    limited = placed.find_field(valid.field.name) if valid is not None else None
     if valid is not None and limited is not None:
-        message = _outside(valid, limited, plain >> limited.low & limited.mask, placed)
+        message = _range_message(valid, limited, plain >> limited.low & limited.mask, placed)
         if message:
             problems.append(Problem(Fault.RANGE, limited.name, message))
     crc = _decode_crc(device, placed, number, problems)
@@ -197,11 +197,11 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
         bits = unused_bits(placed, number)
         fields.append(DecodedField(UNUSED, bits, bits, "", "unused bits that differ from the manual", -1, -1))
     if problems:
-        problems.sort(key=lambda item: list(Fault).index(item.fault))
+        problems.sort(key=lambda problem: list(Fault).index(problem.fault))
     return Decoded(placed, number, tuple(fields), crc, tuple(problems))
 
 
-def _outside(valid: PositionRange, placed_field: PlacedField, raw: int, placed: PlacedLayout) -> str:
+def _range_message(valid: PositionRange, placed_field: PlacedField, raw: int, placed: PlacedLayout) -> str:
     """Return the error if the encoder does not have this position, or an empty string."""
     lowest, highest = valid.lowest.value(placed.parameters), valid.highest.value(placed.parameters)
     position = _number_of(placed_field.field.number, raw, placed_field.width)
@@ -225,7 +225,7 @@ def _decode_crc(device: Device, placed: PlacedLayout, number: int, problems: lis
 
 
 def _decode_join(placed: PlacedLayout, join: Join, number: int, plain: int) -> DecodedField:
-    parts = " and ".join(name for name in join.fields if placed.field(name) is not None)
+    parts = " and ".join(field.name for field in placed.find_fields(join.fields))
     meaning = as_one_number(parts) if len(join.fields) > 1 else ""
     value = join_value(placed, join, plain)
     raw = join_value(placed, join, number) if placed.gray else value
@@ -236,30 +236,27 @@ def unused_bits(placed: PlacedLayout, number: int) -> int:
     """Return the unused bits of a frame as one number. A bit is 1 if it differs from the manual."""
     bits = 0
     for placed_field, low_bit in placed.unused:
-        bits |= (number >> placed_field.low & placed_field.mask ^ _documented(placed_field)) << low_bit
+        bits |= (number >> placed_field.low & placed_field.mask ^ _documented_bits(placed_field)) << low_bit
     return bits
 
 
-def _documented(placed_field: PlacedField) -> int:
+def _documented_bits(placed_field: PlacedField) -> int:
     """Return the documented value of an unused field, cut to the width of the field for this order code."""
     return placed_field.field.kind.value & placed_field.mask if isinstance(placed_field.field.kind, Unused) else 0
 
 
 def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
     """Return the parity bit that matches the other bits of ``number``."""
-    fields = (placed.field(name) for name in parity.of)
-    present = (field for field in fields if field is not None)
-    ones = sum((number >> field.low & field.mask & parity.mask).bit_count() for field in present)
+    fields = placed.find_fields(parity.of)
+    ones = sum((number >> field.low & field.mask & parity.mask).bit_count() for field in fields)
     return (ones + parity.odd) & 1
 
 
 def join_value(placed: PlacedLayout, join: Join, number: int) -> int:
     """Return the fields of a join as one number, with the first field most significant."""
     value = 0
-    for name in join.fields:
-        part = placed.field(name)
-        if part is not None:
-            value = value << part.width | number >> part.low & part.mask
+    for part in placed.find_fields(join.fields):
+        value = value << part.width | number >> part.low & part.mask
     return value
 
 
@@ -398,7 +395,7 @@ def _encode_fields(device: Device, placed: PlacedLayout, values: Values) -> int:
     for placed_field in placed.fields:
         raw = _raw(placed, placed_field, values)
         if valid is not None and placed_field.name == valid.field.name:
-            problem = _outside(valid, placed_field, raw, placed)
+            problem = _range_message(valid, placed_field, raw, placed)
             if problem:
                 raise EncodeError(problem)
         number |= raw << placed_field.low
@@ -407,16 +404,16 @@ def _encode_fields(device: Device, placed: PlacedLayout, values: Values) -> int:
 
 def _check_names(placed: PlacedLayout, values: Values) -> None:
     """Check that each value belongs to a field, and that the fields that this order code lacks have none."""
-    used_names = _used(placed)
+    used_names = _used_names(placed)
     for name in values:
         if name not in used_names:
             raise EncodeError(f"there is no field '{name}' in {placed.name}")
     for field in placed.layout.fields:
-        if values.get(field.name) and placed.field(field.name) is None:
+        if values.get(field.name) and placed.find_field(field.name) is None:
             raise EncodeError(f"{field.name} {values[field.name]} does not fit: this order code has no such field")
 
 
-def _used(placed: PlacedLayout) -> set[str]:
+def _used_names(placed: PlacedLayout) -> set[str]:
     names = {field.name for field in placed.layout.fields}
     return names | {run.name for field in placed.layout.fields for run in field.runs}
 
@@ -425,7 +422,7 @@ def _unused(placed: PlacedLayout, inverted: int) -> int:
     """Return the unused bits at their positions in the frame: the manual's values, except those ``inverted``."""
     number = 0
     for placed_field, low_bit in placed.unused:
-        number |= (inverted >> low_bit & placed_field.mask ^ _documented(placed_field)) << placed_field.low
+        number |= (inverted >> low_bit & placed_field.mask ^ _documented_bits(placed_field)) << placed_field.low
         inverted &= ~(placed_field.mask << low_bit)
     if inverted:
         raise EncodeError(f"'{UNUSED}' has the bits {inverted:#x}, which are not unused bits of {placed.name}")
@@ -442,7 +439,7 @@ def _split(placed: PlacedLayout, join: Join, value: int, values: Values) -> dict
     parts: dict[str, int] = {}
     remaining_bits = value
     for name in reversed(join.fields):
-        placed_field = placed.field(name)
+        placed_field = placed.find_field(name)
         width = placed_field.width if placed_field is not None else 0
         parts[name] = remaining_bits & ((1 << width) - 1)
         remaining_bits >>= width
@@ -461,7 +458,7 @@ def _raw(placed: PlacedLayout, placed_field: PlacedField, values: Values) -> int
     if isinstance(kind, (Unused, CrcValue, Parity)):
         return 0
     if isinstance(kind, Decimal) and name not in values:
-        return sum(_parts(kind, values))
+        return sum(_digit_parts(kind, values))
     if name not in values:
         if name == placed.layout.selector and len(placed.layout.selects) == 1:
             return placed.layout.selects[0]
@@ -482,7 +479,7 @@ def _raw_value(
         case Flag():
             return int(bool(value) != kind.active_low)
         case Choice(named_values):
-            return _chosen(placed_field.name, named_values, value) if isinstance(value, str) else _number(value)
+            return _value_of_name(placed_field.name, named_values, value) if isinstance(value, str) else _number(value)
         case Text():
             return number_of_text(value) if isinstance(value, str) else _number(value)
         case Decimal():
@@ -500,14 +497,14 @@ def _bits_of(number: Number, placed_field: PlacedField, value: int) -> int:
     return raw
 
 
-def _chosen(name: str, values: Sequence[Value], value: str) -> int:
+def _value_of_name(name: str, values: Sequence[Value], value: str) -> int:
     named_value = next((candidate for candidate in values if candidate.name == value), None)
     if named_value is None:
         raise EncodeError(f"{name} has no value '{value}'")
     return named_value.value
 
 
-def _parts(decimal: Decimal, values: Values) -> Iterator[int]:
+def _digit_parts(decimal: Decimal, values: Values) -> Iterator[int]:
     """Yield the value of each run of digits, multiplied by its divisor."""
     for run in decimal.runs:
         value = _number(values.get(run.name, 0))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from ..model import Device, number_from_bytes
+from ..model import Device, member_named, number_from_bytes
 from ..order_codes.editions import edition_before, tests_of
 from ..order_codes.labels import Match
 from ..say.fault import of_older_edition
@@ -27,7 +27,7 @@ def strange_values(device: Device, decoded: Decoded) -> Iterator[Difference]:
             yield Difference(test.run, raw, bounds, message, True)
 
 
-def told_by_registers(device: Device, match: Match, bytes_by_address: Mapping[int, int]) -> str:
+def edition_by_registers(device: Device, match: Match, bytes_by_address: Mapping[int, int]) -> str:
     """Return the latest edition with which the registers of an encoder are compatible.
 
     Raises:
@@ -43,11 +43,11 @@ def told_by_registers(device: Device, match: Match, bytes_by_address: Mapping[in
             has_register = True
             number = number_from_bytes(register.layout, bytes(bytes_by_address[address] for address in addresses))
             decoded = decode_word(device, register.layout.place(match.variant.parameters), number)
-            raw = next(field.raw for field in decoded.fields if field.name == test.run)
+            raw = member_named(decoded.fields, test.run, f"field of '{register.name}'").raw
             if not test.min <= raw <= test.max:
                 return edition_before(device, edition.revision)
     if not has_register:
-        raise ValueError(_needed(device))
+        raise ValueError(_missing_registers_message(device))
     return device.manual.revision
 
 
@@ -60,7 +60,7 @@ def without_tests(device: Device, bytes_by_address: Mapping[int, int]) -> dict[i
     return {address: value for address, value in bytes_by_address.items() if address not in identifying}
 
 
-def _needed(device: Device) -> str:
+def _missing_registers_message(device: Device) -> str:
     names = dict.fromkeys(test.register for edition in device.editions for test in edition.tests)
     if not names:
         return f"no register of {device.name} identifies the edition"

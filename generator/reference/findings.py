@@ -47,7 +47,7 @@ class Difference:
     """A value that differs from the manual. ``of_register`` is true if it is in a register."""
 
     field: str
-    found: int | str
+    actual: int | str
     documented: int | str
     message: str
     of_register: bool
@@ -68,8 +68,8 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
         return Findings()
     layout = decoded.layout.layout
     values = {field.name: field for field in decoded.fields}
-    placed_fields = decoded.layout.fields
-    active = [placed_field.field for placed_field in placed_fields if _speaks(placed_field, values[placed_field.name])]
+    fields_and_values = ((placed_field, values[placed_field.name]) for placed_field in decoded.layout.fields)
+    active = [placed_field.field for placed_field, value in fields_and_values if _is_active_field(placed_field, value)]
     if layout.sender == "encoder":
         active += [sign.flag for sign in layout.signs if _is_active(sign, layout, values)]
     register = "" if layout.sender == "encoder" else decoded.layout.name
@@ -78,7 +78,7 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
     if register:
         reported = [field for field in active if alarms[field.name] is not None]
     else:
-        reported = [field for field in active if _worth(field.kind) is not Verdict.USABLE]
+        reported = [field for field in active if _verdict_of_kind(field.kind) is not Verdict.USABLE]
     differences = tuple(_differences(variant, decoded, values, bool(register)))
     verdict = _verdict(layout, active) if device.tells_position(variant.interface, layout) else None
     return Findings(tuple(_report(field, alarms[field.name]) for field in reported), verdict, differences)
@@ -90,7 +90,7 @@ def _alarm_for(device: Device, variant: Variant, field: Field, register: str) ->
     return alarm if alarm is not None and fits(alarm.only, variant.code) else None
 
 
-def _speaks(placed_field: PlacedField, decoded_field: DecodedField) -> bool:
+def _is_active_field(placed_field: PlacedField, decoded_field: DecodedField) -> bool:
     """Return whether a flag is active or unused bits differ from the manual."""
     match placed_field.field.kind:
         case Flag():
@@ -113,10 +113,10 @@ def _decoded(field: Field, number: int) -> str | bool:
     """Return the decoded value of a flag or of a field with named values."""
     if isinstance(field.kind, Flag):
         return bool(number)
-    return next(named_value.name for named_value in field.values if named_value.value == number)
+    return field.value_of(number).name
 
 
-def _worth(kind: Kind) -> Verdict | None:
+def _verdict_of_kind(kind: Kind) -> Verdict | None:
     return kind.makes_position if isinstance(kind, (Flag, Unused)) else None
 
 
@@ -126,7 +126,7 @@ def _report(field: Field, alarm: Alarm | None) -> Report:
         field.printed_name,
         meaning(field, alarm),
         remedy(field, alarm),
-        _worth(field.kind),
+        _verdict_of_kind(field.kind),
         cite(source(field, alarm)),
     )
 
@@ -137,9 +137,9 @@ def _verdict(layout: Layout, active: Sequence[Field]) -> Verdict:
     # A flag that combines others adds no information if one of them is active.
     flags = {field.name: field.kind for field in active if isinstance(field.kind, Flag)}
     silent_names = {name for name, flag in flags.items() if not names.isdisjoint(flag.sums_up)}
-    verdicts = [_worth(field.kind) for field in active if field.name not in silent_names]
+    verdicts = [_verdict_of_kind(field.kind) for field in active if field.name not in silent_names]
     verdicts.append(Verdict.USABLE if layout.tells_validity else Verdict.UNKNOWN)
-    return next(verdict for verdict in Verdict if verdict in verdicts)
+    return min(filter(None, verdicts), key=list(Verdict).index)
 
 
 def _differences(
@@ -158,17 +158,17 @@ def _differences(
 
 
 def _message(name: str, variant: Variant, actual: int | str, documented: int | str, of_register: bool) -> str:
-    actual_text, documented_text = _shown(actual), _shown(documented)
+    actual_text, documented_text = _value_text(actual), _value_text(documented)
     if of_register:
         return fault.other_content(name, actual_text, variant.code, documented_text)
     return fault.other_value(name, actual_text, documented_text)
 
 
-def _shown(value: int | str) -> str:
+def _value_text(value: int | str) -> str:
     return f'"{value}"' if isinstance(value, str) else f"{value:#04x}"
 
 
-def _fixed(device: Device, variant: Variant) -> Iterator[Register]:
+def _identity_registers(device: Device, variant: Variant) -> Iterator[Register]:
     """Yield the registers that identify this order code, except those in banks, whose addresses are not unique."""
     names = {register.name for register, _ in device.identity if register.bank is None}
     return (register for register in device.registers_over(variant.interface) if register.name in names)
@@ -177,7 +177,7 @@ def _fixed(device: Device, variant: Variant) -> Iterator[Register]:
 def fixed_addresses(device: Device, variant: Variant) -> frozenset[int]:
     """Return the addresses of the registers that identify this order code."""
     addresses: set[int] = set()
-    for register in _fixed(device, variant):
+    for register in _identity_registers(device, variant):
         addresses.update(range(register.address, register.last_address + 1))
     return frozenset(addresses)
 
@@ -185,7 +185,7 @@ def fixed_addresses(device: Device, variant: Variant) -> frozenset[int]:
 def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int, int]) -> tuple[Difference, ...]:
     """Return the registers whose contents contradict this order code. Other addresses are unknown."""
     differences: list[Difference] = []
-    for register in _fixed(device, variant):
+    for register in _identity_registers(device, variant):
         differences += _compare_register(variant, register, bytes_by_address)
     return tuple(differences)
 
@@ -220,5 +220,8 @@ def _compare_register(
 
 def _digits(value: int, known_bits: int, placed_field: PlacedField) -> str:
     """Return the hexadecimal digits of a field, with dots for unknown digits."""
-    shifts = range((placed_field.width - 1) // 4 * 4, -1, -4)
-    return "".join(f"{value >> shift & 15:X}" if known_bits >> shift & 15 else "." for shift in shifts) + "h"
+    digits = ""
+    for shift in range((placed_field.width - 1) // 4 * 4, -1, -4):
+        is_known = known_bits >> shift & 15 != 0
+        digits += f"{value >> shift & 15:X}" if is_known else "."
+    return digits + "h"

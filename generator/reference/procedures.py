@@ -73,7 +73,7 @@ def _number(
     if step.value is None:
         _check_argument(register, name, value, placed, limits)
     if isinstance(step, ModifyStep):
-        placed_field = placed.field(step.field)
+        placed_field = placed.find_field(step.field)
         if placed_field is None or value & ~placed_field.mask:
             raise codec.EncodeError(f"{value} does not fit '{step.field}'")
         return old_number & ~(placed_field.mask << placed_field.low) | value << placed_field.low

@@ -50,12 +50,14 @@ class Citing:
     @property
     def shown(self) -> str:
         text = " ".join(str(self.value).split())
-        return f"{_here(self.file)}:{self.line}: {self.path}: {text if len(text) <= 60 else text[:57] + '...'}"
+        return f"{_relative_path(self.file)}:{self.line}: {self.path}: {text if len(text) <= 60 else text[:57] + '...'}"
 
     @cached_property
     def words(self) -> frozenset[str]:
         """The words of the value as a manual may print them."""
-        return frozenset(_printed(self.value)) | _with_top_bit(self.value if self.path.endswith(".poly") else None)
+        return frozenset(_printed_words(self.value)) | _with_top_bit(
+            self.value if self.path.endswith(".poly") else None
+        )
 
     @cached_property
     def named(self) -> frozenset[str]:
@@ -72,23 +74,23 @@ class Citing:
         words = {word.casefold() for word in passage.old}
         # A short label, such as A, TO or 21, can be any word, but not at the end of an order code.
         is_label = len(name) > (3 if name.isdigit() else 2) or (not name.isdigit() and any(map(str.isdigit, name)))
-        is_named = (is_label and name in words) or (name.isdigit() and name in _ends(words))
+        is_named = (is_label and name in words) or (name.isdigit() and name in _last_digits(words))
         return is_named or not self.sections.isdisjoint(sections)
 
 
-def _ends(words: Iterable[str]) -> set[str]:
+def _last_digits(words: Iterable[str]) -> set[str]:
     """Return the two digits at the end of each order code among words."""
     return {match[1] for word in words if (match := _ORDER_CODE.fullmatch(word)) is not None}
 
 
-def _here(file: str) -> str:
+def _relative_path(file: str) -> str:
     """Return a path relative to the current folder if it is below it."""
     with suppress(ValueError):
         return FilePath(file).relative_to(FilePath.cwd()).as_posix()
     return file
 
 
-def _printed(value: object) -> Iterator[str]:
+def _printed_words(value: object) -> Iterator[str]:
     """Yield the words of a value. A number can be printed in hexadecimal, with separators, or in a larger unit."""
     if isinstance(value, bool) or value is None:
         return
@@ -115,7 +117,7 @@ def _with_top_bit(poly: object) -> frozenset[str]:
 
 def citing(document: Document) -> list[Citing]:
     """Return the facts of a spec with what they cite. A fact without a source has the source of the item around it."""
-    return list(_below(document, document.data, (), (), ()))
+    return list(_sourced_items(document, document.data, (), (), ()))
 
 
 def _cited(source: str) -> Sources:
@@ -123,7 +125,7 @@ def _cited(source: str) -> Sources:
     return parse_sources(source.replace("TODO ", ""))
 
 
-def _below(
+def _sourced_items(
     document: Document, data: Any, path: Path, source: tuple[Any, ...], names: tuple[str, ...]
 ) -> Iterator[Citing]:
     if isinstance(data, dict):
@@ -137,10 +139,10 @@ def _below(
             own_source = data.get(f"{key}_source")
             cited = _cited(own_source) if isinstance(own_source, str) else source
             if key not in _NO_FACTS and not str(key).endswith("_source"):
-                yield from _below(document, member, (*path, key), cited, (*names, str(key)))
+                yield from _sourced_items(document, member, (*path, key), cited, (*names, str(key)))
     elif isinstance(data, list):
         for index, member in enumerate(data):
-            yield from _below(document, member, (*path, index), source, names)
+            yield from _sourced_items(document, member, (*path, index), source, names)
     elif source:
         own_manual = [cited_source for cited_source in source if not cited_source.document]
         yield Citing(
@@ -159,8 +161,9 @@ def ranked(facts: Sequence[Citing], passage: Passage) -> list[Citing]:
 
     A word counts more if fewer of the facts have it, and more in the old words than in those near them.
     """
-    differ, close, near = (_compared(words) for words in (passage.old or passage.new, passage.close, passage.around))
-    section = near | _compared(passage.section.words)
+    differ = _comparable_words(passage.old or passage.new)
+    close, near = _comparable_words(passage.close), _comparable_words(passage.around)
+    section = near | _comparable_words(passage.section.words)
     weight = _DIFFERS if passage.old else _INSERTED
     frequent = Counter(word for fact in facts for word in fact.words | fact.named)
     scores: dict[int, float] = {}
@@ -178,7 +181,7 @@ def ranked(facts: Sequence[Citing], passage: Passage) -> list[Citing]:
     return sorted(likely_facts, key=lambda fact: (-scores[id(fact)], fact.line))
 
 
-def _compared(words: Iterable[str]) -> set[str]:
+def _comparable_words(words: Iterable[str]) -> set[str]:
     """Return printed words as they are compared: with a decimal point, and numbers also without their unit."""
     folded = {word.casefold() for word in words}
     folded |= {word.replace(",", ".") for word in folded}
@@ -189,4 +192,5 @@ def _compared(words: Iterable[str]) -> set[str]:
 def _share(words: frozenset[str], near: set[str], section: set[str], frequent: Mapping[str, int]) -> float:
     """Return the share of the words that occur near a passage, among those that occur in its section."""
     printed = sum(1 / frequent[word] for word in words & section)
-    return sum(1 / frequent[word] for word in words & section & near) / printed if printed else 0
+    printed_near = sum(1 / frequent[word] for word in words & section & near)
+    return printed_near / printed if printed else 0

@@ -57,14 +57,9 @@ def changed(old: Manual, new: Manual) -> Iterator[Passage]:
             words = section.words
             is_gone = old_section is not None
             shown = f"section {section.shown}, {len(words)} words"
-            yield Passage(
-                section,
-                words if is_gone else (),
-                () if is_gone else words,
-                words,
-                words,
-                (shown if is_gone else "", "" if is_gone else shown),
-            )
+            old_words, new_words = (words, ()) if is_gone else ((), words)
+            old_and_new = (shown, "") if is_gone else ("", shown)
+            yield Passage(section, old_words, new_words, words, words, old_and_new)
         else:
             for first, second in (
                 (WORD.findall(old_section.title), WORD.findall(new_section.title)),
@@ -85,13 +80,13 @@ def _in_section(section: Section, old: Sequence[str], new: Sequence[str], heads:
             section=section,
             old=tuple(old[low:high]),
             new=tuple(new[new_low:new_high]),
-            close=(*_near(old, low, high, _CLOSE, _CLOSE), *_near(new, new_low, new_high, _CLOSE, _CLOSE)),
-            around=(*_near(old, low, high, _BEFORE, _AFTER), *_near(new, new_low, new_high, _BEFORE, _AFTER)),
+            close=(*_widened(old, low, high, _CLOSE, _CLOSE), *_widened(new, new_low, new_high, _CLOSE, _CLOSE)),
+            around=(*_widened(old, low, high, _BEFORE, _AFTER), *_widened(new, new_low, new_high, _BEFORE, _AFTER)),
             shown=(_text(old, low, high), _text(new, new_low, new_high)),
         )
 
 
-def _near(words: Sequence[str], low: int, high: int, count_before: int, count_after: int) -> Sequence[str]:
+def _widened(words: Sequence[str], low: int, high: int, count_before: int, count_after: int) -> Sequence[str]:
     """Return a range of words with some words before and after it."""
     return words[max(low - count_before, 0) : high + count_after]
 

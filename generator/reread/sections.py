@@ -89,8 +89,8 @@ class Manual:
         if number not in order:
             return set()
         following = order[order.index(number) + 1 : order.index(number) + 2]
-        end = _key(following[0]) if following else (999,)
-        return {missing_number for missing_number in self.missing if _key(number) < _key(missing_number) < end}
+        start, end = _number_key(number), _number_key(following[0]) if following else (999,)
+        return {missing_number for missing_number in self.missing if start < _number_key(missing_number) < end}
 
 
 def read(path: Path) -> Manual:
@@ -135,8 +135,9 @@ def divide(text: str) -> Manual:
     pages = [_plain_lines(page) for page in text.split("\f")]
     has_pages = len(pages) >= _RUNNING
     edges = _heads_at_edges(pages) if has_pages else set()
-    lines = _joined([line for page in (_without_edges(pages, edges) if has_pages else pages) for line in page])
-    numbered = {index: heading for index, line in enumerate(lines) if (heading := _numbered(line)) is not None}
+    pages_of_text = _without_edges(pages, edges) if has_pages else pages
+    lines = _join_entry_lines([line for page in pages_of_text for line in page])
+    numbered = {index: heading for index, line in enumerate(lines) if (heading := _numbered_heading(line)) is not None}
     listed = _contents(lines, numbered)
     titles = {numbered[index][0]: numbered[index][1] for index in sorted(listed, reverse=True)}
     headings, page_of = _headings(lines, numbered, listed, titles)
@@ -146,11 +147,11 @@ def divide(text: str) -> Manual:
     start = min((index for index, (number, _) in headings.items() if number[0].isdigit()), default=0)
     title_rest: list[str] = []
     for index, line in enumerate(lines):
-        words = _folded(line)
+        words = _folded_words(line)
         if index in headings:
             title = headings[index][1]
             bodies.append((*headings[index], []))
-            title_rest = _folded(title)[len(_folded(_without_number(line))) :]
+            title_rest = _folded_words(title)[len(_folded_words(_without_number(line))) :]
         elif words and words == title_rest[: len(words)]:
             title_rest = title_rest[len(words) :]  # The heading continues on this line.
         elif not (index < start and (index in listed or _IN_CONTENTS.search(line))) and index not in left_out:
@@ -177,7 +178,7 @@ def plain(line: str) -> str:
     return re.sub(r" ?\t[ \t]*", "\t", re.sub(r"[^\S\t]+", " ", line)).strip()
 
 
-def _joined(lines: Sequence[str]) -> list[str]:
+def _join_entry_lines(lines: Sequence[str]) -> list[str]:
     """Join the two lines of a long entry of the contents, which has its page at the end of the second one.
 
     A running head between two rows of a table can look like one, but occurs often.
@@ -189,8 +190,8 @@ def _joined(lines: Sequence[str]) -> list[str]:
         if (
             len(last_lines) == 2
             and _IN_CONTENTS.search(line)
-            and _numbered(line) is None
-            and _numbered(last_lines[1]) is not None
+            and _numbered_heading(line) is None
+            and _numbered_heading(last_lines[1]) is not None
             and _IN_CONTENTS.search(last_lines[0])
             and not _IN_CONTENTS.search(last_lines[1])
             and counts[_head(last_lines[1])] < _RUNNING
@@ -309,7 +310,7 @@ def _headings(
     headings: dict[int, tuple[str, str]] = {}
     last: tuple[int, ...] = ()
     for index, (number, title) in numbered.items():
-        key = _key(number)
+        key = _number_key(number)
         if index in listed or key <= last:
             continue
         if _same_start(titles.get(number, ""), title) or (number not in titles and _is_skipped(key, last, titles)):
@@ -341,7 +342,7 @@ def _contents(lines: Sequence[str], numbered: Mapping[int, tuple[str, str]]) -> 
     last: tuple[int, ...] = ()
     for index, (number, _) in numbered.items():
         if index >= first:
-            key = _key(number)
+            key = _number_key(number)
             if key[:1] < last[:1]:
                 break
             indexes.add(index)
@@ -349,11 +350,11 @@ def _contents(lines: Sequence[str], numbered: Mapping[int, tuple[str, str]]) -> 
     return indexes | with_page
 
 
-def _key(number: str) -> tuple[int, ...]:
+def _number_key(number: str) -> tuple[int, ...]:
     return tuple(map(int, number.split(".")))
 
 
-def _numbered(line: str) -> tuple[str, str] | None:
+def _numbered_heading(line: str) -> tuple[str, str] | None:
     match = _HEADING.fullmatch(_title(line))
     return (match["number"], match["title"].strip()) if match is not None and len(line) <= _LONGEST else None
 
@@ -363,17 +364,17 @@ def _title(line: str) -> str:
 
 
 def _without_number(line: str) -> str:
-    heading = _numbered(line)
+    heading = _numbered_heading(line)
     return line if heading is None else heading[1]
 
 
-def _folded(text: str) -> list[str]:
+def _folded_words(text: str) -> list[str]:
     return WORD.findall(text.casefold())
 
 
 def _same_start(listed: str, title: str) -> bool:
     """Return whether two titles have the same first words."""
-    first, second = (_folded(text)[:3] for text in (listed, title))
+    first, second = (_folded_words(text)[:3] for text in (listed, title))
     return bool(first) and first[: len(second)] == second[: len(first)]
 
 

@@ -5,25 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ..model import Alternative, Answer, Device, Layout
-from .text import Code, Part, Ref, Said, listed, said
+from .text import Code, Part, Ref, Statement, listed, statement
 
 
-def question(alternative: Alternative) -> Said:
+def question(alternative: Alternative) -> Statement:
     """Return the question."""
-    return said(alternative.meaning, source=alternative.source)
+    return statement(alternative.meaning, source=alternative.source)
 
 
-def answer(choice: Answer) -> Said:
+def answer(choice: Answer) -> Statement:
     """Return one answer, preceded by its name."""
-    return said(Code(choice.name), f": {choice.meaning}", source=choice.source)
+    return statement(Code(choice.name), f": {choice.meaning}", source=choice.source)
 
 
-def needs(device: Device, layout: Layout) -> Iterator[Said]:
+def needs(device: Device, layout: Layout) -> Iterator[Statement]:
     """Yield the choices that are needed to read or write a frame of this layout."""
     for alternative in device.alternatives_of(layout):
         answers = listed([Code(choice.name) for choice in alternative.answers], " or ")
         choice = Ref("alternative", alternative.name, alternative.name)
-        yield said("The positions of its fields depend on your choice of ", choice, ": ", *answers)
+        yield statement("The positions of its fields depend on your choice of ", choice, ": ", *answers)
 
 
 def names(answers: Sequence[Answer]) -> Iterator[Part]:

@@ -70,7 +70,7 @@ _MORE = re.compile(r" and ([0-9]+ more)$")
 def in_words(paths: str) -> str:
     """Return paths such as ``registers.bank.default, supply and 2 more`` in words."""
     count_text = _MORE.search(paths)
-    texts = [_of(path.split(".")) for path in _MORE.sub("", paths).split(", ")]
+    texts = [_path_in_words(path.split(".")) for path in _MORE.sub("", paths).split(", ")]
     return "".join(map(str, listed([*texts, *([count_text[1]] if count_text is not None else [])])))
 
 
@@ -97,7 +97,7 @@ def _first_words(steps: Sequence[str]) -> tuple[str, int]:
     return "", 0
 
 
-def _of(steps: Sequence[str]) -> str:
+def _path_in_words(steps: Sequence[str]) -> str:
     """Return one path in words, from the outermost step inwards. A step for which there are no words is kept."""
     if len(steps) == 1 and steps[0] in _TOP:
         return _TOP[steps[0]]

@@ -104,7 +104,7 @@ def commands_over(device: Device, interface: Interface) -> Commands:
     excluded_names = {selects_bank, *(register.name for register in registers)}
     procedures = (procedure for procedure in device.procedures if procedure.interface == interface.name)
     return Commands(
-        procedures=tuple(filter(_changes, procedures)),
+        procedures=tuple(filter(_changes_encoder, procedures)),
         registers=tuple(registers),
         settings=tuple(register for register in writable if register.name not in excluded_names),
         requests=tuple(request for request in _requests(interface) if request.purpose not in _READING),
@@ -124,7 +124,7 @@ def _values(register: Register) -> tuple[Value, ...]:
     return tuple(value for field in register.layout.fields for value in field.values)
 
 
-def _changes(procedure: Procedure) -> bool:
+def _changes_encoder(procedure: Procedure) -> bool:
     """Return whether a procedure writes or sends something."""
     return any(isinstance(step, (WriteStep, ModifyStep, SendStep)) for step in procedure.steps)
 

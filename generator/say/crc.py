@@ -6,20 +6,20 @@ from collections.abc import Iterator
 
 from ..model import Crc, Device
 from .erratum import errata, erratum
-from .text import Said, said, told
+from .text import Statement, spec_text, statement
 from .words import counted
 
 
-def crc(device: Device, checksum: Crc) -> Iterator[Said]:
+def crc(device: Device, checksum: Crc) -> Iterator[Statement]:
     """Yield all statements about it in order, for running text."""
     yield head(device, checksum)
-    yield from told(checksum.note)
+    yield from spec_text(checksum.note)
     yield from map(erratum, errata(device, f"crcs.{checksum.name}"))
 
 
-def head(device: Device, checksum: Crc) -> Said:
+def head(device: Device, checksum: Crc) -> Statement:
     """Return its parameters in one sentence."""
-    return said(
+    return statement(
         f"CRC {checksum.name} of {counted(checksum.width, 'bit')}: {parameters(device, checksum)}",
         source=checksum.source,
     )

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum
 from .changed import change_in_words
-from .text import Said, said
+from .text import Statement, statement
 from .words import sentence
 
 #: Longest reason, in characters, that is shown next to code. Errata with wrong data always have their reason.
@@ -34,7 +34,7 @@ def _is_within(path: str, parts: Collection[str]) -> bool:
     return path in parts or path.startswith(tuple(f"{part}." for part in parts))
 
 
-def erratum(correction: Erratum, *, whole: bool = False) -> Said:
+def erratum(correction: Erratum, *, whole: bool = False) -> Statement:
     """Return an erratum in three labelled parts: the printed text, the value used, and the reason.
 
     The reason is omitted if it is long, unless ``whole`` is set or wrong bytes could be sent. A change by an overlay
@@ -49,21 +49,23 @@ def erratum(correction: Erratum, *, whole: bool = False) -> Said:
     brief = f"Used: {used}" if at_stake and correction.status == "open" else ""
     label = f"Erratum {correction.name} ({correction.status}, {correction.severity.replace('_', ' ')})"
     parts = _labelled(("Printed", correction.printed), ("Used", used), ("Why", correction.why if with_reason else ""))
-    return Said((), label, correction.source, brief, tuple(parts))
+    return Statement((), label, correction.source, brief, tuple(parts))
 
 
-def _labelled(*parts: tuple[str, str]) -> Iterator[Said]:
-    return (said(text, label=label) for label, text in parts if text)
+def _labelled(*parts: tuple[str, str]) -> Iterator[Statement]:
+    return (statement(text, label=label) for label, text in parts if text)
 
 
-def _change(correction: Erratum) -> Said:
+def _change(correction: Erratum) -> Statement:
     label = f"Overlay {correction.overlay}" if correction.overlay else f"In edition {correction.edition}"
     if correction.edition.startswith("before "):
         label = f"Before edition {correction.edition.removeprefix('before ')}"
     # Next to code, a hint that another edition differs is enough, since the code is correct for this edition.
     differs = "may differ" if correction.used == NOT_KNOWN else "differs"
     brief = f"{differs}. See the encoder's page." if correction.edition else None
-    return Said((), label, correction.source, brief, tuple(_labelled(*changed(correction), ("Why", correction.why))))
+    return Statement(
+        (), label, correction.source, brief, tuple(_labelled(*changed(correction), ("Why", correction.why)))
+    )
 
 
 def changed(correction: Erratum) -> Iterator[tuple[str, str]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..model import Device
-from .text import Said, said
+from .text import Statement, statement
 
 _MEANING = {
     "manual": "all pages of the manufacturer's document were read",
@@ -19,11 +19,11 @@ _MEANING = {
 }
 
 
-def grade(device: Device) -> Said:
+def grade(device: Device) -> Statement:
     """Return the grade of the evidence, with its meaning, and the values that are still the template's."""
     grade_name = device.evidence.grade
     text = f"{grade_name} ({_MEANING[grade_name]})"
-    return said(f"{text}. {placeholders(device)}" if device.evidence.placeholders else text, label="Evidence")
+    return statement(f"{text}. {placeholders(device)}" if device.evidence.placeholders else text, label="Evidence")
 
 
 def placeholders(device: Device) -> str:
@@ -40,14 +40,14 @@ def document(device: Device) -> str:
     return "manual" if device.evidence.grade == "manual" else "spec"
 
 
-def basis(device: Device) -> Iterator[Said]:
+def basis(device: Device) -> Iterator[Statement]:
     """Yield what the grade rests on, unless it is the manual as a whole, and the facts that are left out."""
     evidence = device.evidence
     if evidence.grade != "manual":
         for key, pages in evidence.documents.items():
-            yield said(pages, label=f"Read in {key}")
+            yield statement(pages, label=f"Read in {key}")
         for label, names in (("Implementations", evidence.implementations), ("Vectors", evidence.vectors)):
             if names:
-                yield said(", ".join(names), label=label)
+                yield statement(", ".join(names), label=label)
     for fact in evidence.left_out:
-        yield said(fact, label="Left out")
+        yield statement(fact, label="Left out")

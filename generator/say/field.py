@@ -27,45 +27,49 @@ from .numbers import formula
 from .place import hexadecimal
 from .register import reserved
 from .steps import remedied
-from .text import Code, Hex, Level, Part, Ref, Said, listed, parted, said, told
+from .text import Code, Hex, Level, Part, Ref, Statement, listed, parted, spec_text, statement
 from .words import WORTH
 
 
-def field(device: Device, frame_field: Field) -> Iterator[Said]:
+def field(device: Device, frame_field: Field) -> Iterator[Statement]:
     """Yield all statements about it in order, for running text."""
     yield from meaning(frame_field, frame_field.meaning)
     yield from rules(device, frame_field)
-    yield from told(frame_field.note)
+    yield from spec_text(frame_field.note)
 
 
-def meaning(named_item: Named, text: str) -> Iterator[Said]:
+def meaning(named_item: Named, text: str) -> Iterator[Statement]:
     """Yield the meaning, labelled with the name used in the manual."""
-    yield from told(text, label=printed(named_item)) if text else told(printed(named_item))
+    yield from spec_text(text, label=printed(named_item)) if text else spec_text(printed(named_item))
 
 
-def rules(device: Device, frame_field: Field) -> Iterator[Said]:
+def rules(device: Device, frame_field: Field) -> Iterator[Statement]:
     """Yield the interpretation of its bits and the rules for its use."""
-    yield from told(frame_field.unit, label="Unit")
+    yield from spec_text(frame_field.unit, label="Unit")
     if frame_field.scale is not None:
-        yield said(formula(frame_field.scale), label=f"In {frame_field.scale.unit}", source=frame_field.scale.source)
+        yield statement(
+            formula(frame_field.scale), label=f"In {frame_field.scale.unit}", source=frame_field.scale.source
+        )
     yield from _kind(device, frame_field)
     if frame_field.container:
-        yield said(f"Right-aligned in {frame_field.container} bits, with zeros above it")
+        yield statement(f"Right-aligned in {frame_field.container} bits, with zeros above it")
     if not frame_field.implemented and "not implemented" not in frame_field.meaning.lower():
-        yield said("Not implemented in this encoder")
+        yield statement("Not implemented in this encoder")
     if frame_field.reserved:
         yield reserved(frame_field.reserved)
     if frame_field.equals is not None:
-        expected = _known(frame_field.equals, frame_field.widest)
-        yield said("Holds ", expected, ", which identifies the encoder. The decoder also accepts other values")
+        expected = _expected_value(frame_field.equals, frame_field.widest)
+        yield statement("Holds ", expected, ", which identifies the encoder. The decoder also accepts other values")
     if frame_field.default is not None:
-        yield said(Expression(frame_field.default), label="Default")
+        yield statement(Expression(frame_field.default), label="Default")
     if frame_field.explained_by:
-        yield said("For the reason, see ", *listed([register_field(device, path) for path in frame_field.explained_by]))
+        yield statement(
+            "For the reason, see ", *listed([register_field(device, path) for path in frame_field.explained_by])
+        )
     yield from remedied(frame_field.remedy, frame_field.by_hand)
 
 
-def _kind(device: Device, frame_field: Field) -> Iterator[Said]:
+def _kind(device: Device, frame_field: Field) -> Iterator[Statement]:
     match frame_field.kind:
         case Number() as kind:
             yield from _number(kind)
@@ -74,30 +78,34 @@ def _kind(device: Device, frame_field: Field) -> Iterator[Said]:
         case Choice():
             pass  # Each value has its own statement.
         case Constant(value):
-            yield from told("" if "always" in frame_field.meaning.lower() else f"Always {short(value)}")
+            yield from spec_text("" if "always" in frame_field.meaning.lower() else f"Always {short(value)}")
         case Unused() as unused:
             yield from _unused(device, frame_field, unused)
         case CrcValue(crc, covered_names):
-            names = parted((Code(name),) for name in covered_names) if covered_names else ("everything before it",)
-            yield said("CRC ", Ref("crc", crc, crc), " over ", *names)
+            names = parted((Code(name),) for name in covered_names)
+            yield statement(
+                "CRC ", Ref("crc", crc, crc), " over ", *(names if covered_names else ("everything before it",))
+            )
         case Parity() as parity:
             covered = parted((Code(name),) for name in parity.covers)
-            bits = f"{parity.over.replace('_', ' ')} of " if parity.over else ""
-            yield said("Odd" if parity.is_odd else "Even", f" parity of {'the ' + bits if bits else ''}", *covered)
+            bits = f"the {parity.over.replace('_', ' ')} of " if parity.over else ""
+            yield statement("Odd" if parity.is_odd else "Even", f" parity of {bits}", *covered)
         case Decimal(runs):
-            yield said("Decimal digits, most significant first: ", *parted(map(_run, runs)))
+            yield statement("Decimal digits, most significant first: ", *parted(map(_run, runs)))
         case Text():
-            yield said("ASCII text")
+            yield statement("ASCII text")
         case _ as kind:
             assert_never(kind)
 
 
-def _unused(device: Device, frame_field: Field, unused: Unused) -> Iterator[Said]:
-    yield said(f"Unused, documented as {short(unused.value)}")
+def _unused(device: Device, frame_field: Field, unused: Unused) -> Iterator[Statement]:
+    yield statement(f"Unused, documented as {short(unused.value)}")
     if _comes_with_position(device, frame_field):
-        yield said("Frames with other values are still decoded, with the verdict ", Code(unused.makes_position.value))
+        yield statement(
+            "Frames with other values are still decoded, with the verdict ", Code(unused.makes_position.value)
+        )
     else:
-        yield said("Other values are still decoded")
+        yield statement("Other values are still decoded")
 
 
 def _comes_with_position(device: Device, frame_field: Field) -> bool:
@@ -106,62 +114,62 @@ def _comes_with_position(device: Device, frame_field: Field) -> bool:
     return any(device.tells_position(kind.name, layout) for kind, layout in frames)
 
 
-def _number(kind: Number) -> Iterator[Said]:
+def _number(kind: Number) -> Iterator[Statement]:
     if kind.signed:
-        yield said("Signed, in two's complement")
+        yield statement("Signed, in two's complement")
     if kind.zero_means:
-        yield said("A value of 0 means ", Expression(kind.zero_means))
+        yield statement("A value of 0 means ", Expression(kind.zero_means))
     if kind.power_of_two:
-        yield said("Only powers of two are allowed")
+        yield statement("Only powers of two are allowed")
 
 
-def _flag(kind: Flag, implemented: bool) -> Iterator[Said]:
+def _flag(kind: Flag, implemented: bool) -> Iterator[Statement]:
     active, inactive = (0, 1) if kind.active_low else (1, 0)
     if implemented or kind.when_active or kind.when_inactive:
-        yield said(Level.ACTIVE, f" when {active}", f": {kind.when_active}" if kind.when_active else "")
+        yield statement(Level.ACTIVE, f" when {active}", f": {kind.when_active}" if kind.when_active else "")
         if kind.when_inactive:
-            yield said(Level.INACTIVE, f" when {inactive}: {kind.when_inactive}")
+            yield statement(Level.INACTIVE, f" when {inactive}: {kind.when_inactive}")
     if kind.sums_up:
-        yield said("Combines ", *listed(list(map(Code, kind.sums_up))))
+        yield statement("Combines ", *listed(list(map(Code, kind.sums_up))))
     if kind.makes_position is Verdict.USABLE and implemented:
-        yield said("It does not affect the position")
+        yield statement("It does not affect the position")
     elif kind.makes_position and implemented:
         exception = ". If a flag that it combines is active in the same frame, that flag decides instead"
-        yield said(
+        yield statement(
             "While it is ", Level.WHILE_ACTIVE, f", {WORTH[kind.makes_position]}{exception if kind.sums_up else ''}"
         )
     if kind.verdict_if_set is not None and implemented:
-        yield said("If you set ", Code(kind.verdict_parameter), f" to 1, {WORTH[kind.verdict_if_set]}")
+        yield statement("If you set ", Code(kind.verdict_parameter), f" to 1, {WORTH[kind.verdict_if_set]}")
     if kind.only:
         other_verdict = kind.unexplained.makes_position
         verdict_text = f", and {WORTH[other_verdict]}" if other_verdict is not None else ""
         remark = f". For other order codes the manual does not explain the flag{verdict_text}"
-        yield said("This applies only to ", Code(kind.only), remark)
+        yield statement("This applies only to ", Code(kind.only), remark)
 
 
 def _run(run: Digits) -> tuple[Part, ...]:
     return Code(run.name), f" {run.digits}", f" ({run.meaning})" if run.meaning else ""
 
 
-def _known(value: Expression | int | str, bits: int) -> Part:
+def _expected_value(value: Expression | int | str, bits: int) -> Part:
     if isinstance(value, str):
         return Code(value)
     return Hex(value if isinstance(value, Expression) else Expression(value), (bits + 3) // 4)
 
 
-def choices(values: tuple[Value, ...]) -> Said:
+def choices(values: tuple[Value, ...]) -> Statement:
     """Return all named values in one statement."""
-    return said(
+    return statement(
         *parted((f"{short(named_value.value)} ", Code(named_value.name)) for named_value in values), label="Values"
     )
 
 
-def value(named_value: Value, bits: int) -> Said:
+def value(named_value: Value, bits: int) -> Statement:
     """Return a named value of a field of ``bits`` bits."""
     manual_names = f" ({own_names(named_value)})" if own_names(named_value) else ""
     meaning_text = f": {named_value.meaning}" if named_value.meaning else ""
     number = f"{hexadecimal(named_value.value, (bits + 3) // 4)} "
-    return said(
+    return statement(
         number, Code(named_value.name), manual_names, meaning_text, effect(named_value), source=named_value.source
     )
 

@@ -65,12 +65,12 @@ def if_bits(digits: str) -> str:
     return f"0b{digits} if it is bits"
 
 
-def also(names: str) -> str:
+def also_possible(names: str) -> str:
     """Return the words about a valid frame that can be other frames, too."""
     return f"this can also be another frame: {names}"
 
 
-def instead(names: str) -> str:
+def possible_instead(names: str) -> str:
     """Return the words about a wrong frame that can be other frames."""
     return f"this can be another frame: {names}"
 

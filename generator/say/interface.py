@@ -34,7 +34,7 @@ from ..model.expressions import Expression
 from .field import value
 from .name import printed, words
 from .name import register as named
-from .text import Code, Part, Said, listed, parted, said, told
+from .text import Code, Part, Statement, listed, parted, spec_text, statement
 from .timing import timing
 from .words import counted, hertz, number, printed_timeout_words, sentence, timeout_words
 
@@ -54,13 +54,13 @@ _CODE = {"binary": "binary", "gray": "Gray", "by_order_code": "binary or Gray, b
 PURPOSES = {"position": "requests the position", "read": "reads a register", "write": "writes a register", "other": ""}
 
 
-def interface(device: Device, line: Interface) -> Iterator[Said]:
+def interface(device: Device, line: Interface) -> Iterator[Statement]:
     """Yield all statements that follow its title in running text, without the errata."""
-    yield from told(line.note)
+    yield from spec_text(line.note)
     yield from facts(device, line)
 
 
-def facts(device: Device, line: Interface) -> Iterator[Said]:
+def facts(device: Device, line: Interface) -> Iterator[Statement]:
     """Yield its settings, its times, and the requests and control data sent over it."""
     yield from settings(device, line)
     yield from map(timing, line.timings)
@@ -68,7 +68,7 @@ def facts(device: Device, line: Interface) -> Iterator[Said]:
         case Ssi():
             pass
         case Biss():
-            yield from told(line.control_data_note, label="Control data")
+            yield from spec_text(line.control_data_note, label="Control data")
             yield from map(control_field, line.control_data)
         case Rs485():
             yield from map(data_id, line.data_ids)
@@ -80,14 +80,14 @@ def facts(device: Device, line: Interface) -> Iterator[Said]:
             assert_never(line)
 
 
-def settings(device: Device, line: Interface) -> Iterator[Said]:
+def settings(device: Device, line: Interface) -> Iterator[Statement]:
     """Yield the settings and the electrical characteristics."""
     return (_fact(device, fact) for fact in line.facts())
 
 
-def _fact(device: Device, fact: Fact) -> Said:
+def _fact(device: Device, fact: Fact) -> Statement:
     label, part = _labelled(device, fact)
-    return said(part, label=label, source=fact.source)
+    return statement(part, label=label, source=fact.source)
 
 
 def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
@@ -153,7 +153,8 @@ def unknown_limits(clock: Clock) -> str:
 
 
 def _words(fact: WordFormat) -> str:
-    idle, edge = "high" if fact.mode & 2 else "low", "second" if fact.mode & 1 else "first"
+    idle = "high" if fact.mode & 2 else "low"
+    edge = "second" if fact.mode & 1 else "first"
     clock = f"SPI mode {fact.mode} (the clock idles {idle}, data is taken on the {edge} edge)"
     return f"{word_lengths(fact.lengths)}, {clock}, {REPLIES[fact.reply]}"
 
@@ -182,38 +183,38 @@ def _network(network: Network) -> str:
     return f"{network.topology.replace('_', ' ')}, {slaves}"
 
 
-def data_id(request: DataId) -> Said:
+def data_id(request: DataId) -> Statement:
     meaning_text = f": {request.meaning}" if request.meaning else ""
-    return said(
+    return statement(
         f"{request.control:02X}h, {request.purpose}{meaning_text}",
         label=f"Data ID {request.id:X}",
         source=request.source,
     )
 
 
-def memory_access(access: MemoryAccess) -> Said:
+def memory_access(access: MemoryAccess) -> Statement:
     text = f"{sentence(access.meaning)} Address: {access.address}. Data: {access.data}"
-    return said(text, label=f"Memory {access.access}, busy {access.busy}", source=access.source)
+    return statement(text, label=f"Memory {access.access}, busy {access.busy}", source=access.source)
 
 
-def exchange(request: Exchange) -> Said:
+def exchange(request: Exchange) -> Statement:
     """Return a request with its reply."""
     effect = PURPOSES[request.purpose]
     reply_text = (" is answered by ", Code(request.reply)) if request.reply else (" has no reply",)
     words_text = f", in words of {word_lengths([request.word_bits])}" if request.word_bits is not None else ""
-    return said(
+    return statement(
         Code(request.request), *reply_text, f", and {effect}" if effect else "", words_text, source=request.source
     )
 
 
-def control_field(bits_field: ControlField) -> Said:
+def control_field(bits_field: ControlField) -> Statement:
     values: list[tuple[Part, ...]] = [value(named_value, bits_field.bits).parts for named_value in bits_field.values]
     description = (
         f"{counted(bits_field.bits, 'bit')}: {bits_field.meaning}"
         if bits_field.meaning
         else counted(bits_field.bits, "bit")
     )
-    return said(
+    return statement(
         *parted([(description,), *values], "; "),
         label=printed(bits_field) or words(bits_field.name),
         source=bits_field.source,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..model import Device, LayoutRange, Measurement
-from .text import Amount, Part, Said, parted, said
+from .text import Amount, Part, Statement, parted, statement
 
 
-def measurement(unit_and_range: Measurement) -> Said:
+def measurement(unit_and_range: Measurement) -> Statement:
     """Return the counts and revolutions, or the step, and the range."""
     members = (
         (unit_and_range.counts_per_turn, "counts", " per revolution"),
@@ -22,7 +22,7 @@ def measurement(unit_and_range: Measurement) -> Said:
         if value is not None:
             amounts.append((Amount(value, unit), words, *_counts(unit_and_range, unit)))
     highest = [("maximum ", unit_and_range.highest)] if unit_and_range.highest is not None else []
-    return said(*parted([*amounts, *highest]), source=unit_and_range.source)
+    return statement(*parted([*amounts, *highest]), source=unit_and_range.source)
 
 
 def _counts(unit_and_range: Measurement, unit: str) -> tuple[Amount, ...]:
@@ -32,17 +32,17 @@ def _counts(unit_and_range: Measurement, unit: str) -> tuple[Amount, ...]:
     )
 
 
-def position_range(layout_range: LayoutRange) -> Said:
+def position_range(layout_range: LayoutRange) -> Statement:
     """Return the range of the position in one layout."""
     if not layout_range.wraps:
-        return said("never wraps around", source=layout_range.source)
+        return statement("never wraps around", source=layout_range.source)
     members = ((layout_range.turns, "revolutions", ""), (layout_range.modulus, "counts", " in total"))
     amounts: list[tuple[Part, ...]] = []
     for value, unit, words in members:
         if value is not None:
             amounts.append((Amount(value, unit), words))
     highest = [("maximum ", layout_range.highest)] if layout_range.highest is not None else []
-    return said(*parted([*amounts, *highest]), source=layout_range.source)
+    return statement(*parted([*amounts, *highest]), source=layout_range.source)
 
 
 def own_ranges(device: Device, interface: str) -> Iterator[tuple[str, LayoutRange]]:

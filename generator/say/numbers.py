@@ -25,11 +25,13 @@ def decimal(value: Fraction) -> str:
     If the decimals never end, return six of them after ``≈``.
     """
     digits = next(
-        (digit_count for digit_count in range(_most(value)) if 10**digit_count % value.denominator == 0), None
+        (digit_count for digit_count in range(_enough_decimals(value)) if 10**digit_count % value.denominator == 0),
+        None,
     )
     places = _ROUNDED if digits is None else digits
     whole, part = divmod(round(abs(value) * 10**places), 10**places)
-    text = f"{'-' if value < 0 else ''}{whole:,}" + (f".{part:0{places}}" if places else "")
+    sign = "-" if value < 0 else ""
+    text = f"{sign}{whole:,}" + (f".{part:0{places}}" if places else "")
     return f"≈ {text}" if digits is None else text
 
 
@@ -43,14 +45,14 @@ def formula(scale: Scale) -> str:
     """Return the formula of a quantity in the form that manuals print: ``(value + 152) / 2.776``."""
     numerator, denominator, offset = scale.numerator, scale.denominator, scale.offset
     if offset % denominator == 0:
-        return _plus("value" + _times(numerator, denominator), offset // denominator)
+        return _added_number("value" + _times(numerator, denominator), offset // denominator)
     if offset % numerator == 0:
-        return f"({_plus('value', offset // numerator)}){_times(numerator, denominator)}"
+        return f"({_added_number('value', offset // numerator)}){_times(numerator, denominator)}"
     factor = f"value × {numerator}" if numerator > 1 else "value"
-    return f"({_plus(factor, offset)}) / {denominator}"
+    return f"({_added_number(factor, offset)}) / {denominator}"
 
 
-def _plus(text: str, number: int) -> str:
+def _added_number(text: str, number: int) -> str:
     if number == 0:
         return text
     return f"{text} {'-' if number < 0 else '+'} {abs(number)}"
@@ -80,7 +82,7 @@ def _decimal(number: int, power: int) -> str:
     return f"{digits[: len(digits) - places]}.{digits[len(digits) - places :]}".rstrip("0").rstrip(".")
 
 
-def _most(value: Fraction) -> int:
+def _enough_decimals(value: Fraction) -> int:
     """Return a number of decimals that is enough for any fraction whose decimals end."""
     return value.denominator.bit_length() + 1
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from .text import Code, Said, said
+from .text import Code, Statement, statement
 
 
-def only(codes: str) -> Iterator[Said]:
+def only(codes: str) -> Iterator[Statement]:
     """Yield the order codes, unless the item applies to all of them."""
     if codes:
-        yield said("Only with ", Code(codes))
+        yield statement("Only with ", Code(codes))

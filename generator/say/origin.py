@@ -7,15 +7,15 @@ from collections.abc import Iterator
 from ..model import LEFT_OUT, NOT_KNOWN, Device, EditionTest
 from .erratum import erratum
 from .name import words
-from .text import Code, Ref, Said, said
+from .text import Code, Ref, Statement, statement
 from .words import sentence
 
 
-def origin(device: Device) -> Iterator[Said]:
+def origin(device: Device) -> Iterator[Statement]:
     """Yield how the family differs from its manual, if at all."""
     special = next((overlay.special for overlay in device.overlays if overlay.special), "")
     if special:
-        yield said(
+        yield statement(
             "Only for encoders whose order code ends in ",
             Code(f"/{special}"),
             ". For all others use ",
@@ -23,30 +23,30 @@ def origin(device: Device) -> Iterator[Said]:
         )
     if device.edition:
         date = f" of {device.manual.date}" if device.manual.date else ""
-        yield said(
+        yield statement(
             f"Describes encoders of edition {device.edition} of the manual{date}, as far as they are known. "
             "The edition that the spec transcribes is ",
             Code(device.base),
             ". Each difference is given with its source. Unknown parts are omitted",
         )
     for overlay in device.overlays:
-        yield said(
+        yield statement(
             f"Includes the overlay {overlay.name}, “{overlay.title}”. "
             "Each of its changes is noted inline, with its reason and its source"
         )
 
 
-def other_editions(device: Device) -> Iterator[Said]:
+def other_editions(device: Device) -> Iterator[Statement]:
     """Yield a hint at other editions of the manual, with the command that generates files for one."""
     if device.editions:
         example = f"codewheel generate --edition {device.name}={device.editions[0].revision}"
-        yield said(
+        yield statement(
             "Differences from other editions of the manual are noted inline. For the files of another edition, use ",
             Code(example),
         )
 
 
-def taken_away(device: Device) -> Iterator[Said]:
+def removals(device: Device) -> Iterator[Statement]:
     """Yield those changes by overlays and editions that removed the part where they would otherwise be noted."""
     for correction in device.errata:
         has_no_place = device.base or correction.overlay or not correction.affects
@@ -59,10 +59,10 @@ def taken_away(device: Device) -> Iterator[Said]:
             yield erratum(correction)
 
 
-def edition_test(revision: str, test: EditionTest) -> Said:
+def edition_test(revision: str, test: EditionTest) -> Statement:
     """Return the register test for an encoder older than an edition."""
     register = Ref("register", test.register, words(test.register))
-    return said(
+    return statement(
         register,
         f": {test.run} is {test.min} to {test.max}. {sentence(test.why)} Any other value means that the encoder is "
         f"older than edition {revision}. A value in this range is not conclusive",

@@ -9,52 +9,60 @@ from ..model.expressions import Expression
 from .name import register_field
 from .place import hexadecimal, register_at
 from .register import limits
-from .text import Code, Part, Ref, Said, said, told
+from .text import Code, Part, Ref, Statement, spec_text, statement
 from .words import number
 
 
-def parameter(device: Device, item: Parameter) -> Iterator[Said]:
+def parameter(device: Device, device_parameter: Parameter) -> Iterator[Statement]:
     """Yield all statements about it in order, for running text."""
-    yield from told(item.meaning, source=item.source)
-    yield from told(item.unit, label="Unit")
-    yield from origin(device, item)
+    yield from spec_text(device_parameter.meaning, source=device_parameter.source)
+    yield from spec_text(device_parameter.unit, label="Unit")
+    yield from origin(device, device_parameter)
 
 
-def origin(device: Device, item: Parameter) -> Iterator[Said]:
+def _bound(number: int | None) -> Expression | None:
+    return Expression(number) if number is not None else None
+
+
+def origin(device: Device, device_parameter: Parameter) -> Iterator[Statement]:
     """Yield the source of its value if no order code sets it."""
-    if item.equals is not None:
-        yield said("Equals ", item.equals)
-    if item.alternative:
-        yield said("Set by your choice of ", *_choice(device, item))
-    if item.read_from:
-        span = limits(*(None if bound is None else Expression(bound) for bound in (item.min, item.max)))
-        between = (", ", *span) if span and not item.by_code else ()
-        at = register_at(device.register(item.register))
-        yield said(f"Read at run time from {at} (", register_field(device, item.read_from), ")", *between)
-    if item.by_code:
-        codes = (f"{one.code} means {value(item, one.value)}" for one in item.by_code)
-        yield said(f"The register holds a code: {', '.join(codes)}")
+    if device_parameter.equals is not None:
+        yield statement("Equals ", device_parameter.equals)
+    if device_parameter.alternative:
+        yield statement("Set by your choice of ", *_choice(device, device_parameter))
+    if device_parameter.read_from:
+        span = limits(*map(_bound, (device_parameter.min, device_parameter.max)))
+        between = (", ", *span) if span and not device_parameter.by_code else ()
+        at = register_at(device.register(device_parameter.register))
+        yield statement(
+            f"Read at run time from {at} (", register_field(device, device_parameter.read_from), ")", *between
+        )
+    if device_parameter.by_code:
+        values = {coded.code: value(device_parameter, coded.value) for coded in device_parameter.by_code}
+        codes = (f"{code} means {text}" for code, text in values.items())
+        yield statement(f"The register holds a code: {', '.join(codes)}")
 
 
-def _choice(device: Device, item: Parameter) -> Iterator[Part]:
+def _choice(device: Device, device_parameter: Parameter) -> Iterator[Part]:
     """Yield a reference to the alternative that sets a parameter. If it has a default, the values follow."""
-    yield Ref("alternative", item.alternative, item.alternative)
-    found = next((one for one in device.optional_alternatives if one.name == item.alternative), None)
-    for index, answer in enumerate(found.answers if found is not None else ()):
-        yield f"{', ' if index else ': '}{answer.sets[item.name]} for "
+    name = device_parameter.alternative
+    yield Ref("alternative", name, name)
+    answers = {question.name: question.answers for question in device.optional_alternatives}.get(name, ())
+    for index, answer in enumerate(answers):
+        yield f"{', ' if index else ': '}{answer.sets[device_parameter.name]} for "
         yield Code(answer.name)
         yield "" if index else " (default)"
 
 
 def initial(device: Device) -> str:
     """Return the kind of the values that apply until registers are read, in the plural."""
-    names = {item.register for item in device.run_time_parameters}
+    names = {run_time_parameter.register for run_time_parameter in device.run_time_parameters}
     # A device of one interface lacks the registers of the others.
-    held = [item for item in device.registers if item.name in names]
-    has_default = not held or any(item.default is not None for item in held)
+    defaults = [register.default for register in device.registers if register.name in names]
+    has_default = not defaults or any(default is not None for default in defaults)
     return "factory defaults" if has_default else "values of the order code"
 
 
-def value(item: Parameter, count: int) -> str:
+def value(device_parameter: Parameter, count: int) -> str:
     """Return its value for an order code. IDs and other codes are in the hexadecimal notation of manuals."""
-    return hexadecimal(count) if item.hexadecimal else number(count)
+    return hexadecimal(count) if device_parameter.hexadecimal else number(count)

@@ -22,7 +22,7 @@ from ..model import (
 )
 from .field import short
 from .steps import with_steps
-from .text import Code, Part, Said, parted, said
+from .text import Code, Part, Statement, parted, statement
 from .words import sentence
 
 
@@ -67,24 +67,23 @@ def deciding(field: Field) -> str:
             assert_never(field.kind)
 
 
-def conditions(values: Iterable[tuple[Field, int]]) -> Said:
+def conditions(values: Iterable[tuple[Field, int]]) -> Statement:
     """Return the values that lead to a verdict together, with the bits of each field. 1 stands for an active flag."""
-    return said(*parted((_condition(field, value) for field, value in values), " and "))
+    return statement(*parted((_condition(field, value) for field, value in values), " and "))
 
 
 def _condition(field: Field, value: int) -> tuple[Part, ...]:
     if isinstance(field.kind, Flag):
         return Code(field.name), f" is {int(bool(value) != field.kind.active_low)}"
-    name = next(named_value.name for named_value in field.values if named_value.value == value)
-    return Code(field.name), f" is {short(value)} (", Code(name), ")"
+    return Code(field.name), f" is {short(value)} (", Code(field.value_of(value).name), ")"
 
 
 def remedy(field: Field, alarm: Alarm | None) -> str:
     """Return the remedy with the titles of its manual steps, or an empty string."""
-    return with_steps(advice(field, alarm), by_hand(field, alarm))
+    return with_steps(remedy_text(field, alarm), by_hand(field, alarm))
 
 
-def advice(field: Field, alarm: Alarm | None) -> str:
+def remedy_text(field: Field, alarm: Alarm | None) -> str:
     """Return the remedy without its manual steps."""
     return field.remedy or (alarm.remedy if alarm is not None else "")
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from .name import heading
-from .text import Ref, Said, listed, said, told
+from .text import Ref, Statement, listed, spec_text, statement
 from .words import sentence
 
 
-def remedied(text: str, names: Sequence[str]) -> Iterator[Said]:
+def remedied(text: str, names: Sequence[str]) -> Iterator[Statement]:
     """Yield the remedy with references to its manual steps."""
     if names:
         steps = listed([Ref("by-hand", name, heading(name)) for name in names], " or ")
-        yield said(*([f"{sentence(text)} "] if text else []), "Steps: ", *steps, label="Remedy")
+        yield statement(*([f"{sentence(text)} "] if text else []), "Steps: ", *steps, label="Remedy")
     else:
-        yield from told(text, label="Remedy")
+        yield from spec_text(text, label="Remedy")
 
 
 def with_steps(text: str, names: Sequence[str]) -> str:

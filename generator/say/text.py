@@ -66,7 +66,7 @@ Part = str | Code | Ref | Expression | Amount | Hex | Level
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class Statement:
     """Sentence without a full stop, or a labelled fact such as 100 kHz to 4 MHz with the label ``Clock``.
 
     A statement with ``below`` is a head followed by labelled statements. Outputs put these on separate lines if they
@@ -78,18 +78,18 @@ class Said:
     source: Sources = ()
     #: Short form for an output that has the full statement elsewhere. None if there is no short form.
     brief: str | None = None
-    below: tuple[Said, ...] = ()
+    below: tuple[Statement, ...] = ()
 
 
-def said(*parts: Part, label: str = "", source: Sources = ()) -> Said:
+def statement(*parts: Part, label: str = "", source: Sources = ()) -> Statement:
     """Return the statement formed by these parts."""
-    return Said(parts, label, source)
+    return Statement(parts, label, source)
 
 
-def told(text: str, label: str = "", source: Sources = ()) -> Iterator[Said]:
+def spec_text(text: str, label: str = "", source: Sources = ()) -> Iterator[Statement]:
     """Yield text from the spec unless it is empty."""
     if text:
-        yield said(text, label=label, source=source)
+        yield statement(text, label=label, source=source)
 
 
 def listed(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
@@ -124,11 +124,11 @@ class Style:
     resolve: Callable[[Expression], Expression] = lambda expression: expression
     level: Callable[[Level], str] = lambda level: level.value
 
-    def phrase(self, statement: Said) -> str:
+    def phrase(self, statement: Statement) -> str:
         """Return the parts without a label, a source and a full stop."""
         return "".join(map(self._part, statement.parts))
 
-    def sentence(self, statement: Said) -> str:
+    def sentence(self, statement: Statement) -> str:
         """Return the statement as a sentence: ``Clock: 100 kHz to 4 MHz [5.3].``"""
         if statement.below:
             return " ".join((f"{self.head(statement)}:", *map(self.sentence, statement.below)))
@@ -138,11 +138,11 @@ class Style:
             return label + sentence(phrase)
         return f"{label}{phrase} {source}" if sentence(phrase) == phrase else f"{label}{phrase} {source}."
 
-    def head(self, statement: Said) -> str:
+    def head(self, statement: Statement) -> str:
         """Return the label and source of a statement that has others below it: ``Erratum start (open) [5.3]``."""
         return " ".join(filter(None, (self.text(statement.label), self.cited(statement.source))))
 
-    def lines(self, statement: Said) -> list[str]:
+    def lines(self, statement: Statement) -> list[str]:
         """Return the statement as one line, or its head and a line for each statement below it."""
         return (
             [f"{self.head(statement)}:", *map(self.sentence, statement.below)]
@@ -150,7 +150,7 @@ class Style:
             else [self.sentence(statement)]
         )
 
-    def paragraph(self, items: Iterable[Said]) -> str:
+    def paragraph(self, items: Iterable[Statement]) -> str:
         """Return several statements as one paragraph."""
         return " ".join(filter(None, map(self.sentence, items)))
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from ..model import Timing
-from .text import Said, said
+from .text import Statement, statement
 from .words import microseconds
 
 
-def timing(printed_time: Timing) -> Said:
+def timing(printed_time: Timing) -> Statement:
     """Return its duration, labelled with the symbol in the manual or with our name."""
     description = f": {printed_time.meaning}" if printed_time.meaning else ""
     description += f" (only with {printed_time.only})" if printed_time.only else ""
-    return said(
+    return statement(
         bounds(printed_time), description, label=printed_time.symbol or printed_time.name, source=printed_time.source
     )
 

@@ -68,7 +68,7 @@ def main_manufacturer(makers: Sequence[Manufacturer]) -> Manufacturer | None:
 
 def has_biss(devices: Iterable[Device]) -> bool:
     """Return True if any of these devices has a BiSS interface."""
-    return any(device.over(Biss) is not None for device in devices)
+    return any(device.find_interface(Biss) is not None for device in devices)
 
 
 class TargetError(ValueError):

@@ -8,7 +8,7 @@ from pathlib import Path
 from time import monotonic
 
 from ..language.problems import Report
-from ..loading.editions import chosen
+from ..loading.editions import revision_for
 from ..loading.library import Family, in_edition, load_families, sound_families
 from ..model import (
     Biss,
@@ -82,7 +82,7 @@ class VirtualEncoder:
         edition: str = "",
         specs: Iterable[Path] = (),
     ) -> None:
-        self.device, match = _found(order_code, tuple(specs), edition)
+        self.device, match = _find_code(order_code, tuple(specs), edition)
         self.answers = dict(choose or {})
         self._check_answers(match.variant)
         self.variant = with_answers(self.device, match.variant, self.answers)
@@ -100,12 +100,12 @@ class VirtualEncoder:
     @property
     def counts(self) -> int:
         """Number of positions in the first frame with a position."""
-        return self._counts(self._first)
+        return self._counts(self._position_layout)
 
     @property
     def lowest(self) -> int:
         """Lowest position in that frame. It is negative if the position is signed."""
-        return self._lowest(self._first)
+        return self._lowest(self._position_layout)
 
     def _counts(self, layout: Layout | None) -> int:
         """Return the number of positions in frames with this layout."""
@@ -141,7 +141,7 @@ class VirtualEncoder:
 
     def _wrapped(self, position: int) -> int:
         """Return the position that the encoder sends for a count."""
-        return self._wrapped_in(self._first, position)
+        return self._wrapped_in(self._position_layout, position)
 
     def _wrapped_in(self, layout: Layout | None, position: int) -> int:
         """Return the position that frames with this layout contain for a count."""
@@ -151,7 +151,7 @@ class VirtualEncoder:
     def parts_now(self, layout: Layout | None = None) -> dict[str, int]:
         """Return the bits of each field of the current position in frames with a layout, by default the first one."""
         if layout is None or not self._carries_position(layout):
-            layout = self._first
+            layout = self._position_layout
         is_away = self.is_busy() and self._not_ready
         count = 0 if is_away else self._wrapped_in(layout, self.raw_position() + self._offset)
         values = dict[str, int]()
@@ -292,27 +292,25 @@ class VirtualEncoder:
 
     def _parts(self) -> tuple[tuple[str, int], ...]:
         """Return the fields that form the position with their widths, most significant first."""
-        return tuple((placed_field.name, placed_field.width) for placed_field in self._fields(self._first))
+        return tuple((placed_field.name, placed_field.width) for placed_field in self._fields(self._position_layout))
 
     @property
-    def _first(self) -> Layout | None:
+    def _position_layout(self) -> Layout | None:
         """The first frame with a position."""
         return next(filter(self._carries_position, self.layouts("encoder")), None)
 
     def _carries_position(self, layout: Layout) -> bool:
         measurement = self.device.measurement_of(self.variant.interface)
         name = measurement.of if measurement is not None else "position"
-        return layout.names_in(name) != (name,) or self.place(layout).field(name) is not None
+        return layout.names_in(name) != (name,) or self.place(layout).find_field(name) is not None
 
     def _fields(self, layout: Layout | None) -> tuple[PlacedField, ...]:
         """Return the fields that form the position in frames with a layout, most significant first."""
         if layout is None:
             return ()
         measurement = self.device.measurement_of(self.variant.interface)
-        placed_fields = map(
-            self.place(layout).field, layout.names_in(measurement.of if measurement is not None else "position")
-        )
-        return tuple(placed_field for placed_field in placed_fields if placed_field is not None)
+        name = measurement.of if measurement is not None else "position"
+        return tuple(self.place(layout).find_fields(layout.names_in(name)))
 
     @cached_property
     def _not_ready(self) -> set[str]:
@@ -385,7 +383,7 @@ def _is_special(device: Device, text: str) -> bool:
     return any(overlay.special and overlay.special in text for overlay in device.overlays)
 
 
-def _found(text: str, specs: tuple[Path, ...], edition: str) -> tuple[Device, Match]:
+def _find_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[Device, Match]:
     reason = ""
     special_families = [family for family in _families(specs) if _is_special(family.device, text)]
     for family in (*special_families, *(family for family in _families(specs) if not family.device.base)):
@@ -397,7 +395,7 @@ def _found(text: str, specs: tuple[Path, ...], edition: str) -> tuple[Device, Ma
         if not edition:
             return family.device, match
         report = Report()
-        family_in_edition = in_edition(family, chosen(family.device, edition), report)
+        family_in_edition = in_edition(family, revision_for(family.device, edition), report)
         if family_in_edition is None or report:
             raise ValueError("\n".join(problem.format() for problem in report.shown))
         return family_in_edition.device, find(family_in_edition.device, text)

@@ -89,7 +89,8 @@ class Faults:
     def __init__(self, interface: str, texts: Iterable[str] = (), seed: int = 0) -> None:
         self.random = random.Random(seed)
         self.injected: Counter[str] = Counter()
-        self._rates = [_rate(interface, text) for text in ([texts] if isinstance(texts, str) else texts)]
+        rate_texts = [texts] if isinstance(texts, str) else texts
+        self._rates = [_rate(interface, text) for text in rate_texts]
 
     def draw(self) -> str:
         """Return the fault of the next reply, or an empty string."""

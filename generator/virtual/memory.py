@@ -77,7 +77,7 @@ class Memory:
         Raises:
             ValueError: There is no register at this address.
         """
-        register = self._at(address, write=False) or self._at(address, write=True)
+        register = self._register_at(address, write=False) or self._register_at(address, write=True)
         if register is None:
             raise ValueError(f"{self._encoder.variant.code} has no register at 0x{address:02X}")
         self._bytes[register.name][address - register.last_address - 1] = value
@@ -86,16 +86,16 @@ class Memory:
 
     def readable(self, address: int) -> bool:
         """Return whether the master may read the byte at an address."""
-        return self._at(address, write=False) is not None
+        return self._register_at(address, write=False) is not None
 
     def writable(self, address: int) -> bool:
         """Return whether the master may write the byte at an address now."""
-        register = self._at(address, write=True)
+        register = self._register_at(address, write=True)
         return register is not None and self._is_open(register)
 
     def read(self, address: int) -> int | None:
         """Return the byte at an address, or None if it cannot be read."""
-        register = self._at(address, write=False)
+        register = self._register_at(address, write=False)
         if register is None:
             return None
         if address == register.address:
@@ -108,7 +108,7 @@ class Memory:
 
     def read_whole(self, address: int) -> int | None:
         """Return the number in the register at an address that has no others, or None if it cannot be read."""
-        register = self._at(address, write=False)
+        register = self._register_at(address, write=False)
         if register is None:
             return None
         self._refresh(register)
@@ -118,21 +118,21 @@ class Memory:
 
     def write_whole(self, address: int, value: int) -> bool:
         """Write the register at an address that has no others, and return whether the encoder accepts it."""
-        register = self._at(address, write=True)
+        register = self._register_at(address, write=True)
         if register is None or not self._is_open(register):
             return False
         self._bytes[register.name][:] = register.bytes_of(value & (1 << 8 * register.length) - 1)
-        self._written(register)
+        self._react_to_write(register)
         return True
 
     def write(self, address: int, value: int) -> bool:
         """Write the byte at an address, and return whether the encoder accepts it."""
-        register = self._at(address, write=True)
+        register = self._register_at(address, write=True)
         if register is None or not self._is_open(register):
             return False
         self._bytes[register.name][address - register.address] = value
         if address == register.last_address:
-            self._written(register)
+            self._react_to_write(register)
         return True
 
     def restart(self) -> None:
@@ -142,7 +142,7 @@ class Memory:
             self._take_over(register)
         self._ready = 0.0
 
-    def _at(self, address: int, write: bool) -> Register | None:
+    def _register_at(self, address: int, write: bool) -> Register | None:
         for register in self.registers.values():
             if register.address <= address <= register.last_address and (
                 register.writable if write else register.readable
@@ -179,14 +179,13 @@ class Memory:
             return True
         opener = self.registers[register.opened_by]
         field = opener.layout.field(register.opened_by_field) if register.opened_by_field else opener.layout.fields[0]
-        placed_field = self._encoder.place(opener.layout).field(field.name)
-        opening_value = next(value.value for value in field.values if value.name == register.opened_by_value)
-        return (
-            placed_field is not None
-            and self.value(opener.name) >> placed_field.low & placed_field.mask == opening_value
-        )
+        placed_field = self._encoder.place(opener.layout).find_field(field.name)
+        if placed_field is None:
+            return False
+        opening_value = field.value_named(register.opened_by_value).value
+        return self.value(opener.name) >> placed_field.low & placed_field.mask == opening_value
 
-    def _written(self, register: Register) -> None:
+    def _react_to_write(self, register: Register) -> None:
         number = self.value(register.name)
         placed = self._encoder.place(register.layout)
         for placed_field in placed.fields:
@@ -258,14 +257,12 @@ class Memory:
     def _meaning(self, register: Register) -> str:
         for meaning in register.meanings:
             name, _, field = meaning.when.partition(".")
-            placed = self._encoder.place(self.registers[name].layout).field(field)
-            number = (
-                next((value.value for value in placed.field.values if value.name == meaning.value), None)
-                if placed
-                else None
-            )
-            if placed is not None and self.value(name) >> placed.low & placed.mask == number:
-                return meaning.name
+            placed_field = self._encoder.place(self.registers[name].layout).find_field(field)
+            if placed_field is not None:
+                number = self.value(name) >> placed_field.low & placed_field.mask
+                names = [value.name for value in placed_field.field.values if value.value == number]
+                if meaning.value in names:
+                    return meaning.name
         return ""
 
     def _answer(self, command: Register, number: int) -> None:
@@ -274,7 +271,7 @@ class Memory:
             if any(step.value == number for step in _commands(procedure, command)):
                 for step in procedure.steps:
                     if isinstance(step, PollStep):
-                        placed_field = self._encoder.place(self.registers[step.register].layout).field(step.field)
+                        placed_field = self._encoder.place(self.registers[step.register].layout).find_field(step.field)
                         if placed_field is not None:
                             old = self.value(step.register)
                             self._store(

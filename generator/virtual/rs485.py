@@ -20,12 +20,12 @@ EEPROM_S = 0.003
 _EARLY_S = 1e-9
 
 
-class _Taken(NamedTuple):
+class _ReceivedRequest(NamedTuple):
     """A request, or bytes to discard if there are no ``values``: the length in bytes, the data ID and the reply."""
 
     length: int
     values: dict[str, int | str | bool] | None
-    asked: DataId | None
+    data_id: DataId | None
     reply: Layout | None
 
 
@@ -69,7 +69,7 @@ class Rs485Line:
             if values is not None and not self.encoder.is_off():
                 self._answer(data_id, request_bytes, values, reply)
 
-    def _request(self) -> _Taken | None:
+    def _request(self) -> _ReceivedRequest | None:
         """Return the request at the start of the received bytes, or None if it is not complete."""
         candidates = [self._of_data_id()] if self._requests else list(self._of_exchanges())
         for layout, data_id, reply in filter(None, candidates):
@@ -80,11 +80,11 @@ class Rs485Line:
             decoded = codec.decode_placed(self.encoder.device, placed, self._received[:length])
             values = None if decoded.problems else decoded.values
             if data_id is not None or (values is not None and self._is_for_me(layout, values)):
-                return _Taken(length, values, data_id, reply)
+                return _ReceivedRequest(length, values, data_id, reply)
         longest = max(
             (self.encoder.place(candidate[0]).bits // 8 for candidate in candidates if candidate is not None), default=0
         )
-        return None if len(self._received) < longest else _Taken(1, None, None, None)
+        return None if len(self._received) < longest else _ReceivedRequest(1, None, None, None)
 
     def _of_data_id(self) -> tuple[Layout, DataId | None, Layout | None] | None:
         data_id = self._requests.get(self._received[0])

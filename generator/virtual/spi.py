@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..model import Exchange, Flag, Layout, Spi
+from ..model import Exchange, Flag, Layout, Spi, member_named
 from ..reference import codec
 from .encoder import VirtualEncoder
 from .faults import disturbed
@@ -67,7 +67,7 @@ class SpiLine:
     def receive(self, data: bytes) -> None:
         """Take bytes that the master sends. Send a word in one piece if words have several lengths."""
         self._received += data
-        while (bits := self._arrived()) is not None:
+        while (bits := self._arrived_bits()) is not None:
             size = (bits + 7) // 8
             word, self._received = self._received[:size], self._received[size:]
             number = int.from_bytes(word, "big") & (1 << bits) - 1
@@ -82,11 +82,11 @@ class SpiLine:
         """Return None, because the answers never wait."""
         return None
 
-    def _arrived(self) -> int | None:
+    def _arrived_bits(self) -> int | None:
         """Return the length of the first word in the received bytes, or None if it is incomplete."""
         for bits in self._lengths if len(self._lengths) > 1 else ():
             word = self._received[: (bits + 7) // 8]
-            if 8 * len(word) >= bits and self._known(int.from_bytes(word, "big"), bits) is not None:
+            if 8 * len(word) >= bits and self._known_request(int.from_bytes(word, "big"), bits) is not None:
                 return bits
         return self.word_bits if 8 * len(self._received) >= self.word_bits else None
 
@@ -120,12 +120,12 @@ class SpiLine:
 
     def _request(self, word: int, bits: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
         """Return the request in a word with its values, and forget a write that it does not continue."""
-        request = self._known(word, bits)
+        request = self._known_request(word, bits)
         if request is None:
             self._written = {}
         return request
 
-    def _known(self, word: int, bits: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
+    def _known_request(self, word: int, bits: int) -> tuple[Exchange, dict[str, int | str | bool]] | None:
         """Return the request in a word with its values. The second word of a write follows the first."""
         started = bool(self._written)
         for exchange in self._writes[1:] if started else self.interface.exchanges:
@@ -147,4 +147,4 @@ class SpiLine:
         return self.encoder.frame(layout, flags)
 
     def _layout(self, name: str) -> Layout:
-        return next(layout for layout in self.interface.layouts if layout.name == name)
+        return member_named(self.interface.layouts, name, "layout over SPI")

@@ -15,7 +15,7 @@ from ..reference.codec import binary_to_gray, gray_to_binary
 from ..reference.crc import reflect
 from ..say.numbers import counted, first_of
 from .bit_text import BitText
-from .tries import NOT_INVERTED, Try, fixed_bits, usual
+from .tries import NOT_INVERTED, Try, fixed_bits, likelihood
 
 #: Polynomials, including their top bit, that BiSS masters offer: those of the Microchip dsPIC33A by length, and 0x97,
 #: which Beckhoff names next to 0x43.
@@ -33,7 +33,7 @@ OtherCrc = tuple[str, str, Crc]
 
 
 @dataclass(frozen=True, slots=True)
-class Slip:
+class FrameOffset:
     """Bits that do not begin and end with the frame.
 
     ``front`` are extra bits before the frame (``?`` is any bit), ``missing`` are missing first bits of the frame,
@@ -53,44 +53,44 @@ class Slip:
 
 
 SLIPS = (
-    Slip(
+    FrameOffset(
         "first_bit_missing",
         "started one clock late: the first bit (0) is missing, and an extra bit follows",
         missing="0",
         behind=1,
     ),
-    Slip(
+    FrameOffset(
         "first_bit_missing",
         "started one clock late: the first bit (1) is missing, and an extra bit follows",
         missing="1",
         behind=1,
     ),
-    Slip(
+    FrameOffset(
         "bits_in_front",
         "started one clock early: an extra bit such as CDS is in front, and the last bit is missing",
         front="?",
         lost=1,
     ),
-    Slip(
+    FrameOffset(
         "bits_in_front",
         "started two clocks early: start bit and CDS are in front, and the last two bits are missing",
         front="1?",
         lost=2,
     ),
-    Slip("bits_in_front", "an extra bit in front, such as CDS", front="?"),
-    Slip("bits_behind", "an extra bit at the end, such as the stop bit", behind=1),
-    Slip("bits_in_front", "two extra bits in front: start bit and CDS", front="1?"),
-    Slip(
+    FrameOffset("bits_in_front", "an extra bit in front, such as CDS", front="?"),
+    FrameOffset("bits_behind", "an extra bit at the end, such as the stop bit", behind=1),
+    FrameOffset("bits_in_front", "two extra bits in front: start bit and CDS", front="1?"),
+    FrameOffset(
         "bits_in_front",
         "an extra bit in front, such as CDS, and one at the end, such as the stop bit",
         front="?",
         behind=1,
     ),
-    Slip("bits_behind", "two extra bits at the end", behind=2),
-    Slip("first_bit_missing", "the first bit (0) is missing", missing="0"),
-    Slip("first_bit_missing", "the first bit (1) is missing", missing="1"),
-    Slip("last_bits_missing", "the last bit is missing", lost=1),
-    Slip("last_bits_missing", "the last two bits are missing", lost=2),
+    FrameOffset("bits_behind", "two extra bits at the end", behind=2),
+    FrameOffset("first_bit_missing", "the first bit (0) is missing", missing="0"),
+    FrameOffset("first_bit_missing", "the first bit (1) is missing", missing="1"),
+    FrameOffset("last_bits_missing", "the last bit is missing", lost=1),
+    FrameOffset("last_bits_missing", "the last two bits are missing", lost=2),
 )
 
 
@@ -106,12 +106,12 @@ def tries(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text
     lengths = {length for length in lengths if length >= text.bits}
     if expected in lengths:
         yield from _computed_otherwise(placed, crc, text.number)
-        yield from _whole(placed, crc, text.number)
+        yield from _whole_frame_tries(placed, crc, text.number)
     if placed.covers_part:
         return
     for length in sorted(lengths, reverse=True):
         slips = [slip for slip in SLIPS if slip.longer == length - expected]
-        yield from (_slipped(placed, crc, slip, text.number, length) for slip in slips)
+        yield from (_offset_try(placed, crc, slip, text.number, length) for slip in slips)
     yield from _without_status(placed, crc, text)
     yield from other_answers(device, variant, placed, crc, text)
     yield from _other_polynomials(placed, crc, text)
@@ -142,7 +142,7 @@ def read_as(
         crc.width - lost,
         demanded=demanded + fixed,
         holds=holds and are_right,
-        usual=usual(placed, number),
+        likelihood=likelihood(placed, number),
         number=number,
         placed=placed,
         codes=tuple(codes),
@@ -153,7 +153,7 @@ def as_sent(placed: PlacedLayout, crc: Crc, number: int) -> Try:
     """Return a try of the frame as sent, to which the caller adds the mistake."""
     fixed, are_right = fixed_bits(placed, number)
     try_as_sent = Try("", "", crc, *_covered(placed, number), number & crc.mask, crc.width)
-    return replace(try_as_sent, fixed=fixed if are_right else 0, usual=usual(placed, number))
+    return replace(try_as_sent, fixed=fixed if are_right else 0, likelihood=likelihood(placed, number))
 
 
 def _covered(placed: PlacedLayout, number: int) -> tuple[int, int]:
@@ -162,7 +162,7 @@ def _covered(placed: PlacedLayout, number: int) -> tuple[int, int]:
     return number >> low & (1 << bits) - 1, bits
 
 
-def _slipped(placed: PlacedLayout, crc: Crc, slip: Slip, number: int, length: int) -> Try:
+def _offset_try(placed: PlacedLayout, crc: Crc, slip: FrameOffset, number: int, length: int) -> Try:
     body_bits = length - len(slip.front) - slip.behind
     body = number >> slip.behind
     starts = [bit for bit in range(len(slip.front)) if slip.front[bit] == "1"]
@@ -190,13 +190,17 @@ def _status_otherwise(try_as_sent: Try, placed: PlacedLayout, number: int) -> It
     status, width = _status_mask(placed), try_as_sent.crc.width
     if not status:
         return
-    data, bits = _without(try_as_sent.data, try_as_sent.bits, status >> width)
+    data, bits = _without_bits(try_as_sent.data, try_as_sent.bits, status >> width)
     description = "the CRC covers only the bits before error and warning"
     yield replace(try_as_sent, kind="status_left_out", text=description, data=data, bits=bits)
     description = "error and warning were converted to active high"
     inverted = number ^ status
     yield replace(
-        try_as_sent, kind="status_turned", text=description, data=inverted >> width, usual=usual(placed, inverted)
+        try_as_sent,
+        kind="status_turned",
+        text=description,
+        data=inverted >> width,
+        likelihood=likelihood(placed, inverted),
     )
 
 
@@ -242,7 +246,7 @@ def other_crcs(crc: Crc) -> Iterator[OtherCrc]:
     yield "polynomial_reversed", description, replace(crc, poly=backwards)
 
 
-def _whole(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
+def _whole_frame_tries(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
     description = "every bit is inverted, as with swapped data wires"
     yield read_as("all_inverted", description, placed, crc, number ^ (1 << placed.bits) - 1)
     yield read_as("bits_reversed", "the bits are in reverse order", placed, crc, reflect(number, placed.bits))
@@ -288,7 +292,7 @@ def _without_status(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[T
             bits,
             received,
             crc.width,
-            usual=usual(placed, frame),
+            likelihood=likelihood(placed, frame),
             number=frame,
             placed=placed,
         )
@@ -341,9 +345,9 @@ def _with_polynomial(crc: Crc, polynomial: int) -> Crc:
     """Return the CRC with another polynomial, and with start value and inversion of that width."""
     width = polynomial.bit_length() - 1
     mask = (1 << width) - 1
-    return replace(
-        crc, width=width, poly=polynomial & mask, init=mask if crc.init else 0, xorout=mask if crc.xorout else 0
-    )
+    init = mask if crc.init else 0
+    xorout = mask if crc.xorout else 0
+    return replace(crc, width=width, poly=polynomial & mask, init=init, xorout=xorout)
 
 
 def _of_length(placed: PlacedLayout, crc: Crc, other_crc: Crc, number: int, length: int) -> Try:
@@ -368,7 +372,7 @@ def _of_length(placed: PlacedLayout, crc: Crc, other_crc: Crc, number: int, leng
         demanded=zeros + (0 if has_own_length else fixed),
         holds=(has_own_length or are_right) and not crc_part & ((1 << zeros) - 1),
         fixed=zeros + (fixed if are_right else 0),
-        usual=usual(placed, data << crc.width),
+        likelihood=likelihood(placed, data << crc.width),
     )
 
 
@@ -378,7 +382,7 @@ def _other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Cr
     The frame is complete, read too long, or truncated.
     """
     shapes = _shapes(device, variant, placed)
-    yield from _complete(variant, placed, crc, text, shapes)
+    yield from _complete_frame_tries(variant, placed, crc, text, shapes)
     for bits, shapes_of_length in shapes.items():
         extra_bits = placed.bits - bits
         if extra_bits > 0 and (text.bits == placed.bits if text.exact else text.bits <= placed.bits):
@@ -386,18 +390,18 @@ def _other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Cr
             zeros = extra_bits if extra_bits > 1 else 0
             last_bits = text.number & ((1 << zeros) - 1)
             number = text.number >> extra_bits
-            other_placed, codes = _possible(shapes_of_length, number)
+            other_placed, codes = _possible_shape(shapes_of_length, number)
             words = f"{bits} bits, {_sender(variant, codes)}, read {counted(extra_bits, 'bit')} too long"
             holds = not last_bits
             yield read_as(_kind(codes), words, other_placed, crc, number, demanded=zeros, holds=holds, codes=codes)
         elif -_CUT <= extra_bits < 0 and text.bits == placed.bits:
             number = text.number << -extra_bits
-            other_placed, codes = _possible(shapes_of_length, number)
+            other_placed, codes = _possible_shape(shapes_of_length, number)
             words = f"{bits} bits, {_sender(variant, codes)}, read {counted(-extra_bits, 'bit')} too short"
             yield read_as(_kind(codes), words, other_placed, crc, number, -extra_bits, codes=codes)
 
 
-def _complete(
+def _complete_frame_tries(
     variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText, shapes: Mapping[int, Sequence[Shape]]
 ) -> Iterator[Try]:
     """Yield a try with the complete frame of another order code or other register values."""
@@ -407,8 +411,8 @@ def _complete(
             whole.append(shapes_of_length)
     if whole:
         # If the text may have any number of leading zeros, the CRC cannot distinguish these lengths.
-        likely_placed = _possible(whole[0], text.number)[0]
-        codes = tuple(code for shapes_of_length in whole for code in _possible(shapes_of_length, text.number)[1])
+        likely_placed = _possible_shape(whole[0], text.number)[0]
+        codes = tuple(code for shapes_of_length in whole for code in _possible_shape(shapes_of_length, text.number)[1])
         length_text = " or more" if len(whole) > 1 else ""
         yield read_as(
             _kind(codes),
@@ -420,7 +424,7 @@ def _complete(
         )
 
 
-def _possible(shapes: Sequence[Shape], number: int) -> Shape:
+def _possible_shape(shapes: Sequence[Shape], number: int) -> Shape:
     """Return the shape of this length with the fewest fixed bits, and all order codes that could send the frame."""
     possible_shapes = [shape for shape in shapes if fixed_bits(shape[0], number)[1]] or shapes
     likeliest = min(possible_shapes, key=lambda shape: fixed_bits(shape[0], number)[0])
@@ -474,7 +478,7 @@ def _status_mask(placed: PlacedLayout) -> int:
     return sum(placed_field.mask << placed_field.low for placed_field in placed.fields if placed_field.name in names)
 
 
-def _without(data: int, bits: int, mask: int) -> tuple[int, int]:
+def _without_bits(data: int, bits: int, mask: int) -> tuple[int, int]:
     """Remove the bits of ``mask`` from ``data``, and return the remaining bits and their number."""
     remaining = [data >> bit & 1 for bit in range(bits - 1, -1, -1) if not mask >> bit & 1]
     return int("".join(map(str, remaining)) or "0", 2), len(remaining)

@@ -28,10 +28,10 @@ def tries(device: Device, variant: Variant, sender: str, expected: PlacedLayout 
             continue
         if expected is not None and expected.name == placed.name and 8 * len(data) == placed.bits:
             yield from _computed_otherwise(placed, crc, data)
-        yield from _moved(placed, crc, data)
+        yield from _moved_byte_tries(placed, crc, data)
 
 
-def is_sound(device: Device, placed: PlacedLayout, data: bytes) -> bool:
+def is_valid(device: Device, placed: PlacedLayout, data: bytes) -> bool:
     """Return whether the CRC and the constants of the frame are correct."""
     crc = device.crc_of(placed.layout)
     return crc is not None and crc.width == 8 and _read_as("", "", placed, crc, data).fits
@@ -73,7 +73,7 @@ def other_crcs(crc: Crc) -> Iterator[OtherCrc]:
                 )
 
 
-def _moved(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator[Try]:
+def _moved_byte_tries(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator[Try]:
     """Yield tries in which the bytes do not begin and end with the frame, or are inverted."""
     size = placed.bits // 8
     extra_bytes = len(data) - size

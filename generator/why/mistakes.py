@@ -67,14 +67,15 @@ def explain_bits(
     """
     crc = device.crc_of(placed.layout)
     doubt = "and there is no CRC to distinguish it" if crc is None else "and the CRC is correct too" * is_valid
-    stuck = _stuck(variant, text.number, text.bits if text.exact else max(text.bits, placed.bits), doubt)
+    stuck = _explain_equal_bits(variant, text.number, text.bits if text.exact else max(text.bits, placed.bits), doubt)
     if stuck is not None:
         return stuck
     if crc is None or is_valid:
         return None
     failed = _known_to_fail(placed, crc, text)
     why = _why(device, in_bits.tries(device, variant, placed, crc, text), failed, (crc,))
-    flips = (1 << bit for bit in range(placed.bits if failed else 0))
+    bits = range(placed.bits) if failed else ()
+    flips = (1 << bit for bit in bits)
     fits = [in_bits.read_as("", "", placed, crc, text.number ^ flip).fits for flip in flips]
     return replace(why, disturbed=_fitting_bits(fits)) if why is not None else None
 
@@ -99,7 +100,7 @@ def explain_bytes(
     Return None if there is no mistake to try.
     """
     number = int.from_bytes(data, "big")
-    stuck = _stuck(variant, number, 8 * len(data), "")
+    stuck = _explain_equal_bits(variant, number, 8 * len(data), "")
     if stuck is not None:
         return stuck
     attempts = list(in_bytes.tries(device, variant, sender, placed, data))
@@ -110,7 +111,7 @@ def explain_bytes(
     if why is None or placed is None or 8 * len(data) != placed.bits:
         return why
     flipped = ((number ^ 1 << bit).to_bytes(len(data), "big") for bit in range(placed.bits))
-    return replace(why, disturbed=_fitting_bits([in_bytes.is_sound(device, placed, frame) for frame in flipped]))
+    return replace(why, disturbed=_fitting_bits([in_bytes.is_valid(device, placed, frame) for frame in flipped]))
 
 
 def _fitting_bits(fits: Sequence[bool]) -> tuple[int, ...]:
@@ -131,7 +132,7 @@ def _why(
     crcs: Sequence[Crc],
     undecided: frozenset[str] = frozenset(),
 ) -> Why | None:
-    single_tries = _distinct(tries, failed)
+    single_tries = _distinct_tries(tries, failed)
     if not single_tries:
         return None
     explanations = [_explanation(device, attempt, undecided) for attempt in single_tries if attempt.fits]
@@ -140,23 +141,23 @@ def _why(
         # Try pairs only with the most common mistake, and only if no single one matches. More pairs would mostly match
         # by coincidence.
         pairs = [_not_inverted(attempt) for attempt in single_tries if attempt.kind != NOT_INVERTED]
-        all_tries = _distinct((*single_tries, *pairs), failed)
+        all_tries = _distinct_tries((*single_tries, *pairs), failed)
         fitting_pairs = [attempt for attempt in all_tries[len(single_tries) :] if attempt.fits]
         explanations = [_explanation(device, attempt, undecided) for attempt in fitting_pairs]
         explanations = [replace(explanation, twice=True) for explanation in explanations]
     explanations.sort(key=lambda explanation: -explanation.score)
     chances = {attempt.question: attempt.one_in for attempt in all_tries}
     coincidence = 1 - prod(1 - 1 / one_in for one_in in chances.values())
-    blind = tuple(dict.fromkeys(text for crc in crcs for text in _cannot_see(crc)))
+    blind = tuple(dict.fromkeys(text for crc in crcs for text in _blind_spots(crc)))
     return Why(tuple(explanations), len(all_tries), coincidence, blind)
 
 
-def _distinct(tries: Iterable[Try], failed: Sequence[Try]) -> list[Try]:
+def _distinct_tries(tries: Iterable[Try], failed: Sequence[Try]) -> list[Try]:
     """Return the significant tries, without those known to fail and without duplicates that lead to the same frame."""
     failed_questions = {attempt.question for attempt in failed}
     distinct_tries: dict[object, Try] = {}
     for attempt in tries:
-        if attempt.known + attempt.demanded >= _LEAST_BITS and attempt.question not in failed_questions:
+        if attempt.known_bits + attempt.demanded >= _LEAST_BITS and attempt.question not in failed_questions:
             leads_to = (attempt.number, _places(attempt.placed)) if attempt.placed is not None else attempt.text
             distinct_tries.setdefault((attempt.question, leads_to), attempt)
     return list(distinct_tries.values())
@@ -194,7 +195,7 @@ def _numbers_read(device: Device, placed: PlacedLayout, number: int, undecided: 
     return reads
 
 
-def _stuck(variant: Variant, number: int, bits: int, doubt: str) -> Why | None:
+def _explain_equal_bits(variant: Variant, number: int, bits: int, doubt: str) -> Why | None:
     """Explain a frame whose bits are all equal. No other mistake is tried for such a frame.
 
     ``doubt`` is the reason why nothing proves that the line is dead.
@@ -213,7 +214,7 @@ def _stuck(variant: Variant, number: int, bits: int, doubt: str) -> Why | None:
     return Why((explanation,), 1, 1 / one_in, ())
 
 
-def _cannot_see(crc: Crc) -> list[str]:
+def _blind_spots(crc: Crc) -> list[str]:
     mistakes = []
     if crc.is_xor:
         mistakes.append("swapped bytes, or reversed bits in every byte (it is the XOR of the bytes)")

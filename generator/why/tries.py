@@ -67,9 +67,9 @@ class Try:
     """One mistake, tried.
 
     ``data`` are the ``bits`` bits that the CRC with parameters ``crc`` would cover. ``received`` are the first
-    ``known`` bits of the CRC to compare with. ``demanded`` is the number of other bits whose value the mistake
+    ``known_bits`` bits of the CRC to compare with. ``demanded`` is the number of other bits whose value the mistake
     determines, and ``holds`` is true if they have it. ``fixed`` is the number of frame bits that have their constant
-    value. They prove nothing, but make one reading more likely than another, as do inactive flags (``usual``).
+    value. They prove nothing, but make one reading more likely than another, as do inactive flags (``likelihood``).
     ``number`` is the frame with the layout ``placed`` without the mistake, if that changes the frame. ``codes`` are
     the order codes that would send it.
     """
@@ -80,12 +80,12 @@ class Try:
     data: int
     bits: int
     received: int
-    known: int
+    known_bits: int
     by_bytes: bool = False
     demanded: int = 0
     holds: bool = True
     fixed: int = 0
-    usual: float = 1.0
+    likelihood: float = 1.0
     number: int = 0
     placed: PlacedLayout | None = None
     codes: tuple[str, ...] = ()
@@ -99,22 +99,22 @@ class Try:
             if self.by_bytes
             else compute_bits(self.crc, self.data, self.bits)
         )
-        return computed >> (self.crc.width - self.known) == self.received
+        return computed >> (self.crc.width - self.known_bits) == self.received
 
     @property
     def one_in(self) -> int:
         """Average number of random frames among which one matches."""
-        return 1 << (self.known + self.demanded)
+        return 1 << (self.known_bits + self.demanded)
 
     @property
     def score(self) -> float:
         """Likelihood of a mistake that matches: its frequency, times the improbability of the match without it."""
-        return MISTAKES[self.kind] * self.usual * 2.0 ** (self.known + max(self.demanded, self.fixed))
+        return MISTAKES[self.kind] * self.likelihood * 2.0 ** (self.known_bits + max(self.demanded, self.fixed))
 
     @property
     def question(self) -> tuple[object, ...]:
         """Key of the try. Tries with the same key match the same frames. With init 0, leading zeros do not matter."""
-        return self.crc, self.data, self.bits if self.crc.init else 0, self.received, self.known
+        return self.crc, self.data, self.bits if self.crc.init else 0, self.received, self.known_bits
 
 
 def fixed_bits(placed: PlacedLayout, number: int) -> tuple[int, bool]:
@@ -146,7 +146,7 @@ def _fixed_value(placed: PlacedLayout, placed_field: PlacedField, number: int) -
             assert_never(kind)
 
 
-def usual(placed: PlacedLayout, number: int) -> float:
+def likelihood(placed: PlacedLayout, number: int) -> float:
     """Return the likelihood of the flags and reserved bits, relative to random bits."""
     likelihood = 1.0
     for placed_field in placed.fields:

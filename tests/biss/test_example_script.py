@@ -175,7 +175,7 @@ def sent(placed: PlacedLayout, source: Random, likely: float) -> dict[str, int |
 
 def placed_unused(placed: PlacedLayout) -> Iterator[tuple[PlacedField, int]]:
     for field, place in placed.layout.unused:
-        found = placed.field(field.name)
+        found = placed.find_field(field.name)
         if found is not None:
             yield found, place
 

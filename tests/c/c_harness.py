@@ -206,7 +206,7 @@ def members(codec: StructCodec) -> list[Member]:
 
 def answers(codec: StructCodec) -> str:
     """Return the answers that the functions of a frame take, passed after the variant."""
-    return "".join(f"{item.type}_taken, " for item in codec.asked)
+    return "".join(f"{item.type}_taken, " for item in codec.alternatives)
 
 
 def short(view: DeviceView, codec: StructCodec) -> str:

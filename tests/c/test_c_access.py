@@ -124,7 +124,7 @@ def test_data_ids_of_other_replies_are_refused(family: tuple[Device, Run]) -> No
             assert expected.split(" ")[0] == ("0" if data_id in layout.selects else "4")
             pairs.append((f"{variant.code} decode {layout.name} {frame.hex()}", expected))
     check(run, pairs)
-    assert {expected[0] for _, expected in pairs} == ({"0", "4"} if device.over(Rs485) is not None else set())
+    assert {expected[0] for _, expected in pairs} == ({"0", "4"} if device.find_interface(Rs485) is not None else set())
 
 
 def test_every_control_byte_selects_its_frame_or_none(family: tuple[Device, Run]) -> None:

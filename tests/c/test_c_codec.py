@@ -62,7 +62,7 @@ class Table:
         number = codec.from_gray(placed, number)
         found: dict[str, int | str] = {}
         for field in layout.fields:
-            item = placed.field(field.name)
+            item = placed.find_field(field.name)
             raw = number >> item.low & item.mask if item is not None else 0
             if isinstance(field.kind, Text) and item is not None:
                 found[field.name] = raw.to_bytes(item.width // 8, "big").hex().upper()
@@ -183,7 +183,6 @@ def made(
     for name, possible in choices.items():
         raw = fixed.get(name, random_.choice(possible))
         item = placed.field(name)
-        assert item is not None
         values[name] = meant(item.field, item.width, raw)
         valid = device.range_in(placed.layout)
         if valid is not None and valid.field.name == name:
@@ -196,7 +195,7 @@ def made(
 
 def unused_mask(placed: PlacedLayout) -> int:
     """Return the bits that the number of the unused fields can have."""
-    items = ((placed.field(field.name), place) for field, place in placed.layout.unused)
+    items = ((placed.find_field(field.name), place) for field, place in placed.layout.unused)
     return sum(item.mask << place for item, place in items if item is not None)
 
 
@@ -228,7 +227,7 @@ def within_limits(device: Device, name: str, variant: Variant, placed: PlacedLay
     if register is None:
         return True
     join = next((item for item in placed.layout.joins if item.name == register.limits_of), None)
-    item = placed.field(register.limits_of) or (placed.fields[0] if len(placed.fields) == 1 else None)
+    item = placed.find_field(register.limits_of) or (placed.fields[0] if len(placed.fields) == 1 else None)
     value = number
     if join is not None:
         value = codec.join_value(placed, join, number)
@@ -532,7 +531,7 @@ def test_crcs_of_every_form(words: Device, run_words: Run) -> None:
 
 def test_control_bytes_tell_the_frame(amm5: Device, run: Run) -> None:
     """The control fields of the manual (7.3.1), also in TI's T-format driver. Without their layout, there are none."""
-    interface = amm5.over(Rs485)
+    interface = amm5.find_interface(Rs485)
     assert interface is not None
     frames = [layout for layout in interface.layouts if layout.selector]
     pairs = []

@@ -29,7 +29,7 @@ from codewheel.targets import Library, TargetError
 from codewheel.targets.c.comments import comment, in_comment
 from codewheel.targets.c.device import views_of
 from codewheel.targets.c.files import generate
-from codewheel.targets.c.lines import beside, laid_out
+from codewheel.targets.c.lines import break_lines, end_comment
 from codewheel.targets.c.reserved import RESERVED, c_name
 from codewheel.targets.c.types import string
 from hostile_texts import TEXTS, spoilt
@@ -294,7 +294,7 @@ def test_no_text_ends_a_comment(text: str) -> None:
     for made in (
         comment(text),
         comment([("lead */", text)]),
-        laid_out(f"int x;{beside(text)}\n"),
+        break_lines(f"int x;{end_comment(text)}\n"),
         comment(text + " " + "word " * 40 + text),
     ):
         inner = made.replace("int x;", "").strip()

@@ -7,18 +7,18 @@ from codewheel.model.expressions import Expression
 from codewheel.targets.c.expr import (
     Call,
     Cast,
-    Either,
+    Conditional,
     Expr,
     Name,
     Number,
     Operation,
     Scope,
     joined,
-    left,
     masked,
-    right,
+    shifted_left,
+    shifted_right,
 )
-from codewheel.targets.c.lines import beside, laid_out
+from codewheel.targets.c.lines import break_lines, end_comment
 
 LONG = "a_name_of_so_many_letters_that_two_of_them_fill_a_line"
 
@@ -26,7 +26,7 @@ LONG = "a_name_of_so_many_letters_that_two_of_them_fill_a_line"
 def test_what_fits_stays_as_it_is() -> None:
     comments = f"/*\n * {'x' * 120}\n */\n/* {'x' * 120} */\n"
     text = f"{'x' * 100}\n{comments}#define {'X' * 120} 1U\nint a[] = {{ {'1, ' * 60}1 }};\n"
-    assert laid_out(text) == text
+    assert break_lines(text) == text
 
 
 @pytest.mark.parametrize(
@@ -41,25 +41,25 @@ def test_what_fits_stays_as_it_is() -> None:
     ],
 )
 def test_a_long_line_is_broken_where_it_can_be(line: str, lines: list[str]) -> None:
-    assert laid_out(line + "\n").splitlines() == lines
+    assert break_lines(line + "\n").splitlines() == lines
 
 
 def test_a_line_that_goes_on_is_not_indented_further() -> None:
-    assert laid_out(f"    word =\n        ({LONG} +\n        {LONG} + {LONG}) |\n").splitlines()[2:] == [
+    assert break_lines(f"    word =\n        ({LONG} +\n        {LONG} + {LONG}) |\n").splitlines()[2:] == [
         f"        {LONG} +",
         f"            {LONG}) |",
     ]
-    assert laid_out(f"    word =\n        ({LONG} + {LONG}) |\n").splitlines()[1:] == [
+    assert break_lines(f"    word =\n        ({LONG} + {LONG}) |\n").splitlines()[1:] == [
         f"        ({LONG} +",
         f"        {LONG}) |",
     ]
 
 
 def test_a_comment_behind_a_long_line_moves_above_it() -> None:
-    assert laid_out(f"    x = 1;{beside('one')}\n") == "    x = 1; /* one */\n"
-    assert laid_out(f"    x = {LONG};{beside(LONG)}\n") == f"    /* {LONG} */\n    x = {LONG};\n"
-    assert beside("") == ""
-    assert beside("*/ int x;") == " /* * / int x; */"
+    assert break_lines(f"    x = 1;{end_comment('one')}\n") == "    x = 1; /* one */\n"
+    assert break_lines(f"    x = {LONG};{end_comment(LONG)}\n") == f"    /* {LONG} */\n    x = {LONG};\n"
+    assert end_comment("") == ""
+    assert end_comment("*/ int x;") == " /* * / int x; */"
 
 
 A, B, C = Name("a"), Name("b"), Name("c")
@@ -68,16 +68,16 @@ A, B, C = Name("a"), Name("b"), Name("c")
 @pytest.mark.parametrize(
     ("tree", "text"),
     [
-        (Operation("|", (left(A, 3), B)), "(a << 3U) | b"),
-        (left(Operation("|", (left(A, 3), B)), 4), "((a << 3U) | b) << 4U"),
-        (Cast("uint8_t", right(A, 2)), "(uint8_t)(a >> 2U)"),
-        (right(Cast("uint8_t", A), 2), "(uint8_t)a >> 2U"),
+        (Operation("|", (shifted_left(A, 3), B)), "(a << 3U) | b"),
+        (shifted_left(Operation("|", (shifted_left(A, 3), B)), 4), "((a << 3U) | b) << 4U"),
+        (Cast("uint8_t", shifted_right(A, 2)), "(uint8_t)(a >> 2U)"),
+        (shifted_right(Cast("uint8_t", A), 2), "(uint8_t)a >> 2U"),
         (masked(Call("f", (joined("+", (A, B)),)), 7), "f(a + b) & 0x07U"),
         (Operation("-", (Operation("+", (A, B)), C)), "a + b - c"),
         (Operation("-", (A, Operation("+", (B, C)))), "a - (b + c)"),
-        (Cast("int", Either(Operation("==", (A, Number(0))), B, C)), "(int)((a == 0U) ? b : c)"),
+        (Cast("int", Conditional(Operation("==", (A, Number(0))), B, C)), "(int)((a == 0U) ? b : c)"),
         (joined("&&", (Operation("!=", (A, B)), Operation("!=", (A, C)))), "(a != b) && (a != c)"),
-        (right(A, 0), "a"),
+        (shifted_right(A, 0), "a"),
     ],
 )
 def test_operations_within_others_stand_in_parentheses(tree: Expr, text: str) -> None:

@@ -16,7 +16,7 @@ from c_harness import RUNTIME, WARNINGS
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate
-from codewheel.targets.c.package import bare
+from codewheel.targets.c.package import without_special_characters
 from working_tools import require
 
 HOSTILE = "x */ \" ' \\ ${HOME} $(shell) #{} ; ]] %s {{ 1 }}: - @a@\n\t é ??/"
@@ -265,4 +265,4 @@ def test_without_any_device_there_is_no_package() -> None:
     [("Lika Electronic", "Lika Electronic"), (HOSTILE, "x / HOME shell s 1 : - a e /"), ("a\nb", "a b")],
 )
 def test_nothing_in_a_bare_text_means_anything(text: str, expected: str) -> None:
-    assert bare(text) == expected
+    assert without_special_characters(text) == expected

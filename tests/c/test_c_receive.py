@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from c_harness import FAMILIES, GCC, SANITIZED, WARNINGS, MadeOnce, Run, compile_c, runner
 from codewheel.model import Alternative, Answer, Device
-from codewheel.plan.receive_lengths import Received, received
+from codewheel.plan.receive_lengths import FrameSize, received
 from codewheel.targets.c.device import views_of
 
 OK, LENGTH, CRC, CONSTANT, RANGE = range(5)
@@ -571,7 +571,7 @@ def test_lengths_are_constants(
     assert subprocess.run(command, input=wrong, capture_output=True, text=True).returncode != 0
 
 
-def answered(device: Device, item: Received) -> list[tuple[Alternative, Answer]]:
+def answered(device: Device, item: FrameSize) -> list[tuple[Alternative, Answer]]:
     return [(asked, answer) for asked in device.alternatives for answer in item.answers if answer in asked.answers]
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from c_harness import GCC, Run, compile_c, write
 from codewheel.model import Device, Flag, PlacedLayout, Variant, Verdict
-from codewheel.plan.reports import Told, reportings, reports_of
+from codewheel.plan.reports import ReportCause, reportings, reports_of
 from codewheel.reference import codec
 from codewheel.reference.findings import Report, findings
 from codewheel.say.report import alarm_of, meaning
@@ -48,7 +48,7 @@ def by_interface(device: Device) -> list[Device]:
     return [view.device for view in views_of(device)]
 
 
-def said_by(device: Device, told: Told) -> tuple[str, str]:
+def said_by(device: Device, told: ReportCause) -> tuple[str, str]:
     """Return the field and the text of a report. A flag can have another meaning for other order codes."""
     return told.by.field.name, meaning(told.made_of, alarm_of(device, told.made_of))
 
@@ -59,7 +59,7 @@ class Telling:
     def __init__(self, device: Device) -> None:
         self.device = device
         self._bits = {
-            item.codec.layout.name: {said_by(device, told): 1 << told.report.number for told in item.told}
+            item.codec.layout.name: {said_by(device, told): 1 << told.report.number for told in item.causes}
             for item in reportings(device)
         }
 

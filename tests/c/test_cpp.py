@@ -88,7 +88,7 @@ def _of(table: Table, view: DeviceView, item: StructCodec, random_: random.Rando
     numbers = [member.name for member in members(item)]
     head = f"{item.name.removeprefix(view.prefix)}_".removeprefix("_")
     space = f"{view.maker.name}::{view.stem}"
-    answers = "".join(f"{choice.enumeration.entries[0].name}, " for choice in item.asked)
+    answers = "".join(f"{choice.enumeration.entries[0].name}, " for choice in item.alternatives)
     for row in view.variants.rows:
         placed = table.layouts[name][1].place(row.variant.parameters)
         for number in random_.sample(list(sound_numbers(table.device, placed, random_)), 2):

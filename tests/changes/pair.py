@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import TypedDict
 
 from codewheel.changes.families import compare
-from codewheel.changes.report import Found
+from codewheel.changes.report import DiffResult
 from codewheel.changes.report_text import as_text
 from codewheel.loading.library import load_library
 from codewheel.model import Device
@@ -57,8 +57,8 @@ def sides(case: Case) -> tuple[tuple[Device, ...], tuple[Device, ...]]:
     return (edited, plain) if case["backwards"] else (plain, edited)
 
 
-def found(old: Sequence[Device], new: Sequence[Device]) -> Found:
-    return Found(compare(old, new), ())
+def found(old: Sequence[Device], new: Sequence[Device]) -> DiffResult:
+    return DiffResult(compare(old, new), ())
 
 
 def shown(old: Sequence[Device], new: Sequence[Device]) -> str:

@@ -12,7 +12,7 @@ from shutil import copytree
 import pytest
 from codewheel.changes.families import compare
 from codewheel.commands.cli import main
-from codewheel.loading.revisions import RevisionError, lay_out, named
+from codewheel.loading.revisions import RevisionError, revision_in, write_revision
 from codewheel.model import Device
 from jsonschema import Draft202012Validator
 from pair import BASE
@@ -213,24 +213,24 @@ def test_without_a_repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
     monkeypatch.delenv("GIT_DIR", raising=False)
-    place = named("v1.0:specs")
+    place = revision_in("v1.0:specs")
     assert place is not None
     with pytest.raises(RevisionError, match="the current folder is not in a git repository"):
-        lay_out(place, tmp_path / "out")
+        write_revision(place, tmp_path / "out")
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(RevisionError, match="git is not installed"):
-        lay_out(place, tmp_path / "out")
+        write_revision(place, tmp_path / "out")
 
 
 def test_a_file_with_a_colon_is_a_file(git: Git, tmp_path: Path) -> None:
     (tmp_path / "v1.0:specs").mkdir()
-    assert named("v1.0:specs") is None
-    assert named("specs") is None
+    assert revision_in("v1.0:specs") is None
+    assert revision_in("specs") is None
 
 
 @pytest.mark.parametrize("path", ["C:\\old\\demo.yaml", "c:/old"])
 def test_a_path_of_windows_is_a_path(capsys: pytest.CaptureFixture[str], path: str) -> None:
-    assert named(path) is None
+    assert revision_in(path) is None
     code, _, err = diff(capsys, path, "specs")
     assert (code, err) == (2, f"codewheel: no such file or folder: {path}\n")
 
@@ -335,10 +335,10 @@ def test_what_order_codes_of_amm5_are_called(amm5: Device) -> None:
 
 
 def _reach(device: Device, parts: Sequence[str]) -> str:
-    from codewheel.changes.affected_codes import reach
+    from codewheel.changes.affected_codes import describe_codes
 
     codes = [item.code for item in device.variants if all(part in item.parts.values() for part in parts)]
-    return reach(device, codes)
+    return describe_codes(device, codes)
 
 
 @pytest.mark.parametrize(
@@ -357,10 +357,10 @@ def test_reach(amm5: Device, parts: Sequence[str], said: str) -> None:
 
 
 def test_reach_of_a_few(amm5: Device) -> None:
-    from codewheel.changes.affected_codes import reach
+    from codewheel.changes.affected_codes import describe_codes
 
     codes = [item.code for item in amm5.variants]
-    assert reach(amm5, [codes[0], codes[4], codes[8], codes[15]]) == (
+    assert describe_codes(amm5, [codes[0], codes[4], codes[8], codes[15]]) == (
         "AMM5A17/1BG1, AMM5A17/65KSC1, AMM5A21/1JP1 and 1 more"
     )
-    assert reach(amm5, [codes[0], codes[6]]) == "AMM5A{17,21}/1BG1"
+    assert describe_codes(amm5, [codes[0], codes[6]]) == "AMM5A{17,21}/1BG1"

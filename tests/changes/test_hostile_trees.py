@@ -12,7 +12,7 @@ from shutil import copytree
 import pytest
 from codewheel.commands.cli import main
 from codewheel.loading import revisions
-from codewheel.loading.revisions import LaidOut, Named, RevisionError, lay_out
+from codewheel.loading.revisions import RevisionError, RevisionFiles, RevisionPath, write_revision
 from pair import BASE
 
 #: They start git.
@@ -96,9 +96,9 @@ def test_a_name_that_leads_elsewhere_is_refused(
     assert below(tmp_path) == before
 
 
-def laid_out(tmp_path: Path, path: str, revision: str = "evil") -> LaidOut:
+def laid_out(tmp_path: Path, path: str, revision: str = "evil") -> RevisionFiles:
     (tmp_path / "out").mkdir()
-    return lay_out(Named(revision, path), tmp_path / "out")
+    return write_revision(RevisionPath(revision, path), tmp_path / "out")
 
 
 def test_folders_have_neutral_names_and_messages_the_true_ones(git: Git, tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from shutil import copytree
 
 import pytest
 from codewheel.changes.impact import Impact
-from codewheel.changes.version import due
+from codewheel.changes.version import due_version
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.targets import Library
@@ -36,7 +36,7 @@ NONE, WORDS, NEW, OTHER, BROKEN = Impact
     ],
 )
 def test_the_version_that_is_due(version: str, impact: Impact, expected: str) -> None:
-    assert due(version, impact) == expected
+    assert due_version(version, impact) == expected
 
 
 def specs(folder: Path, *edits: tuple[str, str]) -> Path:

@@ -14,7 +14,7 @@ from codewheel.language.check import check_document
 from codewheel.language.document import Document
 from codewheel.language.messages import KEYWORDS, PATTERNS, explain
 from codewheel.language.problems import MAX_PROBLEMS, Report
-from codewheel.language.quick_validation import follows
+from codewheel.language.quick_validation import follows_schema
 from codewheel.language.read import read_document
 from codewheel.language.schema import FileKind, check_schema, shape_of
 from codewheel.language.schema_files import load_schema
@@ -175,12 +175,12 @@ def test_the_quick_test_agrees_with_jsonschema(path: pathlib.Path, monkeypatch: 
     assert sound is not None
     kind = next(kind for kind in (FileKind.DEVICE, FileKind.MASTER, FileKind.MANUFACTURER) if kind.value in sound.data)
     shape = shape_of(kind.value)
-    assert follows(sound.data, shape)
-    monkeypatch.setattr("codewheel.language.schema.follows", lambda value, schema: False)
+    assert follows_schema(sound.data, shape)
+    monkeypatch.setattr("codewheel.language.schema.follows_schema", lambda value, schema: False)
     for data in (sound.data, *damaged(sound.data, path.stem)):
         report = Report()
         check_schema(Document(path.name, sound.lines, data, sound.marks), report, kind)
-        assert follows(data, shape) == (not report.problems)
+        assert follows_schema(data, shape) == (not report.problems)
 
 
 class _Hexadecimal(yaml.SafeDumper):

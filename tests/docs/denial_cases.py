@@ -76,7 +76,7 @@ from codewheel.say import (
     report,
     timing,
 )
-from codewheel.say.text import BY_NAME, Said
+from codewheel.say.text import BY_NAME, Statement
 from codewheel.targets import Library
 from codewheel.targets.docs import (
     bytes_to_send,
@@ -123,7 +123,7 @@ def over(name: str, device: Device | None = None) -> Interface:
 
 
 def biss() -> Biss:
-    kind = tv62().over(Biss)
+    kind = tv62().find_interface(Biss)
     assert kind is not None
     return kind
 
@@ -148,7 +148,7 @@ def spec_only(device: Device) -> Device:
     return replace(device, evidence=replace(device.evidence, grade="corroborated"))
 
 
-def printed(statements: Iterable[Said]) -> str:
+def printed(statements: Iterable[Statement]) -> str:
     return "\n".join(line for item in statements for line in BY_NAME.lines(item))
 
 

@@ -92,7 +92,7 @@ def test_ssi_cites_what_is_said_of_this_encoder_and_not_of_ssi_in_general(device
     """5.1 of all manuals says "binary or Gray" about SSI in general. Alignment and code of the encoder are in 5.2."""
     places = {"am36": "5.2", "amm5": "5.2 p.28", "asc85": "5.2 p.16", "sma21": "5.2 p.20"}
     for name, place in places.items():
-        ssi = devices[name].over(Ssi)
+        ssi = devices[name].find_interface(Ssi)
         assert ssi is not None
         assert ssi.output_code is not None
         assert (cited(ssi.alignment.source), cited(ssi.output_code.source)) == (place, place)

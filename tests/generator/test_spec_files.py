@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.language.files import LINK, NESTED, below, top_keys
+from codewheel.language.files import LINK, NESTED, find_files, top_keys
 from codewheel.language.problems import Report
 from codewheel.language.read import read_specs
 
@@ -96,7 +96,7 @@ def test_folders_without_specs_of_the_user_are_left_out(tmp_path: Path) -> None:
     (tmp_path / "out/c/.codewheel").write_text("# Written by codewheel generate\ntop.yaml\n")
     (tmp_path / "link").symlink_to("specs")
     assert read(tmp_path) == ({"specs/i.yaml"}, set())
-    found = below(tmp_path)
+    found = find_files(tmp_path)
     assert found.not_entered == ((tmp_path / "link", LINK), (tmp_path / "vendor", NESTED))
     assert read(tmp_path / "vendor") == ({"specs/h.yaml"}, set()), "a folder that is named is always searched"
 
@@ -105,8 +105,8 @@ def test_the_search_can_have_a_limit(tmp_path: Path) -> None:
     for name in ("a.yaml", "b/c.yaml", "b/d.yaml"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text("device: x\n")
-    assert below(tmp_path, most_names=4).is_complete
-    found = below(tmp_path, most_names=3)
+    assert find_files(tmp_path, most_names=4).is_complete
+    found = find_files(tmp_path, most_names=3)
     assert ([path.name for path in found.specs], found.is_complete) == (["a.yaml"], False)
 
 

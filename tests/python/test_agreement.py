@@ -193,7 +193,7 @@ def _decided(
         asked = family.device.alternatives_of(layout)
         for answers in itertools.product(*(item.answers for item in asked)):
             given = {item.name: answer.name for item, answer in zip(asked, answers, strict=True)}
-            kinds = [getattr(family.module, family.names.asked[item.name].kind) for item in asked]
+            kinds = [getattr(family.module, family.names.questions[item.name].kind) for item in asked]
             members = tuple(kind[name.upper()] for kind, name in zip(kinds, given.values(), strict=True))
             yield layout, register, with_answers(family.device, state, given), members
 
@@ -423,7 +423,7 @@ def test_any_bytes_are_told_as_the_model_tells_them(family: Family) -> None:
         # The model uses the first answer to an open question.
         answers = {
             asked.name: getattr(family.module, asked.kind)[asked.alternative.answers[0].name.upper()]
-            for asked in family.names.asked.values()
+            for asked in family.names.questions.values()
         }
         for sender, name in (("encoder", "decode_reply"), ("master", "decode_request")):
             decode = getattr(family.module, name)

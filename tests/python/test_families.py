@@ -114,7 +114,7 @@ def test_frame_examples(lika: Any, devices: Mapping[str, Device]) -> None:
             else {}
         )
         answers = {
-            name: getattr(module, names.asked[name].kind)[answer.upper()]
+            name: getattr(module, names.questions[name].kind)[answer.upper()]
             for name, answer in {**first, **example.alternatives}.items()
         }
         decode = variant.decode if example.sender == "encoder" else partial(module.decode_request, variant=variant)
@@ -592,7 +592,7 @@ def test_facts_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Device])
         ]
         for made, alarm in zip(module.ALARMS, device.alarms, strict=True):
             assert (made.register, made.field, made.implemented) == (alarm.register, alarm.field, alarm.implemented)
-        biss = device.over(Biss)
+        biss = device.find_interface(Biss)
         if biss is not None and biss.timeout is not None:
             printed = biss.timeout.printed
             assert module.BISS.timeout.printed == tuple((item.clock_hz, item.timeout_ns) for item in printed)
@@ -616,7 +616,7 @@ def test_bit_fields_are_those_of_the_model(lika: Any, devices: Mapping[str, Devi
                     continue
                 given = [module.VARIANTS[variant.code]] if "variant" in view._fields else []
                 # The model uses the first answer to an open question.
-                given += [next(iter(getattr(module, item.kind))) for item in names.asked_of(layout)]
+                given += [next(iter(getattr(module, item.kind))) for item in names.questions_of(layout)]
                 fields = view.bit_fields(*given)
                 assert {item.name: (item.low, item.width) for item in fields if item.width} == {
                     item.name: (item.low, item.width) for item in layout.place(variant.parameters).fields

@@ -22,7 +22,7 @@ from codewheel.loading.library import load_library
 from codewheel.model.by_hand import has_steps
 from codewheel.targets import Library
 from codewheel.targets.python.files import generate
-from codewheel.targets.python.readme import Shown
+from codewheel.targets.python.readme import ReadmeExample
 from python_path import python_path
 
 SPECS = Path(__file__).resolve().parents[2] / "specs" / "lika"
@@ -254,5 +254,5 @@ def _write(files: dict[str, str], folder: Path) -> None:
 
 
 def test_no_text_of_a_spec_ends_a_block_of_the_readme() -> None:
-    assert Shown("", "", "", "", tried=("10", "a `flag`")).fence == "```"
-    assert Shown("", "", "", "", tried=("10", "```\n<img>")).fence == "````"
+    assert ReadmeExample("", "", "", "", tried=("10", "a `flag`")).fence == "```"
+    assert ReadmeExample("", "", "", "", tried=("10", "```\n<img>")).fence == "````"

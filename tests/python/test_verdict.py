@@ -56,7 +56,7 @@ def usual(placed: PlacedLayout) -> dict[str, int | str | bool]:
 
 def answers(view: Any, device: Device, layout: Layout) -> dict[str, Any]:
     """Return the first answers to the open questions about a frame, which the model uses."""
-    return {item.name: next(iter(getattr(view, item.kind))) for item in Context(device).asked_of(layout)}
+    return {item.name: next(iter(getattr(view, item.kind))) for item in Context(device).questions_of(layout)}
 
 
 def carried(placed: PlacedLayout, number: int) -> Any:

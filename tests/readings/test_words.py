@@ -12,7 +12,7 @@ from codewheel.loading.library import load_families
 from codewheel.readings.cited import numbers_in
 from codewheel.readings.coverage import Coverage
 from codewheel.readings.fact import Sort
-from codewheel.readings.second_readings import compare_readings, sound_specs
+from codewheel.readings.second_readings import comparable_specs, compare_readings
 
 pytestmark = pytest.mark.slow
 
@@ -124,7 +124,7 @@ def test_a_typo_in_words_is_told(folder: pathlib.Path, old: str, new: str, expec
 def coverage(folder: pathlib.Path) -> Coverage:
     report = Report()
     families, _ = load_families([folder])
-    (covered,) = compare_readings(families, sound_specs(families, report), report)
+    (covered,) = compare_readings(families, comparable_specs(families, report), report)
     return covered
 
 

@@ -9,7 +9,7 @@ import pytest
 from codewheel.model import Choice, Decimal, Flag, PlacedField, Register, Text, Variant, number_to_bytes
 from codewheel.order_codes.run_time import RegisterError, with_registers
 from codewheel.plan.crcs import Carrier, Form
-from codewheel.plan.run_time_parameters import HeldBy
+from codewheel.plan.run_time_parameters import HoldingRegister
 from codewheel.reference import codec
 from codewheel.reference.crc import compute_bits, compute_bytes
 from rust_frames import Case, cases, check, decoding, first_fault, numbers
@@ -50,7 +50,7 @@ def test_what_does_not_fit_is_refused(program: Program) -> None:
             pairs.append((case.set, ""))
             sound = next(numbers(case, 1, random_))
             for part in struct.codec.parts:
-                item = case.placed.field(part.field.name)
+                item = case.placed.find_field(part.field.name)
                 if item is not None and not isinstance(part.field.kind, (Flag, Text)):
                     for value in _values(item, struct.type_of(part.field), random_):
                         row, expected = case.encoding(sound, item.name, value)
@@ -139,7 +139,7 @@ def test_registers_change_the_variant(program: Program) -> None:
     check(program, pairs)
 
 
-def _contents(item: HeldBy, random_: random.Random) -> Iterator[bytes]:
+def _contents(item: HoldingRegister, random_: random.Random) -> Iterator[bytes]:
     """A register with each parameter at its limits and beyond, with any content, and with a wrong length."""
     length = item.register.length
     yield from (random_.randbytes(length) for _ in range(20))

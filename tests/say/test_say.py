@@ -23,12 +23,12 @@ from codewheel.say.text import (
     Hex,
     Level,
     Ref,
-    Said,
+    Statement,
     Style,
     listed,
     parted,
-    said,
-    told,
+    spec_text,
+    statement,
 )
 from codewheel.targets import Library
 from codewheel.targets.c.comments import in_comment
@@ -105,20 +105,20 @@ LAYOUTS = [
 ]
 
 
-def of_register(device: Device, name: str) -> Iterator[Said]:
+def of_register(device: Device, name: str) -> Iterator[Statement]:
     return register.facts(device, device.register(name))
 
 
-def of_field(device: Device, path: str) -> Iterator[Said]:
+def of_field(device: Device, path: str) -> Iterator[Statement]:
     owner, _, name = path.partition(".")
     return field.rules(device, device.register(owner).layout.field(name))
 
 
-def of_interface(device: Device, kind: str) -> Iterator[Said]:
+def of_interface(device: Device, kind: str) -> Iterator[Statement]:
     return interface.facts(device, device.interface(kind))
 
 
-def of_layout(device: Device, name: str) -> Iterator[Said]:
+def of_layout(device: Device, name: str) -> Iterator[Statement]:
     owner, found = next((one, item) for one, item in device.layouts() if item.name == name)
     return layout.facts(owner, found)
 
@@ -133,7 +133,7 @@ CASES = [
     )
     for name, sentence in table
 ]
-Statements = Callable[[Device, str], Iterator[Said]]
+Statements = Callable[[Device, str], Iterator[Statement]]
 
 
 @pytest.mark.parametrize(("statements", "name", "sentence"), CASES)
@@ -197,7 +197,7 @@ IN_CODE = {
         'port=Port(baud=115_200, data_bits=8, parity="even", stop_bits=1, flow_control="none", source="7.1")'
     ),
 }
-Phrase = Callable[[Said], str]
+Phrase = Callable[[Statement], str]
 
 
 @pytest.fixture(scope="module")
@@ -235,7 +235,7 @@ def test_every_output_says_it(
 
 # --------------------------------------------------------------------------------------------------------------- parts
 
-PARTS = said(
+PARTS = statement(
     "Set ",
     Code("a_b"),
     " of ",
@@ -267,26 +267,26 @@ def test_each_style_writes_the_parts_in_its_way(style: Style, expected: str) -> 
     ("text", "expected"), [("It is so", "It is so."), ("Is it so?", "Is it so?"), ("It is.", "It is."), ("", "")]
 )
 def test_a_sentence_ends_once(text: str, expected: str) -> None:
-    assert BY_NAME.sentence(said(text)) == expected
+    assert BY_NAME.sentence(statement(text)) == expected
 
 
 @pytest.mark.parametrize(
     ("style", "expected"), [(BY_TITLE, ["Active", "Inactive", "active"]), (AS_LITERAL, ["True", "False", "True"])]
 )
 def test_a_flag_is_a_truth_value_in_docstrings(style: Style, expected: list[str]) -> None:
-    assert [style.phrase(said(level)) for level in Level] == expected
+    assert [style.phrase(statement(level)) for level in Level] == expected
 
 
 def test_lists() -> None:
     assert "".join(map(str, listed(["a"]))) == "a"
     assert "".join(map(str, listed(["a", "b", "c"], " or "))) == "a, b or c"
     assert "".join(map(str, parted([["a", "b"], [], ["c"]], "; "))) == "ab; c"
-    assert list(told("")) == []
-    assert list(told("x")) == [said("x")]
+    assert list(spec_text("")) == []
+    assert list(spec_text("x")) == [statement("x")]
 
 
 def test_markup_in_a_spec_stays_text() -> None:
-    hostile = said("a | b <i> ", Code("c|`d"), label="[x](y)")
+    hostile = statement("a | b <i> ", Code("c|`d"), label="[x](y)")
     assert MARKDOWN.sentence(hostile) == "\\[x\\](y): a \\| b &lt;i&gt; ``c\\|`d``."
 
 

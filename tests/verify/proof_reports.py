@@ -79,7 +79,7 @@ def _verdict(codec: Codec) -> str:
 def _reports(codec: Codec) -> str:
     """Return the mask of reports. The plan defines the names of the bits, and each report has the name of its field."""
     (frame,) = (item for item in reportings(codec.device) if item.codec.layout.name == codec.layout.name)
-    names = {(told.by.field.name, told.report.name.endswith("_unexplained")): told.report.name for told in frame.told}
+    names = {(told.by.field.name, told.report.name.endswith("_unexplained")): told.report.name for told in frame.causes}
     told = [
         f"({explained}{_speaks(codec, item)} ? {f'{codec.prefix}_report_{names[item.name, is_other]}'.upper()} : 0)"
         for item, worth in _speaking(codec)

@@ -72,7 +72,9 @@ class Peer:
         self.bits = {item.name: 1 << number for number, item in enumerate(reports_of(batch.device))}
         #: Open questions about the layout: the name of each alternative, and its answers in order.
         self.open = {
-            item.name: [getattr(module, names.asked[item.name].kind)[answer.name.upper()] for answer in item.answers]
+            item.name: [
+                getattr(module, names.questions[item.name].kind)[answer.name.upper()] for answer in item.answers
+            ]
             for item in batch.device.alternatives_of(codec.layout)
         }
         package = importlib.import_module(module.__name__.partition(".")[0])
@@ -246,7 +248,7 @@ class Oracle:
 
     def __init__(self, device: Device, codec: Codec) -> None:
         self.device, self.layout = device, codec.layout
-        told = next((item.told for item in reportings(device) if item.codec.layout.name == codec.name), ())
+        told = next((item.causes for item in reportings(device) if item.codec.layout.name == codec.name), ())
         self._bits = {said_by(device, item): 1 << item.report.number for item in told}
 
     def of(self, variant: Variant, sent: Sequence[int] | Sequence[bytes]) -> Iterator[tuple[int, int, int, int]]:

@@ -126,7 +126,7 @@ def _sent(
             sent.setdefault(field.name, []).append(int(given[field.name]))
         parts = virtual.parts_now()
         for item in names:
-            sent[item].append(parts[item] & placed.field(item).mask)  # type: ignore[union-attr]
+            sent[item].append(parts[item] & placed.field(item).mask)
         for item in joined:
             sent[item].append(position)
     return sent, frames

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Annotated, TypedDict
 
 from codewheel.model import Device, Manufacturer, assert_never
-from codewheel.plan.codec import Check, Fixed, Given, ParityOf, Turned, characters
+from codewheel.plan.codec import Check, Fixed, ParityOf, ReservedBits, ValueOfField, characters
 from codewheel.plan.description import describe
 from codewheel.plan.refusals import Refusal, refusals
 from codewheel.render import Templates, tests_for
@@ -58,7 +58,7 @@ TEMPLATES = Templates(
     values={"Cargo.toml.jinja": Crate, "lib.rs.jinja": Crate, "family.rs.jinja": Module},
     filters={item.__name__: item for item in (*_WORDS, *spelling.PIECES, *spelling.NUMBERS)},
     functions={"never": assert_never} | {item.__name__: item for item in (*_TEXTS, describe, refusals)},
-    tests=tests_for(Check, Refusal, Fixed, Given, ParityOf, Turned),
+    tests=tests_for(Check, Refusal, Fixed, ValueOfField, ParityOf, ReservedBits),
 )
 TARGET = Target(
     name="rust",

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from codewheel.model import Device, Field, Interface, Layout, Register, cite
 from codewheel.say import field, layout, name, place, register
 from codewheel.say.lines import wrapped
-from codewheel.say.text import Said, Style
+from codewheel.say.text import Statement, Style
 
 _MARKUP = re.compile(r"[\\`*<\[\]]")
 _LIST = re.compile(r"^(\s*\d*)([-+#>.)])", re.MULTILINE)
@@ -27,26 +27,26 @@ _STYLE = Style(
 )
 
 
-def doc(items: Iterable[Said | str] | Said, indent: int = 0, mark: str = "///") -> str:
+def doc(items: Iterable[Statement | str] | Statement, indent: int = 0, mark: str = "///") -> str:
     """Return statements as a comment for rustdoc, each a paragraph."""
     lead = f"{' ' * indent}{mark} "
-    said = [items] if isinstance(items, Said) else items
-    texts = [_STYLE.sentence(item) if isinstance(item, Said) else item for item in said]
+    said = [items] if isinstance(items, Statement) else items
+    texts = [_STYLE.sentence(item) if isinstance(item, Statement) else item for item in said]
     paragraphs = (_LIST.sub(r"\1\\\2", wrapped(text, 100 - len(lead))) for text in texts)
     return "\n".join(f"{lead}{line}".rstrip() for line in "\n\n".join(paragraphs).split("\n"))
 
 
-def frame_text(device: Device, interface: Interface, item: Layout) -> list[Said]:
+def frame_text(device: Device, interface: Interface, item: Layout) -> list[Statement]:
     """Return the description of a frame."""
     return [layout.head(interface, item, name.title(item)), *layout.layout(device, interface, item)]
 
 
-def register_text(device: Device, item: Register) -> list[Said]:
+def register_text(device: Device, item: Register) -> list[Statement]:
     """Return the description of a register."""
     return [register.head(device, item, name.title(item)), *register.register(device, item)]
 
 
 def field_text(device: Device, owner: Layout, item: Field) -> list[str]:
     """Return place and meaning of a field, in one paragraph."""
-    text = _STYLE.paragraph([Said(tuple(place.field_place(owner, item))), *field.field(device, item)])
+    text = _STYLE.paragraph([Statement(tuple(place.field_place(owner, item))), *field.field(device, item)])
     return [text[0].upper() + text[1:]]

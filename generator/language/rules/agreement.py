@@ -262,9 +262,9 @@ def _only_difference(table: Spec, earlier_table: Spec) -> _CellPair | None:
         for column in common_columns:
             pairs = _number_pairs(table, earlier_table, key, column) if column != key else []
             # A column that mostly differs, such as one of texts, is about something else.
-            if 2 * len(_differing(pairs)) <= len(pairs):
+            if 2 * len(_differing_cells(pairs)) <= len(pairs):
                 compared += pairs
-        differing = _differing(compared)
+        differing = _differing_cells(compared)
         if len(differing) == 1 and len(compared) > _CELLS:
             return differing[0]
     return None
@@ -281,7 +281,7 @@ def _number_pairs(table: Spec, earlier_table: Spec, key: str, column: str) -> li
     return [pair for pair in pairs if pair.is_numeric]
 
 
-def _differing(pairs: list[_CellPair]) -> list[_CellPair]:
+def _differing_cells(pairs: list[_CellPair]) -> list[_CellPair]:
     return [pair for pair in pairs if pair.cell != pair.earlier_cell]
 
 

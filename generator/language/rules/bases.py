@@ -26,7 +26,7 @@ def number_base(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, number in leaves_of(spec, report):
         if not isinstance(number, int) or isinstance(number, bool):
             continue
-        spelling = report.document.written(path)
+        spelling = report.document.spelling_at(path)
         hexadecimal = f"0x{spelling.lstrip('+-0'):0>2}"
         if not in_json and _is_hexadecimal(path) and _DECIMAL.fullmatch(spelling):
             decimal_hint = f", or {number:#04x} for decimal {number}" if number > 9 else ""

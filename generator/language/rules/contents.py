@@ -31,12 +31,12 @@ def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for path, value in sources(leaves_of(spec, report)) if contents else ():
         places = [piece.strip() for piece in value.split(";") if not is_placeholder(piece)]
         pieces = [citation for place in places if (citation := _CITED.fullmatch(place)) is not None]
-        own_names, names = _names(spec, path)
+        own_names, names = _printed_names(spec, path)
         for cited in pieces:
             section = cited["section"]
             if not _is_in_section(section, cited["page"], path, spans, names, report):
                 continue
-            page, begin_pages = int(cited["page"]), _begins(spans[section], own_names)
+            page, begin_pages = int(cited["page"]), _first_pages(spans[section], own_names)
             pages = {int(citation["page"] or 0) for citation in pieces if citation["section"] == section}
             if page in begin_pages:
                 first_pages += 1
@@ -55,12 +55,14 @@ def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             report.add("cited-place", path, f"{problem}; cite p.{first_page}, or p.{first_page} and p.{page}")
 
 
-def _begins(spans: Mapping[str, tuple[int, int]], own_names: list[str]) -> set[int]:
+def _first_pages(spans: Mapping[str, tuple[int, int]], own_names: list[str]) -> set[int]:
     """Return the first page of the entry of an item or, without one, those of its section and of all its entries."""
     name = next((name for name in own_names if name in spans), "")
     if name:
         return {spans[name][0]}
-    return {start for start, _ in spans.values()} if spans[""][0] > _FIRST else set()
+    if spans[""][0] <= _FIRST:
+        return set()
+    return {start for start, _ in spans.values()}
 
 
 def _spans(contents: Mapping[str, Any]) -> dict[str, dict[str, tuple[int, int]]]:
@@ -88,7 +90,7 @@ def _page(section: Mapping[str, Any], otherwise: int) -> int:
     return page if isinstance(page, int) else otherwise
 
 
-def _names(spec: Spec, path: Path) -> tuple[list[str], list[str]]:
+def _printed_names(spec: Spec, path: Path) -> tuple[list[str], list[str]]:
     """Return the printed names of the item with a source, and those of all items around it, the innermost first."""
     enclosing_names: list[str] = []
     own_names: list[str] = []
@@ -123,12 +125,12 @@ def _is_in_section(
     if start <= int(page) <= end:
         return True
     cited_part = f"the entry {quoted(name)} of section {section}" if name else f"section {section}"
-    where = (
-        f"on page {start} or later"
-        if end == _END
-        else f"on page {start}"
-        if start == end
-        else f"on pages {start} to {end}"
-    )
-    report.add("cited-place", path, f"{cited_part} is {where} according to the table of contents, not on page {page}")
+    pages = _pages_text(start, end)
+    report.add("cited-place", path, f"{cited_part} is {pages} according to the table of contents, not on page {page}")
     return False
+
+
+def _pages_text(start: int, end: int) -> str:
+    if end == _END:
+        return f"on page {start} or later"
+    return f"on page {start}" if start == end else f"on pages {start} to {end}"

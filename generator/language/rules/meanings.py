@@ -78,11 +78,9 @@ def _codes_named(spec: Spec, value: Spec) -> dict[str, int]:
     words = [word for word in ("Gray", "binary") if re.search(rf"\b{word}\b", value.get("meaning", ""), re.IGNORECASE)]
     if len(words) != 1:
         return {}
-    used = {
-        mapping(fields.owner, "gray").get("when")
-        for fields in layouts(spec)
-        if value.get("interface", fields.interface) == fields.interface
-    }
+    interface = value.get("interface")
+    own_layouts = (fields for fields in layouts(spec) if interface in (None, fields.interface))
+    used = {mapping(fields.owner, "gray").get("when") for fields in own_layouts}
     return {name: int(words[0] == "Gray") for name in mapping(value, "sets") if name in used}
 
 
@@ -130,10 +128,8 @@ def interface_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that an order code value does not select a different interface than its meaning names."""
     for path, part in items(spec, "order_code", "parts"):
         for text, value in part["values"].items():
-            names = {
-                interface_name.upper().replace("RS485", "RS-485")
-                for interface_name in _ANY_INTERFACE.findall(value.get("meaning", ""))
-            }
+            words = _ANY_INTERFACE.findall(value.get("meaning", ""))
+            names = {word.upper().replace("RS485", "RS-485") for word in words}
             for kind, pattern in _INTERFACES.items():
                 if len(names) == 1 and pattern.search(value["meaning"]) and value.get("interface", kind) != kind:
                     problem = (

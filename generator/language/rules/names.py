@@ -132,7 +132,10 @@ def duplicate_address(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     registers = sorted(items(spec, "registers"), key=lambda path_and_register: path_and_register[1]["address"])
     for index, (path, register) in enumerate(registers):
         for other_path, other_register in reversed(registers[max(0, index - 128) : index]):
-            if _space(other_register) != _space(register) or last_address(other_register) < register["address"]:
+            if (
+                _address_space(other_register) != _address_space(register)
+                or last_address(other_register) < register["address"]
+            ):
                 continue
             accesses = {register["access"], other_register["access"]}
             if register["address"] == other_register["address"] and accesses == {"read_only", "write_only"}:
@@ -142,8 +145,8 @@ def duplicate_address(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 earlier, later = later, earlier
             line = report.document.position(earlier[0])[0]
             message = (
-                f"{_range(later[1])} overlap{'s' if later[1]['address'] == last_address(later[1]) else ''} "
-                f"{quoted(earlier[1]['name'])} on line {line}, which has {_range(earlier[1])}"
+                f"{_address_range(later[1])} overlap{'s' if later[1]['address'] == last_address(later[1]) else ''} "
+                f"{quoted(earlier[1]['name'])} on line {line}, which has {_address_range(earlier[1])}"
             )
             report.add("duplicate-address", (*later[0], "address"), message)
             break
@@ -184,11 +187,11 @@ def _check_unique(named_values: Iterable[Named], word: str, report: DocumentRepo
             )
 
 
-def _space(register: Spec) -> tuple[str, object]:
+def _address_space(register: Spec) -> tuple[str, object]:
     """Return the address space of a register. Each bank is a space, and the area without banks is another."""
     return interface_of(register), register.get("bank")
 
 
-def _range(register: Spec) -> str:
+def _address_range(register: Spec) -> str:
     first, last = register["address"], last_address(register)
     return f"address {first:#04x}" if first == last else f"addresses {first:#04x} to {last:#04x}"

@@ -125,7 +125,8 @@ def order_code_ambiguous(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def _ambiguity(spec: Spec, parts: Sequence[Spec], pattern: str) -> str:
     """Return the message about the first text that can be read in two ways, or an empty string."""
     # Blanks on a label are ignored.
-    pieces = [piece if index % 2 else _without_blanks(piece) for index, piece in enumerate(_BRACES.split(pattern))]
+    pieces = _BRACES.split(pattern)
+    pieces[::2] = map(_without_blanks, pieces[::2])
     # With parts of fixed length each code splits at fixed places, so it can only be read as it was composed.
     has_fixed_lengths = all(map(_has_fixed_length, parts))
     fits = {part["name"]: _value_test(part) for part in parts}

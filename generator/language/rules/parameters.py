@@ -67,18 +67,18 @@ def parameter_interface(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def expressions(spec: Spec) -> Iterator[tuple[Path, int | str]]:
     """Yield every expression of a spec, those of groups once."""
     for path, part in items(spec, "order_code", "parts"):
-        yield from _under(path, part, ("label_is",))
+        yield from _expressions_under(path, part, ("label_is",))
     for name, parameter in mapping(spec, "parameters").items():
-        yield from _under(("parameters", name), parameter, ("equals",))
+        yield from _expressions_under(("parameters", name), parameter, ("equals",))
     for fields in field_lists(spec):
         for path, field in fields:
             yield from _of_field(path, field)
     for path, register in items(spec, "registers"):
         yield from _of_limits(path, register)
     for path, measurement in measurements(spec):
-        yield from _under(path, measurement, _MEASURED)
+        yield from _expressions_under(path, measurement, _MEASURED)
     for path, _, own_range in position_ranges(spec):
-        yield from _under(path, own_range, _MEASURED)
+        yield from _expressions_under(path, own_range, _MEASURED)
     for kind, interface in mapping(spec, "interfaces").items():
         yield from _of_words(kind, interface)
 
@@ -86,25 +86,26 @@ def expressions(spec: Spec) -> Iterator[tuple[Path, int | str]]:
 def uses(spec: Spec, raw: Spec | None = None) -> Iterator[tuple[Path, str, int | str]]:
     """Yield each use of an expression or parameter by an interface: the place, the interface, and the text."""
     groups = by_name(raw if raw is not None else spec, "field_groups")
-    registers = (
-        Fields(Has.REGISTER, register, path, interface_of(register)) for path, register in items(spec, "registers")
-    )
-    for fields in (*layouts(spec), *registers):
+    fields_of_all = list(layouts(spec))
+    for path, register in items(spec, "registers"):
+        interface = interface_of(register)
+        fields_of_all.append(Fields(Has.REGISTER, register, path, interface))
+    for fields in fields_of_all:
         located_texts = [use for path, field in expanded(fields, groups) for use in _of_field(path, field)]
         located_texts += _of_limits(fields.path, fields.owner)
-        located_texts += _under((*fields.path, "gray"), mapping(fields.owner, "gray"), ("when",))
+        located_texts += _expressions_under((*fields.path, "gray"), mapping(fields.owner, "gray"), ("when",))
         yield from ((path, fields.interface, text) for path, text in located_texts)
     for path, kind, own_range in position_ranges(spec):
-        yield from ((path, kind, text) for path, text in _under(path, own_range, _MEASURED))
+        yield from ((path, kind, text) for path, text in _expressions_under(path, own_range, _MEASURED))
     for kind, interface in mapping(spec, "interfaces").items():
         has_own_measurement = "measurement" in interface
         measurement_path: Path = ("interfaces", kind, "measurement") if has_own_measurement else ("measurement",)
         measurement = mapping(interface if has_own_measurement else spec, "measurement")
-        located_texts = [*_under(measurement_path, measurement, _MEASURED), *_of_words(kind, interface)]
+        located_texts = [*_expressions_under(measurement_path, measurement, _MEASURED), *_of_words(kind, interface)]
         yield from ((path, kind, text) for path, text in located_texts)
 
 
-def _under(path: Path, spec: Spec, keys: Iterable[str]) -> Iterator[tuple[Path, int | str]]:
+def _expressions_under(path: Path, spec: Spec, keys: Iterable[str]) -> Iterator[tuple[Path, int | str]]:
     return (((*path, key), spec[key]) for key in keys if key in spec)
 
 
@@ -115,17 +116,17 @@ def _of_words(kind: str, interface: Spec) -> Iterator[tuple[Path, int | str]]:
         (interface_path, interface),
         *(((*interface_path, *path), owner) for path, owner in items(interface, "exchanges")),
     ):
-        yield from _under(path, owner, ("word_bits",))
+        yield from _expressions_under(path, owner, ("word_bits",))
 
 
 def _of_field(path: Path, field: Spec) -> Iterator[tuple[Path, int | str]]:
     """Return the expressions of a field. ``equals`` of a text field is text, otherwise an expression."""
-    return _under(path, field, ("bits", "low_bit") if "text" in field else ("bits", "low_bit", "equals"))
+    return _expressions_under(path, field, ("bits", "low_bit") if "text" in field else ("bits", "low_bit", "equals"))
 
 
 def _of_limits(path: Path, owner: Spec) -> Iterator[tuple[Path, int | str]]:
     for below, limited in (((), owner), *items(owner, "meanings")):
-        yield from _under((*path, *below), limited, ("min", "max"))
+        yield from _expressions_under((*path, *below), limited, ("min", "max"))
 
 
 def all_parameters(text: object, parameters: Spec) -> Iterator[str]:

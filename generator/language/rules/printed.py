@@ -27,9 +27,9 @@ def addresses(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         actual_range = (register["address"], last_address(register))
         if printed_range != actual_range:
             message = (
-                f"{quoted(register['name'])} is printed at {_addresses(*printed_range)}; "
+                f"{quoted(register['name'])} is printed at {_address_text(*printed_range)}; "
                 f"'address' {register['address']:#04x} and 'length' {register['length']} "
-                f"result in {_addresses(*actual_range)}"
+                f"result in {_address_text(*actual_range)}"
             )
             report.add("addresses-mismatch", (*path, "addresses"), message)
 
@@ -220,5 +220,5 @@ def _step_write(step: Spec, registers: Mapping[str, Spec], groups: Mapping[str, 
     return _Write(first=address, last=last, bit=low_bit, value=number)
 
 
-def _addresses(first: int, last: int) -> str:
+def _address_text(first: int, last: int) -> str:
     return f"{first:#04x}" if first == last else f"{first:#04x} to {last:#04x}"

@@ -41,11 +41,11 @@ class _Names:
 
     def __init__(self, raw: Spec, report: DocumentReport) -> None:
         self._report = report
-        faulty_names = (value_at(raw, path) if path[-1] == "name" else path[-1] for path in report.faults())
-        interfaces = {name for name in mapping(raw, "interfaces") if name not in INTERFACES}
-        self._broken = interfaces | {
-            name for name in faulty_names if isinstance(name, str) and not _NAME.fullmatch(name)
-        }
+        self._broken = {name for name in mapping(raw, "interfaces") if name not in INTERFACES}
+        for path in report.faults():
+            name = value_at(raw, path) if path[-1] == "name" else path[-1]
+            if isinstance(name, str) and not _NAME.fullmatch(name):
+                self._broken.add(name)
         self.groups, self.registers = by_name(raw, "field_groups"), by_name(raw, "registers")
         self.procedures, self.parameters = by_name(raw, "procedures"), mapping(raw, "parameters")
         self._known: Mapping[str, Collection[str]] = {
@@ -74,7 +74,7 @@ class _Names:
         else:
             self._report.mark(path)
 
-    def tell(self, path: Path, problem: str) -> None:
+    def report_problem(self, path: Path, problem: str) -> None:
         """Report a name that exists but is not sufficient."""
         self._report.add("undefined-reference", path, problem)
 
@@ -149,16 +149,16 @@ def register_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 f"but this device has no {INTERFACE_OF_REGISTERS}; add 'interface'"
             )
             report.add("undefined-reference", path, message)
-        _opener((*path, "opened_by"), mapping(register, "opened_by"), resolver)
+        _check_opener((*path, "opened_by"), mapping(register, "opened_by"), resolver)
         fields = Fields(Has.REGISTER, register, path, interface_of(register))
         bounded = [*field_names(fields, resolver.groups), *mapping(register, "join")]
         resolver.refer_by("limits_of", path, register, "field or joined number", bounded)
         resolver.refer_by("write_clears", path, register, "register")
         for below, meaning in items(register, "meanings"):
-            _meaning((*path, *below), meaning, resolver)
+            _check_meaning((*path, *below), meaning, resolver)
 
 
-def _opener(path: Path, opened: Spec, resolver: _Names) -> None:
+def _check_opener(path: Path, opened: Spec, resolver: _Names) -> None:
     resolver.refer_by("register", path, opened, "register")
     name = opened.get("register")
     if name in resolver.registers:
@@ -167,10 +167,10 @@ def _opener(path: Path, opened: Spec, resolver: _Names) -> None:
         resolver.refer_by("value", path, opened, f"value of {quoted(name)} called", values)
         if "field" not in opened and opened.get("value") in values and len(resolver.bits(name)) > 1:
             problem = f"{quoted(name)} has several fields; add 'field' with the name of the field"
-            resolver.tell((*path, "value"), f"{problem} that must hold {quoted(opened['value'])}")
+            resolver.report_problem((*path, "value"), f"{problem} that must hold {quoted(opened['value'])}")
 
 
-def _meaning(path: Path, meaning: Spec, resolver: _Names) -> None:
+def _check_meaning(path: Path, meaning: Spec, resolver: _Names) -> None:
     """Check the field that selects the meaning of a register, and its value."""
     when = meaning["when"]
     resolver.refer_to_bit((*path, "when"), when)
@@ -197,7 +197,7 @@ def device_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         replies = (fields for fields in layouts(raw) if fields.owner.get("from") == "encoder")
         measured = (fields for fields in replies if path[0] == "measurement" or fields.interface in path)
         fields = (field_names(layout_fields, resolver.groups).get(name) for layout_fields in measured)
-        kinds = [next((key for key in KINDS if key in field), "digits") for field in fields if field is not None]
+        kinds = [_kind_of(field) for field in fields if field is not None]
         if kinds and "digits" not in kinds:
             problem = (
                 f"{quoted(name)} has {quoted(kinds[0])}, so it is not a number; name the field that holds the position"
@@ -224,14 +224,16 @@ def alarm_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         resolver.refer_by("cleared_by", path, alarm, "procedure")
 
 
+def _kind_of(field: Spec) -> str:
+    """Return the key for the kind of a field, or ``digits`` for a number."""
+    return next((key for key in KINDS if key in field), "digits")
+
+
 def by_hand_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that manual remedies refer to a characteristic with numbered steps."""
     resolver = _Names(raw, report)
-    counted = [
-        name
-        for name, characteristic in by_name(raw, "characteristics").items()
-        if has_steps(f"{characteristic.get('value')}")
-    ]
+    characteristics = by_name(raw, "characteristics").items()
+    counted = [name for name, characteristic in characteristics if has_steps(f"{characteristic.get('value')}")]
     states = [((*path, *below), state) for path, led in items(spec, "leds") for below, state in items(led, "states")]
     flags = [field for fields in field_lists(spec) for field in fields]
     for path, owner in (*items(spec, "alarms"), *states, *flags):
@@ -252,12 +254,12 @@ def procedure_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                     "as", (*path, *below), argument, f"meaning of {quoted(register_name)} called", meanings
                 )
         for below, step in items(procedure, "steps"):
-            _step((*path, *below), step, procedure, resolver)
+            _check_step((*path, *below), step, procedure, resolver)
             data_ids = by_name(raw, "interfaces", procedure["interface"], "data_ids")
             resolver.refer_by("data_id", (*path, *below), step, "data ID", data_ids)
 
 
-def _step(path: Path, step: Spec, procedure: Spec, resolver: _Names) -> None:
+def _check_step(path: Path, step: Spec, procedure: Spec, resolver: _Names) -> None:
     """Check the register of a step, with its field and its value."""
     resolver.refer_by("register", path, step, "register")
     name = step.get("register")
@@ -271,22 +273,21 @@ def _step(path: Path, step: Spec, procedure: Spec, resolver: _Names) -> None:
             remedy = f"add 'field' with the name of the field that must hold {quoted(step['value'])}"
             if resolver.registers[name].get("access") == "write_only":
                 remedy = "describe it as one field with all its bits, because it is write_only"
-            resolver.tell((*path, "value"), f"{quoted(name)} has other bits, too; {remedy}")
+            resolver.report_problem((*path, "value"), f"{quoted(name)} has other bits, too; {remedy}")
 
 
 def alternative_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the answers of an alternative set the same parameters, and that these name the alternative."""
     resolver, alternatives = _Names(raw, report), by_name(raw, "alternatives")
     for path, alternative in items(spec, "alternatives"):
-        _answers(path, alternative, resolver, report)
+        _check_answers(path, alternative, resolver, report)
     for name, parameter in mapping(spec, "parameters").items():
         if "alternative" in parameter:
             alternative_name = parameter["alternative"]
             resolver.refer_by("alternative", ("parameters", name), parameter, "alternative", alternatives)
             answers = mapping(alternatives.get(alternative_name, {}), "values")
-            if alternative_name in alternatives and not any(
-                name in mapping(answers, answer, "sets") for answer in answers
-            ):
+            setting_answers = [answer for answer in answers if name in mapping(answers, answer, "sets")]
+            if alternative_name in alternatives and not setting_answers:
                 problem = f"no answer of {quoted(alternative_name)} sets {quoted(name)}"
                 report.add("undefined-reference", ("parameters", name, "alternative"), problem)
     for path, example in items(spec, "examples"):
@@ -298,12 +299,11 @@ def alternative_references(spec: Spec, raw: Spec, report: DocumentReport) -> Non
                 resolver.refer(answer_path, f"answer of {quoted(name)} called", answer, answers)
 
 
-def _answers(path: Path, alternative: Spec, resolver: _Names, report: DocumentReport) -> None:
+def _check_answers(path: Path, alternative: Spec, resolver: _Names, report: DocumentReport) -> None:
     """Check that each answer of an alternative sets all its parameters, and no others."""
     answers, owner = alternative["values"], alternative["name"]
-    own_parameters = [
-        name for name in resolver.parameters if mapping(resolver.parameters, name).get("alternative") == owner
-    ]
+    parameters = resolver.parameters
+    own_parameters = [name for name in parameters if mapping(parameters, name).get("alternative") == owner]
     first_answer_setting = {name: answer for answer in reversed(answers) for name in answers[answer]["sets"]}
     for answer, sets in ((answer, answers[answer]["sets"]) for answer in answers):
         sets_path = (*path, "values", answer, "sets")
@@ -323,9 +323,8 @@ def _answers(path: Path, alternative: Spec, resolver: _Names, report: DocumentRe
 def example_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of examples: their subject, the fields with values, and errata."""
     resolver = _Names(raw, report)
-    known_layouts = {
-        layout.owner["name"]: layout for layout in layouts(raw) if isinstance(layout.owner.get("name"), str)
-    }
+    named_layouts = ((layout.owner.get("name"), layout) for layout in layouts(raw))
+    known_layouts: dict[Any, Fields] = {name: layout for name, layout in named_layouts if isinstance(name, str)}
     for path, example in items(spec, "examples"):
         for key in ("procedure", "erratum", "register"):
             resolver.refer_by(key, path, example, key)
@@ -350,7 +349,7 @@ _LISTS = ("layouts", "fields", "combinations")
 
 def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that each path affected by an erratum exists."""
-    resolver, steps_by_node = _Names(raw, report), {id(raw): dict(_below(raw))}
+    resolver, steps_by_node = _Names(raw, report), {id(raw): dict(_next_steps(raw))}
     for path, erratum in items(spec, "errata"):
         for index, affected in enumerate(erratum.get("affects", ())):
             steps = affected.split(".")
@@ -361,7 +360,7 @@ def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 continue
             node: Any = raw
             for step in steps:
-                next_nodes = steps_by_node.get(id(node)) or steps_by_node.setdefault(id(node), dict(_below(node)))
+                next_nodes = steps_by_node.get(id(node)) or steps_by_node.setdefault(id(node), dict(_next_steps(node)))
                 if step not in next_nodes:
                     kind = f"place {quoted(affected)} in this spec: there is no"
                     resolver.refer((*path, "affects", index), kind, step, next_nodes)
@@ -369,21 +368,19 @@ def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 node = next_nodes[step]
 
 
-def _below(node: Any) -> Iterator[tuple[str, Any]]:
+def _next_steps(node: Any) -> Iterator[tuple[str, Any]]:
     """Yield the possible next steps of a path: keys and names.
 
     For a map these include the names in its lists, as in ``interfaces.biss.word``.
     """
     if isinstance(node, list):
-        yield from (
-            (str(list_member["name"]), list_member)
-            for list_member in node
-            if isinstance(list_member, dict) and "name" in list_member
-        )
+        for list_member in node:
+            if isinstance(list_member, dict) and "name" in list_member:
+                yield str(list_member["name"]), list_member
     elif isinstance(node, dict):
         for key, value in node.items():
             if isinstance(value, list):
-                yield from _below(value)
+                yield from _next_steps(value)
             elif key == "values" and isinstance(value, dict):
                 yield from value.items()
         yield from node.items()  # Last, so that a key takes precedence over a name.
@@ -445,9 +442,8 @@ def connector_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def unused_crc(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that each CRC is a field of some frame, or has a note."""
-    used_crcs = {
-        field.get("crc") for fields in field_lists(raw) for _, field in fields if isinstance(field.get("crc"), str)
-    }
+    names = (field.get("crc") for fields in field_lists(raw) for _, field in fields)
+    used_crcs = {name for name in names if isinstance(name, str)}
     for path, crc in items(spec, "crcs"):
         if used_crcs <= by_name(raw, "crcs").keys() and crc["name"] not in used_crcs and "note" not in crc:
             problem = f"no frame uses the CRC {quoted(crc['name'])}"

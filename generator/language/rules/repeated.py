@@ -23,7 +23,7 @@ _NOT_DATA = frozenset(("constant", "unused", "crc", "parity_of"))
 
 def repeated_item(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that no item of a list that is a set occurs twice."""
-    for path, set_items in _sets((), spec):
+    for path, set_items in _unique_lists((), spec):
         for index, set_item in enumerate(set_items):
             first_index = set_items.index(set_item)
             if first_index < index:
@@ -63,12 +63,12 @@ def _report_repeated(neighbours: Iterable[tuple[Path, Spec]], key: str, report: 
             report.add("repeated-text", (*path, key), message)
 
 
-def _sets(path: Path, node: Any) -> Iterator[tuple[Path, list[Any]]]:
+def _unique_lists(path: Path, node: Any) -> Iterator[tuple[Path, list[Any]]]:
     if isinstance(node, list):
         if path[-1] in _SETS or (len(path) > 1 and path[-2] in _MAPS_OF_SETS):
             yield path, node
         for index, inner in enumerate(node):
-            yield from _sets((*path, index), inner)
+            yield from _unique_lists((*path, index), inner)
     elif isinstance(node, dict):
         for key, inner in node.items():
-            yield from _sets((*path, key), inner)
+            yield from _unique_lists((*path, key), inner)

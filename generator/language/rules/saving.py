@@ -22,10 +22,7 @@ def saved_before_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             continue
         arguments = {argument["name"] for _, argument in items(procedure, "arguments")}
         writes = [(below, step) for below, step in items(procedure, "steps") if step["do"] == "write"]
-        is_saved = [
-            step.get("register") in registers and bool(_SAVE.fullmatch(str(step.get("value", ""))))
-            for _, step in writes
-        ]
+        is_saved = [step.get("register") in registers and _is_save(step) for _, step in writes]
         for index, (below, save) in enumerate(writes):
             later = [step for _, step in writes[index + 1 :] if step.get("register") != save.get("register")]
             if not is_saved[index] or any(is_saved[index + 1 :]):
@@ -35,6 +32,11 @@ def saved_before_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 problem = f"this step saves before {quoted(unsaved)} is written, so that value is lost at power-off"
                 remedy = "move this step behind the write, or explain the order in a 'note' of the procedure"
                 report.add("saved-too-early", (*path, *below), f"{problem}; {remedy}")
+
+
+def _is_save(step: Spec) -> bool:
+    """Return whether a step writes a value that is called save, store or burn."""
+    return _SAVE.fullmatch(str(step.get("value", ""))) is not None
 
 
 def _first_unsaved(later: Iterable[Spec], arguments: set[str], registers: dict[str, Spec]) -> str:

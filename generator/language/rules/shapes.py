@@ -117,13 +117,7 @@ def _check_kind(path: Path, field: Spec, report: DocumentReport) -> None:
         if key in field and "scale" in field:
             problem = f"{quoted(key)} and 'scale' exclude each other; keep one of them"
             report.add("layout-keys", (*path, key), problem, at_key=True)
-    for key in _OF_FLAGS:
-        if key in field and "active" not in field and not (key == "makes_position" and "unused" in field):
-            problem = f"{quoted(key)} is only for flags; to make {name} a flag, add 'active: high' or 'active: low'"
-            if key == "makes_position" and "values" in field:
-                remedy = "write it at a value, as in too_weak: {value: 2, makes_position: usable_with_warning}"
-                problem = f"{name} has named values, and not each of them has the same effect on the position; {remedy}"
-            report.add("layout-keys", (*path, key), problem, at_key=True)
+    _check_flag_keys(path, field, report)
     for key in _OF_PARITIES:
         if key in field and "parity_of" not in field:
             problem = (
@@ -136,6 +130,18 @@ def _check_kind(path: Path, field: Spec, report: DocumentReport) -> None:
         report.add("layout-keys", (*path, "crc_of"), problem, at_key=True)
     if isinstance(field.get("equals"), int) and "text" in field:
         report.add("layout-keys", (*path, "equals"), f"{name} is text; put the value in quotes")
+
+
+def _check_flag_keys(path: Path, field: Spec, report: DocumentReport) -> None:
+    """Check that a field has keys of flags only if it is a flag."""
+    name = quoted(field["name"])
+    for key in _OF_FLAGS:
+        if key in field and "active" not in field and not (key == "makes_position" and "unused" in field):
+            problem = f"{quoted(key)} is only for flags; to make {name} a flag, add 'active: high' or 'active: low'"
+            if key == "makes_position" and "values" in field:
+                remedy = "write it at a value, as in too_weak: {value: 2, makes_position: usable_with_warning}"
+                problem = f"{name} has named values, and not each of them has the same effect on the position; {remedy}"
+            report.add("layout-keys", (*path, key), problem, at_key=True)
 
 
 def _check_others(fields: Fields, path: Path, field: Spec, report: DocumentReport) -> None:
@@ -152,9 +158,9 @@ def _check_others(fields: Fields, path: Path, field: Spec, report: DocumentRepor
         )
     elif fields.owner.get("from") == "master" or fields.owner.get("access", "read_only") != "read_only":
         problem = f"{name} is written by a master, which does not write reserved values; leave 'others' out"
-    reserved_names = {f"{RESERVED}_{value}" for value in range(1 << _MOST_RESERVED_BITS)} & {
-        key for key, value in values.items() if key != f"{RESERVED}_{value.get('value')}"
-    }
+    names_for_others = {f"{RESERVED}_{number}" for number in range(1 << _MOST_RESERVED_BITS)}
+    renamed = {name for name, value in values.items() if name != f"{RESERVED}_{value.get('value')}"}
+    reserved_names = names_for_others & renamed
     if not problem and reserved_names:
         problem = f"'others' gives the name {quoted(min(reserved_names))} to another value; rename this one"
     if problem:

@@ -94,7 +94,7 @@ def _check_parities(spec: Spec, report: DocumentReport) -> None:
     """Check that the parity bits of a word without a CRC cover the other fields, unless a note names those left out."""
     for path, layout in items(spec, *_HERE, "layouts"):
         parity_fields = [(field_path, field) for field_path, field in items(layout, "fields") if "parity_of" in field]
-        covered_names = {name for _, field in parity_fields for name in _covered(layout, field["parity_of"])}
+        covered_names = {name for _, field in parity_fields for name in _covered_fields(layout, field["parity_of"])}
         fields = [field for _, field in items(layout, "fields") if "parity_of" not in field]
         notes = {word for _, field in parity_fields for word in re.findall(r"\w+", str(field.get("note", "")))}
         field_names = [field["name"] for field in fields if "name" in field]
@@ -108,7 +108,7 @@ def _check_parities(spec: Spec, report: DocumentReport) -> None:
             report.add("spi-parity", (*path, *field_path, "parity_of"), message)
 
 
-def _covered(layout: Spec, parity_of: object) -> Iterator[str]:
+def _covered_fields(layout: Spec, parity_of: object) -> Iterator[str]:
     """Yield the fields that a parity bit covers, with those of joined numbers."""
     joins = mapping(layout, "join")
     for name in map(str, parity_of if isinstance(parity_of, list) else [parity_of]):

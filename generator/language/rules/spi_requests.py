@@ -23,11 +23,8 @@ def requests_that_write(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     groups, layouts = by_name(raw, "field_groups"), by_name(spec, *_HERE, "layouts")
     exchanges = [exchange for _, exchange in items(spec, *_HERE, "exchanges")]
     bits = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
-    writes = [
-        exchange["request"]
-        for exchange in exchanges
-        if exchange["purpose"] == "write" and exchange["request"] in layouts
-    ]
+    write_requests = (exchange["request"] for exchange in exchanges if exchange["purpose"] == "write")
+    writes = [name for name in write_requests if name in layouts]
     addressed = [name for name in writes if "address" in _free_names(layouts[name], groups)]
     for exchange in exchanges:
         name = exchange["request"]

@@ -56,7 +56,7 @@ def _no_verdict(fields: Fields, field: Spec, is_judged: bool, is_selector: bool)
     """Return the reason that a value of a field cannot have a verdict, and the fix. Empty if it can."""
     name = quoted(field.get("name", ""))
     if not is_judged:
-        return f"{_where(fields)}; leave 'makes_position' out"
+        return f"{_reason_without_verdict(fields)}; leave 'makes_position' out"
     if is_selector:
         return f"{name} identifies the frame, so it cannot decide the verdict on the position; use another field"
     if constant_width(field) is None:
@@ -64,7 +64,7 @@ def _no_verdict(fields: Fields, field: Spec, is_judged: bool, is_selector: bool)
     return ""
 
 
-def _where(fields: Fields) -> str:
+def _reason_without_verdict(fields: Fields) -> str:
     """Return the reason that a list of fields has no verdict on a position."""
     owner = quoted(fields.owner.get("name", "control_data"))
     match fields.kind:
@@ -90,7 +90,7 @@ def combinations(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         inner = field_names(fields, groups)
         entries = [((*fields.path, *path), combination) for path, combination in items(fields.owner, "combinations")]
         if entries and not _has_position(spec, fields, groups):
-            problem = f"{_where(fields)}; leave 'combinations' out"
+            problem = f"{_reason_without_verdict(fields)}; leave 'combinations' out"
             report.add("combination", (*fields.path, "combinations"), problem, at_key=True)
             continue
         for index, (combination_path, combination) in enumerate(entries):
@@ -124,10 +124,8 @@ def _report_names(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[
         for name, value in mapping(field, "values").items():
             if isinstance(value, dict) and "makes_position" in value:
                 yield path if path in group_paths else (*path, "values", name), f"{field.get('name')}_{name}"
-    yield from (
-        ((*fields.path, *path, "name"), combination["name"])
-        for path, combination in items(fields.owner, "combinations")
-    )
+    for path, combination in items(fields.owner, "combinations"):
+        yield (*fields.path, *path, "name"), combination["name"]
 
 
 def _check_conditions(

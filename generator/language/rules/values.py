@@ -37,7 +37,8 @@ _RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
 
 def field_count(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that no list of fields is longer than the schema allows if the groups in it are written out."""
-    sizes = {name: sum(1 for _ in items(group, "fields")) for name, group in by_name(raw, "field_groups").items()}
+    groups = by_name(raw, "field_groups")
+    sizes = {name: len(list(items(group, "fields"))) for name, group in groups.items()}
     for fields in field_lists(spec):
         count = sum(sizes.get(field.get("use", ""), 1) for _, field in fields)
         if count > MAX_FIELDS:
@@ -71,6 +72,15 @@ def crc_impossible(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 )
 
 
+def _numbers_in(field: Spec) -> Iterator[tuple[Path, str, int]]:
+    """Yield each number that a field must hold, with its path in the field and the beginning of a message about it."""
+    for name, value in mapping(field, "values").items():
+        yield ("values", name, "value"), f"the value {quoted(name)} is", value["value"]
+    for key in ("constant", "unused", "default", "equals"):
+        if isinstance(field.get(key), int):
+            yield (key,), f"{quoted(key)} is", field[key]
+
+
 def value_too_wide(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the values of a field fit into it, if its width does not depend on the order code."""
     for fields in field_lists(spec):
@@ -78,16 +88,7 @@ def value_too_wide(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             width = constant_width(field)
             if width is None:
                 continue
-            numbers: Iterator[tuple[Path, str, int]] = (
-                (("values", name, "value"), f"the value {quoted(name)} is", value["value"])
-                for name, value in mapping(field, "values").items()
-            )
-            plain_numbers = (
-                (((key,), f"{quoted(key)} is", field[key]))
-                for key in ("constant", "unused", "default", "equals")
-                if isinstance(field.get(key), int)
-            )
-            for value_path, subject, number in (*numbers, *plain_numbers):
+            for value_path, subject, number in _numbers_in(field):
                 stands_for_zero = number == field.get("zero_means") and value_path != ("constant",)
                 if (number < 0 or number >> width) and not stands_for_zero:
                     message = f"{subject} {number:#x}, which does not fit into {counted(width, 'bit')}"
@@ -231,29 +232,7 @@ def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     timeout = mapping(spec, *map(str, path))
     if not timeout:
         return
-    halves: int | None = timeout.get("half_clock_periods")
-    if (
-        timeout["rule"] == "follows_clock"
-        and halves is None
-        and not {"at_most_ns", "typical_ns", "printed"} & timeout.keys()
-    ):
-        report.add(
-            "timeout-mismatch",
-            path,
-            "a time-out that depends on the clock needs 'half_clock_periods', "
-            "or 'typical_ns', 'at_most_ns' or 'printed' if there is no rule",
-            at_key=True,
-        )
-    if timeout["rule"] == "fixed":
-        if halves is not None:
-            report.add(
-                "timeout-mismatch",
-                (*path, "half_clock_periods"),
-                "a fixed time-out does not depend on the clock; leave 'half_clock_periods' out",
-                at_key=True,
-            )
-        if "at_most_ns" not in timeout and "typical_ns" not in timeout:
-            report.add("timeout-mismatch", path, "a fixed time-out needs 'at_most_ns' or 'typical_ns'", at_key=True)
+    _check_timeout_rule(path, timeout, report)
     clock = mapping(spec, "interfaces", Biss.name, "clock")
     for below, printed in items(timeout, "printed") if "max_hz" in clock else ():
         low, high = clock.get("min_hz", 0), clock["max_hz"]
@@ -261,8 +240,30 @@ def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             problem = f"the clock is {low} to {high} Hz, so there is no time-out at {printed['clock_hz']} Hz"
             remedy = f"if the manual gives both, add an erratum that affects {'.'.join(map(str, path))}"
             report.add("timeout-mismatch", (*path, *below, "clock_hz"), f"{problem}; {remedy}")
-    if timeout["rule"] == "fixed" or halves is None:
-        return
+    if timeout["rule"] != "fixed" and timeout.get("half_clock_periods") is not None:
+        _check_calculated_timeouts(path, timeout, report)
+
+
+def _check_timeout_rule(path: Path, timeout: Spec, report: DocumentReport) -> None:
+    """Check that a time-out has the numbers for its rule."""
+    has_half_periods = timeout.get("half_clock_periods") is not None
+    has_limit = not timeout.keys().isdisjoint({"at_most_ns", "typical_ns"})
+    if timeout["rule"] == "follows_clock" and not has_half_periods and not has_limit and "printed" not in timeout:
+        message = (
+            "a time-out that depends on the clock needs 'half_clock_periods', "
+            "or 'typical_ns', 'at_most_ns' or 'printed' if there is no rule"
+        )
+        report.add("timeout-mismatch", path, message, at_key=True)
+    if timeout["rule"] == "fixed" and has_half_periods:
+        message = "a fixed time-out does not depend on the clock; leave 'half_clock_periods' out"
+        report.add("timeout-mismatch", (*path, "half_clock_periods"), message, at_key=True)
+    if timeout["rule"] == "fixed" and not has_limit:
+        report.add("timeout-mismatch", path, "a fixed time-out needs 'at_most_ns' or 'typical_ns'", at_key=True)
+
+
+def _check_calculated_timeouts(path: Path, timeout: Spec, report: DocumentReport) -> None:
+    """Check that each printed time-out is the given number of half clock periods."""
+    halves: int = timeout["half_clock_periods"]
     for below, printed in items(timeout, "printed"):
         twice, hertz = halves * 10**9, printed["clock_hz"]
         if abs(twice - 2 * hertz * printed["timeout_ns"]) > hertz:
@@ -273,11 +274,8 @@ def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def bad_source(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that sources are well-formed, and that cited editions and documents are listed."""
-    editions = [
-        edition["language"]
-        for _, edition in items(raw, "manual", "editions")
-        if isinstance(edition.get("language"), str)
-    ]
+    languages = (edition.get("language") for _, edition in items(raw, "manual", "editions"))
+    editions = [language for language in languages if isinstance(language, str)]
     documents = mapping(raw, "documents")
     own_language = mapping(raw, "manual").get("language")
     for path, value in sources(leaves_of(spec, report)):

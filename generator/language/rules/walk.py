@@ -138,9 +138,8 @@ def readable_names(fields: Fields, groups: Mapping[str, Spec]) -> list[str]:
     A register without fields is one number.
     """
     inner = field_names(fields, groups)
-    digits = [
-        run["name"] for field in inner.values() for _, run in items(field, "digits") if isinstance(run.get("name"), str)
-    ]
+    names_of_runs = (run.get("name") for field in inner.values() for _, run in items(field, "digits"))
+    digits = [name for name in names_of_runs if isinstance(name, str)]
     if fields.kind is Has.REGISTER and "fields" not in fields.owner:
         return [str(fields.owner.get("name"))]
     return [*inner, *mapping(fields.owner, "join"), *digits]
@@ -149,12 +148,8 @@ def readable_names(fields: Fields, groups: Mapping[str, Spec]) -> list[str]:
 def named_values(register: Spec, groups: Mapping[str, Spec], only: str | None = None) -> list[str]:
     """Return the names of values of all fields of a register, or of the field called ``only``."""
     fields = Fields(Has.REGISTER, register, (), "")
-    return [
-        name
-        for _, field in expanded(fields, groups)
-        if only in (None, field.get("name"))
-        for name in mapping(field, "values")
-    ]
+    own_fields = (field for _, field in expanded(fields, groups) if only in (None, field.get("name")))
+    return [name for field in own_fields for name in mapping(field, "values")]
 
 
 def measurements(spec: Spec) -> Iterator[tuple[Path, Spec]]:

@@ -8,7 +8,7 @@ description, for which we have our own schema.
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Annotated, TypedDict
@@ -18,7 +18,19 @@ from markupsafe import Markup, escape
 from ...dump.plain import device_dump, variant_dump
 from ...dump.xml import XSD_NAME, clean, to_xml
 from ...dump.xsd import schema_text
-from ...model import Biss, Crc, Device, Field, Layout, Manufacturer, assert_never, choices
+from ...model import (
+    Alternative,
+    Answer,
+    Biss,
+    Crc,
+    Device,
+    Field,
+    Layout,
+    Manufacturer,
+    Variant,
+    assert_never,
+    choices,
+)
 from ...model.record import dataclass
 from ...order_codes.labels import Match
 from ...order_codes.parameters import run_time_widths
@@ -98,7 +110,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     files: dict[str, str] = {}
     identifiers = []
     for maker, devices in library.by_manufacturer():
-        nodes, left_out = _identified(devices)
+        nodes, left_out = _identified_nodes(devices)
         if maker.biss_id is not None and nodes:
             name = identifier_name(maker.biss_id)
             identifiers.append(f"`{name}`")
@@ -171,10 +183,10 @@ def ascii_text(text: object) -> Markup:
     return Markup(str(escape(clean(plain(text)))).encode("ascii", "xmlcharrefreplace").decode())
 
 
-def _identified(devices: Sequence[Device]) -> tuple[list[Node], str]:
+def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
     """Return the elements of the encoders that a master can identify, and a sentence about the others."""
     # A master cannot distinguish a special model or another edition from its family.
-    families = [device for device in devices if device.over(Biss) is not None and not device.base]
+    families = [device for device in devices if device.find_interface(Biss) is not None and not device.base]
     listed = [(device, device_bits(device)) for device in families]
     nodes = [node for device, ids in listed if ids for node in [_device(device, ids)] if node is not None]
     missing = [device.title for device, ids in listed if not ids]
@@ -191,24 +203,35 @@ def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tup
     open_questions = device.alternatives_of(layout)
     variants = device.variants_over(Biss.name)
     encoders = [(variant, answers) for variant in variants for answers, _ in choices(open_questions)]
-    names = names_of_codes(
-        "-".join((variant.code, *(answer.name for answer in answers))) for variant, answers in encoders
-    )
+    names = names_of_codes(_encoder_name(variant, answers) for variant, answers in encoders)
     for name, (variant, answers) in zip(names, encoders, strict=True):
         decided = dict(zip((question.name for question in open_questions), answers, strict=True))
-        narrowed = tuple(
-            replace(alternative, answers=(decided[alternative.name],)) if alternative.name in decided else alternative
-            for alternative in device.alternatives
-        )
-        node = _device(replace(device, variants=(variant,), alternatives=narrowed), ids, one_encoder=True)
+        node = _device(_one_encoder(device, variant, decided), ids, one_encoder=True)
         about = [f"{maker.title}: {variant.code}.", _ONE_ENCODER_NOTE]
-        about += [
-            f"The manual leaves {choice.name} open ({choice.meaning}). This file is for {decided[choice.name].name}: "
-            f"{decided[choice.name].meaning}. There is a file for each answer."
-            for choice in open_questions
-        ]
+        about += [_about_answer(question, decided[question.name]) for question in open_questions]
         text = _identifier(maker, biss_id, about, [node] if node is not None else [], library)
         yield f"biss/{maker.name}-{device.name}/idbiss-{name}.xml", text
+
+
+def _encoder_name(variant: Variant, answers: Iterable[Answer]) -> str:
+    """Return the order code and the names of the answers."""
+    return "-".join((variant.code, *(answer.name for answer in answers)))
+
+
+def _one_encoder(device: Device, variant: Variant, decided: Mapping[str, Answer]) -> Device:
+    """Return the device with one order code, and with one answer to each of the decided questions."""
+    alternatives = list(device.alternatives)
+    for place, alternative in enumerate(alternatives):
+        if alternative.name in decided:
+            alternatives[place] = replace(alternative, answers=(decided[alternative.name],))
+    return replace(device, variants=(variant,), alternatives=tuple(alternatives))
+
+
+def _about_answer(question: Alternative, answer: Answer) -> str:
+    return (
+        f"The manual leaves {question.name} open ({question.meaning}). This file is for {answer.name}: "
+        f"{answer.meaning}. There is a file for each answer."
+    )
 
 
 def _identifier(
@@ -276,7 +299,7 @@ def _device(device: Device, ids: tuple[IdBits, ...], one_encoder: bool = False) 
         f", {device.title}",
         1,
         notes,
-        (_to_tell(device, layout, crc, lengths, ids, one_encoder),),
+        (_master_settings(device, layout, crc, lengths, ids, one_encoder),),
         polynomial,
         devices=inner,
     )
@@ -311,15 +334,13 @@ def _at_factory_defaults(device: Device, layout: Layout) -> str:
 
 def _length_by_profile(device: Device, lengths: Sequence[DataLength]) -> dict[int, int]:
     """Return the data length for each profile ID, if the profile ID distinguishes the models."""
-    sizes = {
-        number: {length.data_bits for length in lengths if not set(codes).isdisjoint(length.codes)}
-        for number, codes in profile_ids(device).items()
-    }
-    return (
-        {number: min(bit_counts) for number, bit_counts in sizes.items()}
-        if len(sizes) > 1 and all(len(bit_counts) == 1 for bit_counts in sizes.values())
-        else {}
-    )
+    length_by_profile: dict[int, int] = {}
+    for number, codes in profile_ids(device).items():
+        bit_counts = {length.data_bits for length in lengths if not set(codes).isdisjoint(length.codes)}
+        if len(bit_counts) != 1:
+            return {}
+        (length_by_profile[number],) = bit_counts
+    return length_by_profile if len(length_by_profile) > 1 else {}
 
 
 def _data_label(device: Device, layout: Layout) -> str:
@@ -339,7 +360,7 @@ _PROFILE_NOTE = (
 )
 
 
-def _to_tell(
+def _master_settings(
     device: Device,
     layout: Layout,
     crc: Crc,
@@ -353,19 +374,10 @@ def _to_tell(
     for length in lengths:
         parts = " + ".join(f"{name} {width}" for name, width in length.parts.items())
         lines.append(
-            f"  {', '.join(length.codes)}{_with(length)}: {parts} = {length.data_bits} bits, "
+            f"  {', '.join(length.codes)}{_answers_text(length)}: {parts} = {length.data_bits} bits, "
             f"with status bits {length.with_status}, with CRC {length.total}"
         )
-    status = layout.status_fields
-    order = [
-        f"{field.name} ({_active(field)})" if field in status else field.name
-        for field in layout.fields
-        if field is not layout.crc_field
-    ]
-    lines.append(
-        f"  sent in this order, most significant bit first: {', '.join(order)}, CRC"
-        + ("" if status else ", no status bits")
-    )
+    lines.append(f"  sent in this order, most significant bit first: {_order(layout)}")
     lines.append(f"  code: {_code(device, layout)}")
     lines.append(f"  CRC: {_crc_words(device, crc)}. CrcPoly is the polynomial with its top bit")
     lines += _other_channels(device, layout)
@@ -380,12 +392,12 @@ def _to_tell(
     return "\n".join(lines)
 
 
-def _with(length: DataLength) -> str:
+def _answers_text(length: DataLength) -> str:
     """Return the answers on which a length depends."""
     return f" with {' and '.join(length.answers)}" if length.answers else ""
 
 
-def _active(status: Field) -> str:
+def _active_level(status: Field) -> str:
     match meaning_of(status):
         case Active(low):
             return "active low" if low else "active high"
@@ -397,10 +409,10 @@ def _active(status: Field) -> str:
 
 def _lengths_by_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
     length_by_profile, profiles = _length_by_profile(device, lengths), profile_ids(device)
-    lines = [
-        f"  profile ID {number:04X}h, registers 42h and 43h ({', '.join(profiles[number])}): {length} bits"
-        for number, length in length_by_profile.items()
-    ]
+    lines = []
+    for number, length in length_by_profile.items():
+        codes = ", ".join(profiles[number])
+        lines.append(f"  profile ID {number:04X}h, registers 42h and 43h ({codes}): {length} bits")
     return [*lines, f"  {_PROFILE_NOTE}"] if lines else []
 
 
@@ -414,7 +426,8 @@ def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
         return ["  profile ID, registers 42h and 43h: 0000h, which means no profile"]
     line = f"  profile ID, registers 42h and 43h: {number:04X}h"
     if len({length.data_bits for length in lengths}) > 1:
-        codes = [f"{', '.join(length.codes)}{_with(length)}" for length in lengths if length.data_bits == number & 0xFF]
+        equal_lengths = (length for length in lengths if length.data_bits == number & 0xFF)
+        codes = [f"{', '.join(length.codes)}{_answers_text(length)}" for length in equal_lengths]
         only = f". Its low byte, {number & 0xFF}, is the data length of {', '.join(codes)} only" if codes else ""
         line += f", for all lengths{only}"
     return [line]
@@ -438,6 +451,18 @@ def _other_channels(device: Device, layout: Layout) -> list[str]:
     return lines
 
 
+def _order(layout: Layout) -> str:
+    """Return the names of the fields in the order of transmission, with the level of each status bit."""
+    names = []
+    for field in layout.fields:
+        if field in layout.status_fields:
+            names.append(f"{field.name} ({_active_level(field)})")
+        elif field is not layout.crc_field:
+            names.append(field.name)
+    status = "" if layout.status_fields else ", no status bits"
+    return f"{', '.join(names)}, CRC{status}"
+
+
 def _about_length(device: Device, layout: Layout, lengths: Sequence[DataLength]) -> str:
     sizes = {length.data_bits for length in lengths}
     register_fields = [field_at(device, path) for path in run_time_widths(device, layout)]
@@ -456,13 +481,11 @@ def _about_length(device: Device, layout: Layout, lengths: Sequence[DataLength])
 def _code(device: Device, layout: Layout) -> str:
     if not layout.gray_of:
         return "binary"
-    register_fields = [
-        field_at(device, parameter.read_from)
-        for parameter in device.run_time_parameters
-        if parameter.name in device.needed_parameters([layout.gray_when])
-    ]
     if not layout.gray_when:
         return f"{layout.gray_of} in Gray code"
+    needed = device.needed_parameters([layout.gray_when])
+    deciding = (parameter for parameter in device.run_time_parameters if parameter.name in needed)
+    register_fields = [field_at(device, parameter.read_from) for parameter in deciding]
     delivered = {bool(variant.parameters[layout.gray_when]) for variant in device.variants_over(Biss.name)}
     word = {frozenset({True}): "Gray", frozenset({False}): "binary"}.get(frozenset(delivered), "by order code")
     return (

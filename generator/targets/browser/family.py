@@ -10,7 +10,7 @@ from ...model.layout import have_lengths
 from ...plan.crcs import Carrier, carriers
 from ...plan.frames import Dispatch, dispatches
 from ...plan.reports import reportings
-from ...plan.run_time_parameters import Held, held_parameters
+from ...plan.run_time_parameters import HeldParameter, held_parameters
 from ...say.evidence import grade
 from ...say.origin import origin
 from ...say.place import field_at
@@ -51,7 +51,7 @@ def _code_row(variant: Variant, interface_names: Sequence[str], parameter_names:
     return [variant.code, interface_names.index(variant.interface), *values]
 
 
-def _held(device: Device, register_parameter: Held) -> Data:
+def _held(device: Device, register_parameter: HeldParameter) -> Data:
     """Return a parameter that is held in a register, with its limits."""
     parameter = register_parameter.parameter
     at = field_at(device, parameter.read_from)

@@ -20,19 +20,19 @@ from ...plan.codec import (
     NotAbove,
     ParityIs,
     ParityOf,
-    Turned,
+    ReservedBits,
     ZerosAbove,
     codec_of,
 )
 from ...plan.description import Description, Name, Tells, describe
 from ...plan.limits import Limits, limits_of
-from ...plan.reports import Reporting, Told, explained
+from ...plan.reports import ReportCause, Reporting, explained
 from ...say.fault import of_older_edition
 from ...say.name import title
 from ...say.place import register_at
 from ...say.register import facts
 from ...say.report import alarm_of, meaning, remedy, source, states
-from ...say.text import BY_NAME, told
+from ...say.text import BY_NAME, spec_text
 from .plain import Data, bound, described, expression, number, without_empty
 
 
@@ -40,7 +40,7 @@ def frame(device: Device, layout: Layout, reporting: Reporting | None) -> Data:
     """Return a frame with its verdict and reports."""
     codec = codec_of(device, layout)
     description = describe(codec, reporting)
-    reported = reporting.told if reporting is not None else ()
+    reported = reporting.causes if reporting is not None else ()
     tells = [_report(device, *pair) for pair in zip(description.tells, reported, strict=True)]
     # Use the order of the frame, without flags first. Values with a verdict come last.
     names = [*(field.name for field in layout.fields), *(sign.flag.name for sign in layout.signs)]
@@ -60,7 +60,7 @@ def register(device: Device, register: Register) -> Data:
     meanings: tuple[RegisterMeaning | None, ...] = register.meanings or (None,)
     field_alarms = ((field, alarm_of(device, field, register.name)) for field in register.layout.fields)
     default = register.default_bytes()
-    about = (*told(register.meaning), *facts(device, register), *told(register.note))
+    about = (*spec_text(register.meaning), *facts(device, register), *spec_text(register.note))
     codec = codec_of(device, register.layout)
     return _layout(device, codec, describe(codec)) | without_empty(
         title=title(register),
@@ -77,7 +77,7 @@ def register(device: Device, register: Register) -> Data:
     )
 
 
-def _report(device: Device, tells: Tells, reported: Told) -> Data:
+def _report(device: Device, tells: Tells, reported: ReportCause) -> Data:
     """Return a report of a frame with its texts."""
     data: Data = described(tells)
     return data | _words(reported.made_of, alarm_of(device, reported.made_of))
@@ -162,7 +162,7 @@ def _sent(value: object) -> Data:
             return {"parity": [field.name for field in covered_fields], "odd": int(odd)} | without_empty(
                 mask=number(mask)
             )
-        case Turned(documented, place):
+        case ReservedBits(documented, place):
             return {"unused": number(documented), "place": place}
         case None:
             return {"crc": 1}

@@ -30,7 +30,7 @@ from ...say import procedure as say_procedure
 from ...say import register as say_register
 from ...say.name import full_title, register_field, title
 from ...say.place import addresses, bit_range, field_place
-from ...say.text import Code, Said, listed, said
+from ...say.text import Code, Statement, listed, statement
 from ...say.words import counted
 from .comments import Paragraph
 from .order_codes import unknown_parts
@@ -50,7 +50,7 @@ _IN_CODE = ("Default", "Limits")
 _PLACE = 50
 
 
-def _with_heading(name: str, items: Iterable[Said]) -> list[Paragraph]:
+def _with_heading(name: str, items: Iterable[Statement]) -> list[Paragraph]:
     """Return the statements, with the name before the first one."""
     lines = list(map(S.sentence, items))
     return [f"{name}: {lines[0]}", *lines[1:]] if lines else [f"{name}."]
@@ -143,7 +143,7 @@ def about_member(struct: Struct, member: Field) -> str:
     """Return the facts of a field that its enumeration does not show."""
     choice = struct.enumeration(member)
     statements = say_field.field(struct.device, member)
-    about = [statement for statement in statements if choice is None or statement not in choice.said]
+    about = [statement for statement in statements if choice is None or statement not in choice.statements]
     ending = "No terminator." if isinstance(meaning_of(member), Characters) else ""
     return " ".join(filter(None, (S.paragraph(about) or f"{title(member)}.", ending)))
 
@@ -152,12 +152,12 @@ def about_unused(struct: Struct) -> str:
     """Describe the member for all unused bits."""
     unused = struct.layout.unused
     fields = listed([f"{bit_range(low + field.widest - 1, low)} {field.name}" for field, low in unused])
-    return f"Unused bits, each 1 if it differs from the manual: {S.phrase(said(*fields))}."
+    return f"Unused bits, each 1 if it differs from the manual: {S.phrase(statement(*fields))}."
 
 
 def place(frame_layout: Layout, placed_field: Field) -> str:
     """Return the position of a field."""
-    return S.phrase(said(*field_place(frame_layout, placed_field)))
+    return S.phrase(statement(*field_place(frame_layout, placed_field)))
 
 
 def _facts_without_member(struct: Struct, field: Field) -> str:
@@ -167,7 +167,7 @@ def _facts_without_member(struct: Struct, field: Field) -> str:
     if field.is_fixed:
         return S.paragraph(about)
     width = field.width.constant if field.width.is_constant else S.number(field.width)
-    return S.paragraph((said(counted(width, "bit")), *about))
+    return S.paragraph((statement(counted(width, "bit")), *about))
 
 
 def _table_rows(struct: Struct) -> Iterator[tuple[str, str, str]]:
@@ -218,7 +218,7 @@ def about_access(device: Device, register: Register, writes: bool, read_state: s
 
 
 def about_procedure(device: Device, procedure: Procedure) -> list[Paragraph]:
-    head = S.sentence(said(procedure.title, source=procedure.source))
+    head = S.sentence(statement(procedure.title, source=procedure.source))
     return [head, *map(S.sentence, say_procedure.procedure(device, procedure))]
 
 

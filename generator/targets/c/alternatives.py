@@ -8,9 +8,9 @@ from ...model import Alternative, Answer, Device, Parameter
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...say.erratum import errata, erratum
-from ...say.text import said
+from ...say.text import statement
 from .enumerations import Entry, Enumeration
-from .expr import Either, Expr, Name, Number, Operation
+from .expr import Conditional, Expr, Name, Number, Operation
 from .names import Declared
 from .reserved import c_name
 from .style import S
@@ -39,7 +39,7 @@ class AlternativeCode:
         self.constant = f"my_{alternative.name}"
         entries = tuple(self._entry(index, answer) for index, answer in enumerate(alternative.answers))
         about = [
-            S.sentence(said(alternative.meaning, source=alternative.source)),
+            S.sentence(statement(alternative.meaning, source=alternative.source)),
             "Choose the answer for your encoder. No known source settles it, and there is no default.",
             *(S.sentence(erratum(correction)) for correction in errata(device, f"alternatives.{alternative.name}")),
         ]
@@ -48,11 +48,11 @@ class AlternativeCode:
         self.functions = tuple(self._function(prefix, parameter) for parameter in dependent)
 
     def _entry(self, index: int, answer: Answer) -> Entry:
-        note = S.sentence(said(answer.meaning, source=answer.source))
+        note = S.sentence(statement(answer.meaning, source=answer.source))
         return Entry(f"{self.type}_{answer.name}".upper(), index, note)
 
     def _function(self, prefix: str, parameter: Parameter) -> AnsweredBy:
-        about = S.sentence(said(parameter.meaning, source=parameter.source))
+        about = S.sentence(statement(parameter.meaning, source=parameter.source))
         return AnsweredBy(f"{prefix}_{parameter.name}", about, self._value(parameter.name))
 
     def declared(self) -> Iterator[Declared]:
@@ -65,11 +65,11 @@ class AlternativeCode:
         *other_values, last_value = (Number(answer.sets[parameter]) for answer in self.item.answers)
         expression: Expr = last_value
         for constant, value in reversed(list(zip(self.enumeration.entries, other_values, strict=False))):
-            expression = Either(Operation("==", (Name(self.argument), Name(constant.name))), value, expression)
+            expression = Conditional(Operation("==", (Name(self.argument), Name(constant.name))), value, expression)
         return expression
 
 
-def asked(alternatives: tuple[AlternativeCode, ...], *expressions: Expression) -> tuple[AlternativeCode, ...]:
+def alternatives_in(alternatives: tuple[AlternativeCode, ...], *expressions: Expression) -> tuple[AlternativeCode, ...]:
     """Return the alternatives on whose answers these expressions depend."""
     names = {name for expression in expressions for name in expression.parameters}
     return tuple(alternative for alternative in alternatives if not names.isdisjoint(alternative.item.answers[0].sets))

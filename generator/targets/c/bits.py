@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from ...model import Digits, Field, Piece
 from ...model.record import dataclass
 from ...plan.codec import Bits, Codec, Whole
-from .expr import Call, Cast, Expr, Name, Number, Operation, Scope, joined, left, masked, right
+from .expr import Call, Cast, Expr, Name, Number, Operation, Scope, joined, masked, shifted_left, shifted_right
 from .types import size_of, unsigned
 
 
@@ -20,13 +20,13 @@ def of_bytes(pieces: tuple[Piece, ...]) -> tuple[str, Expr]:
     if len(pieces) == 1:
         part = _bits_of_piece(pieces[0])
         return kind, part if isinstance(part, Name) else Cast("uint8_t", part)
-    parts = joined("|", tuple(left(Cast(work, _bits_of_piece(piece)), piece.left) for piece in pieces))
+    parts = joined("|", tuple(shifted_left(Cast(work, _bits_of_piece(piece)), piece.left) for piece in pieces))
     return kind, parts if kind == work else Cast(kind, parts)
 
 
 def _bits_of_piece(piece: Piece) -> Expr:
     """Return the bits of a byte that belong to a field, shifted to bit 0."""
-    part = right(Name(f"bytes[{piece.byte}]"), piece.right)
+    part = shifted_right(Name(f"bytes[{piece.byte}]"), piece.right)
     reaches_top = piece.right + piece.mask.bit_length() == 8
     return part if reaches_top else masked(part, piece.mask)
 
@@ -57,12 +57,12 @@ class Reader:
         """Return bits of the word. If their place is fixed and in the lower half, the expression has 32 bits."""
         if bits.are_fixed:
             low, width = bits.low.constant, bits.width.constant
-            return masked(right(self.lower(low + width), low), (1 << width) - 1)
+            return masked(shifted_right(self.lower(low + width), low), (1 << width) - 1)
         if not bits.on_top:
             return Call("cw_field", (self.word, self.scope.of(bits.low), self.scope.of(bits.width)))
         # There are no bits above it: the length has been checked.
         if bits.low.is_constant:
-            return right(self.word, bits.low.constant)
+            return shifted_right(self.word, bits.low.constant)
         return Call("cw_above", (self.word, self.scope.of(bits.low)))
 
     def flag(self, bits: Bits) -> Expr:
@@ -92,7 +92,7 @@ class Reader:
         is_promoted = len(lower_fields) > 1 and size_of(whole.widest) < 32
         number: Expr = Cast("uint32_t" if is_promoted else kind, name_of(first))
         for field in lower_fields:
-            number = Operation("|", (left(number, self.scope.of(field.width)), name_of(field)))
+            number = Operation("|", (shifted_left(number, self.scope.of(field.width)), name_of(field)))
         return Cast(kind, number) if lower_fields and size_of(whole.widest) < 32 else number
 
     def parity(self, parts: Sequence[tuple[Expr, int]], mask: int) -> Expr:
@@ -108,7 +108,7 @@ class Reader:
         if mask:
             number = masked(number, mask)
         if widest > 32:
-            number = Operation("^", (Cast("uint32_t", number), Cast("uint32_t", right(number, 32))))
+            number = Operation("^", (Cast("uint32_t", number), Cast("uint32_t", shifted_right(number, 32))))
         return Call("cw_parity", (number,))
 
 

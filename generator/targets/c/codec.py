@@ -9,7 +9,7 @@ from ...model import Field
 from ...model.expressions import Expression
 from ...plan.refusals import OutsideLimits, depends
 from .about import about_bits_crc, about_member, about_unused, about_word_crc
-from .alternatives import AlternativeCode, asked
+from .alternatives import AlternativeCode, alternatives_in
 from .comments import Paragraph
 from .decode import Decoder
 from .encode import Encoder
@@ -34,7 +34,7 @@ class StructCodec:
         self.decoder = Decoder(struct)
         self.encoder = Encoder(struct, outside)
         questions = struct.context.alternatives
-        self.asked = tuple(question for question in questions if question.item in self.plan.alternatives)
+        self.alternatives = tuple(question for question in questions if question.item in self.plan.alternatives)
         #: Whether a program that talks to an encoder decodes it, and encodes it. A simulator does the rest.
         self.decodes = struct.register is not None or struct.layout.sender == "encoder"
         self.encodes = struct.register is not None or not self.decodes
@@ -64,7 +64,7 @@ class StructCodec:
             yield f"{self.name}_position"
         if self.tells_difference:
             yield f"{self.name}_is_expected"
-            yield from (self.expected_macro(field) for field in self.expected if self.is_the_same(field))
+            yield from (self.expected_macro(field) for field in self.expected if self.has_one_value(field))
 
     @property
     def measured(self) -> str:
@@ -112,9 +112,9 @@ class StructCodec:
         about = tuple(about_bits_crc(self.struct.device, crc.crc))
         return BitsCrc(f"{self.name}_crc", crc.crc, crc.covered.constant, unsigned(crc.crc.width), about)
 
-    def asks(self, *expressions: Expression) -> tuple[AlternativeCode, ...]:
+    def alternatives_for(self, *expressions: Expression) -> tuple[AlternativeCode, ...]:
         """Return the alternatives whose answers these expressions need."""
-        return asked(self.asked, *expressions)
+        return alternatives_in(self.alternatives, *expressions)
 
     @property
     def decoder_depends(self) -> bool:
@@ -125,7 +125,7 @@ class StructCodec:
     def encoder_depends(self) -> bool:
         """True if the encoder uses the variant."""
         crc, plan = self.plan.crc, self.plan
-        if self.asked and not plan.depends:
+        if self.alternatives and not plan.depends:
             return False
         return (
             (plan.gray is not None and plan.gray.depends)
@@ -147,13 +147,13 @@ class StructCodec:
         return bool(self.expected or self.struct.unused)
 
     @staticmethod
-    def is_the_same(field: Field) -> bool:
+    def has_one_value(field: Field) -> bool:
         """Return True if the manual states one value for all order codes."""
         return not isinstance(field.equals, Expression) or field.equals.is_constant
 
     @property
     def expected_depends(self) -> bool:
-        return not all(map(self.is_the_same, self.expected))
+        return not all(map(self.has_one_value, self.expected))
 
     def expected_value(self, field: Field) -> str:
         match field.equals:

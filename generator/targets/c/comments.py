@@ -76,4 +76,4 @@ def comment_lines(paragraphs: Sequence[Paragraph] | str) -> str:
 
 def in_comment_lead(text: str) -> str:
     """Make the lead of a paragraph safe for a comment, with its spaces kept."""
-    return "".join(part if part.isspace() else in_comment(part) for part in re.split("( +)", text))
+    return re.sub("[^ ]+", lambda word: in_comment(word[0]), text)

@@ -29,15 +29,12 @@ class Context:
         self.PREFIX = self.prefix.upper()
         open_questions = (alternative for alternative in device.alternatives if not alternative.default)
         self.alternatives = tuple(AlternativeCode(device, self.prefix, question) for question in open_questions)
-        largest_in_registers = {
-            held_parameter.parameter.name: held_parameter.most
-            for group in held_parameters(device)
-            for held_parameter in group.parameters
-        }
-        largest = {
-            parameter.name: max(parameter.largest, largest_in_registers.get(parameter.name, 0))
-            for parameter in device.set_parameters
-        }
+        largest = {parameter.name: parameter.largest for parameter in device.set_parameters}
+        for group in held_parameters(device):
+            for held_parameter in group.parameters:
+                name = held_parameter.parameter.name
+                if name in largest:
+                    largest[name] = max(largest[name], held_parameter.highest_value)
         answers = {name: code.argument for code in self.alternatives for name in code.item.answers[0].sets}
         self.scope = Scope(self.prefix, largest, answers)
         self.enumerations = Enumerations(device, self.prefix)

@@ -7,11 +7,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from ...model import Field, assert_never
 from ...model.record import dataclass
 from ...plan.codec import AlwaysIs, Check, ParityIs, Part, Whole, ZerosAbove, characters, is_plain_flag
-from ...plan.unused import Moved
+from ...plan.unused import ShiftedBits
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
 from ...say.name import words
 from .bits import digits
-from .expr import Call, Cast, Either, Expr, Name, Number, Operation, joined, masked
+from .expr import Call, Cast, Conditional, Expr, Name, Number, Operation, joined, masked
 from .reserved import c_name
 from .structs import Struct
 from .types import unsigned
@@ -71,7 +71,7 @@ class Decoder:
         return Name(c_name(field.name, _LOCALS))
 
     @property
-    def taken(self) -> tuple[Field, ...]:
+    def fields_with_local(self) -> tuple[Field, ...]:
         """The fields that have a local."""
         untaken = self._plain_flags | self._only_reported | self.plan.constants.keys()
         untaken |= {part.field.name for part in self.plan.parts if isinstance(part.meaning, Characters)}
@@ -89,31 +89,31 @@ class Decoder:
         """The checks in order. A parity bit of the selector comes last, since its check covers both."""
         checks = self.plan.checks
         parities = [op for op in checks if isinstance(op, ParityIs)]
-        checked_selectors = {op.selector.name for op in parities if op.known is not None}
+        checked_selectors = {op.selector.name for op in parities if op.known_parity is not None}
         if self.plan.by_word:
             yield from (op for op in checks if isinstance(op, AlwaysIs))
         else:
             yield from (op for op in checks if isinstance(op, ZerosAbove) and op.may_reach)
             yield from _constant_bytes(checks)
-        yield from sorted(parities, key=lambda op: op.known is not None)
+        yield from sorted(parities, key=lambda op: op.known_parity is not None)
         for op in checks:
             if not isinstance(op, (AlwaysIs, ZerosAbove, ParityIs)) and op.field.name not in checked_selectors:
                 yield op
 
-    def is_other(self, op: ParityIs) -> Expr:
+    def is_of_other_frame(self, op: ParityIs) -> Expr:
         """Return the condition that the selector or its parity bit is not that of this frame.
 
         A byte that holds both is compared once.
         """
-        assert op.known is not None
+        assert op.known_parity is not None
         (selected,) = self.plan.layout.selects
         pieces = [
             *((piece, selected) for piece in op.of_bits[0].pieces),
-            *((piece, op.known) for piece in op.bits.pieces),
+            *((piece, op.known_parity) for piece in op.bits.pieces),
         ]
         byte = pieces[0][0].byte if pieces else 0
         if self.plan.by_word or any(piece.byte != byte for piece, _ in pieces):
-            other_parity = Operation("!=", (self.local(op.field), Number(op.known)))
+            other_parity = Operation("!=", (self.local(op.field), Number(op.known_parity)))
             other_value = self.struct.is_none_of(
                 op.selector, self.local(op.selector), self.plan.layout.selects, is_raw=True
             )
@@ -146,16 +146,16 @@ class Decoder:
         for byte in tuple(waiting):
             yield from self._gather_unused(waiting, byte, Name(f"bytes[{byte}]"))
         if unused and (self.plan.by_word or unused.single):
-            yield UnusedAre(unused.gathered)
+            yield UnusedAre(unused.member)
 
-    def _gather_unused(self, waiting: dict[int, Moved], byte: int, bits: Expr) -> Iterator[UnusedIn | UnusedAre]:
+    def _gather_unused(self, waiting: dict[int, ShiftedBits], byte: int, bits: Expr) -> Iterator[UnusedIn | UnusedAre]:
         """Yield the unused bits of a byte, and after the last such byte the whole member."""
         unused, moved = self.struct.unused, waiting.pop(byte)
         if len(unused.moved) > 1:
             yield UnusedIn(unused.at_place(moved, bits), len(waiting) + 1 == len(unused.moved))
             bits = Name("unused")
         if not waiting:
-            yield UnusedAre(unused.told(bits))
+            yield UnusedAre(unused.member_from(bits))
 
     @property
     def _members(self) -> Iterator[FlagsIn | Part | Whole]:
@@ -180,7 +180,7 @@ class Decoder:
                 width = self.struct.scope.of(part.field.width)
                 yield name, Cast(type_, Call("cw_signed", (bits, width)))
             case ZeroMeans(number):
-                yield name, Cast(type_, Either(Operation("==", (bits, Number(0))), Number(number), bits))
+                yield name, Cast(type_, Conditional(Operation("==", (bits, Number(0))), Number(number), bits))
             case Active(low):
                 bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits
                 yield name, Name(Operation("==" if low else "!=", (bit, Number(0))).operand)

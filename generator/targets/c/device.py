@@ -18,7 +18,7 @@ from ...plan.run_time_parameters import held_parameters
 from ...plan.values import TwosComplement
 from ...say.erratum import errata, erratum
 from ...say.evidence import grade
-from ...say.origin import origin, other_editions, taken_away
+from ...say.origin import origin, other_editions, removals
 from ...say.parameter import initial
 from .. import TargetError
 from .access import state_registers
@@ -29,7 +29,7 @@ from .context import Context
 from .crcs import crc_code
 from .facts import AlarmCode
 from .identity import identity_codes
-from .interfaces import Asking, InterfaceCode
+from .interfaces import InterfaceCode, ReplyRequest
 from .lengths import LengthCode
 from .macros import timing_macros
 from .names import Declared, Names
@@ -60,7 +60,7 @@ class Usage:
     verdict: str
     member: str
     request: str
-    asking: Asking | None
+    asking: ReplyRequest | None
     twice: bool
 
 
@@ -210,7 +210,7 @@ class DeviceView:
     @property
     def origin(self) -> list[Paragraph]:
         """Statements about the family that are not in its manual. Most families have none."""
-        statements = (*origin(self.device), *other_editions(self.device), *taken_away(self.device))
+        statements = (*origin(self.device), *other_editions(self.device), *removals(self.device))
         return [S.sentence(statement) for statement in statements]
 
     def documents(self, text: str) -> list[Paragraph]:

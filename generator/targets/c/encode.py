@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 
 from ...model import Field, Piece, assert_never
-from ...plan.codec import Fixed, Given, ParityIs, ParityOf, Term, Turned, Whole, ZerosAbove, characters
+from ...plan.codec import Fixed, ParityIs, ParityOf, ReservedBits, Term, ValueOfField, Whole, ZerosAbove, characters
 from ...plan.refusals import NoPowerOfTwo, OutsideLimits, Refusal, TooWide, refusals
 from ...plan.values import (
     Active,
@@ -19,7 +19,7 @@ from ...plan.values import (
     meaning_of,
     widest_value,
 )
-from .expr import Cast, Either, Expr, Name, Number, Operation, joined, left, masked, right
+from .expr import Cast, Conditional, Expr, Name, Number, Operation, joined, masked, shifted_left, shifted_right
 from .reserved import c_name
 from .structs import Struct
 from .types import size_of, unsigned
@@ -37,7 +37,7 @@ class Encoder:
         self._padded = frozenset(op.field.name for op in self.plan.checks if isinstance(op, ZerosAbove))
         self._reserved = frozenset(op.field.name for op in self.plan.reserved)
 
-    def given(self, field: Field) -> Expr:
+    def member_of(self, field: Field) -> Expr:
         """Return the member of the struct that is encoded."""
         return Name(f"in->{c_name(field.name)}")
 
@@ -45,7 +45,7 @@ class Encoder:
 
     def number(self, field: Field) -> Expr:
         """Return a member as a number, with a cast if it is of an enumeration."""
-        return Cast("uint32_t", self.given(field)) if self.struct.enumeration(field) else self.given(field)
+        return Cast("uint32_t", self.member_of(field)) if self.struct.enumeration(field) else self.member_of(field)
 
     def joined(self, whole: Whole) -> Expr:
         return self.reader.joined(whole, self._bits_in_whole)
@@ -54,20 +54,21 @@ class Encoder:
         """Return the number that a field's runs of digits form."""
         work = unsigned(max(field.widest, 32))
         runs = ((Name(f"in->{c_name(run.name)}"), run.divisor) for run in field.runs)
-        return joined("+", tuple(_multiplied(work, run, divisor) for run, divisor in runs))
+        return joined("+", tuple(_run_product(work, run, divisor) for run, divisor in runs))
 
     # -- the word
 
     @property
     def word(self) -> tuple[Expr, ...]:
-        terms = (op for op in self.plan.terms if not isinstance(op.value, Turned) and not self._is_always_zero(op))
-        return (*map(self._term, terms), *self.struct.unused.in_word)
+        terms = (term for term in self.plan.terms if not isinstance(term.value, ReservedBits))
+        variable_terms = (term for term in terms if not self._is_always_zero(term))
+        return (*map(self._term, variable_terms), *self.struct.unused.in_word)
 
     def _term(self, op: Term) -> Expr:
         value = self._value(op)
         if op.field.low.is_constant and not op.field.low.constant:
             return Cast("uint64_t", value) if isinstance(value, Name) else value
-        return left(Cast("uint64_t", value), self.struct.scope.of(op.field.low))
+        return shifted_left(Cast("uint64_t", value), self.struct.scope.of(op.field.low))
 
     def _value(self, op: Term) -> Expr:
         match op.value:
@@ -79,10 +80,10 @@ class Encoder:
                     parts = [(Cast("uint32_t", parts[0][0]), parts[0][1])]
                 ones = self.reader.parity(parts, mask)
                 return Operation("^", (ones, Number(1))) if odd else ones
-            case Given(field):
+            case ValueOfField(field):
                 return self._bits_of_member(field)
-            case Turned():
-                return self.struct.unused.given(op.field)
+            case ReservedBits():
+                return self.struct.unused.bits_of(op.field)
 
     def _is_always_zero(self, op: Term) -> bool:
         """Return True if none of its bits is ever set."""
@@ -96,15 +97,15 @@ class Encoder:
 
     def _bits_of_member(self, field: Field) -> Expr:
         if field.name in self._reserved:
-            return self.struct.unused.given(field)
-        name = self.given(field)
+            return self.struct.unused.bits_of(field)
+        name = self.member_of(field)
         match meaning_of(field):
             case Active(low):
-                return Either(name, *((Number(0), Number(1)) if low else (Number(1), Number(0))))
+                return Conditional(name, *((Number(0), Number(1)) if low else (Number(1), Number(0))))
             case TwosComplement():
                 return Operation("&", (Cast("uint64_t", name), self.struct.scope.mask(field.width)))
             case ZeroMeans(number):
-                return Either(Operation("==", (name, Number(number))), Number(0), name)
+                return Conditional(Operation("==", (name, Number(number))), Number(0), name)
             case Raw() | Named() | DigitRuns() | Characters():
                 return name
             case never:
@@ -151,19 +152,19 @@ class Encoder:
     def _term_bytes(self, op: Term) -> Iterator[tuple[int, Expr]]:
         """Yield the contributions of a term that is not constant."""
         match op.value:
-            case Turned() | Fixed():
+            case ReservedBits() | Fixed():
                 return
-            case Given(field):
+            case ValueOfField(field):
                 yield from self._given_bytes(op, field)
             case ParityOf():
                 for piece in op.field.pieces:
-                    yield piece.byte, left(right(self._value(op), piece.left), piece.right)
+                    yield piece.byte, shifted_left(shifted_right(self._value(op), piece.left), piece.right)
             case _:
                 assert_never(op.value)
 
     def _given_bytes(self, op: Term, field: Field) -> Iterator[tuple[int, Expr]]:
         """Yield the contributions of a member to its bytes."""
-        name = self.given(field)
+        name = self.member_of(field)
         match meaning_of(field):
             case Characters():
                 for index, byte in characters(field):
@@ -171,7 +172,7 @@ class Encoder:
             case Active(low):
                 for piece in field.pieces:
                     bit, zero = Number(piece.mask << piece.right, hexadecimal=True), Number(0, hexadecimal=True)
-                    yield piece.byte, Either(name, zero, bit) if low else Either(name, bit, zero)
+                    yield piece.byte, Conditional(name, zero, bit) if low else Conditional(name, bit, zero)
             case TwosComplement():
                 # Copies of the sign must not reach the zeros above the field.
                 bits = self._value(op) if field.name in self._padded else Cast("uint64_t", name)
@@ -189,11 +190,11 @@ class Encoder:
 
     def _placed_piece(self, field: Field, piece: Piece, bits: Expr, may_be_wider: bool) -> Expr:
         """Return one piece of the bits of a field, shifted to its place in its byte."""
-        value = right(bits, piece.left)
+        value = shifted_right(bits, piece.left)
         if may_be_wider and piece.mask != 0xFF:
             value = masked(value, piece.mask)
         if piece.right:
-            return left(Cast("uint32_t", value), piece.right)
+            return shifted_left(Cast("uint32_t", value), piece.right)
         is_wide = isinstance(value, Name) and self.struct.type_of(field) != unsigned(8)
         return Cast("uint32_t", value) if is_wide else value
 
@@ -205,7 +206,7 @@ def _as_byte(value: Expr) -> Expr:
     return Cast("uint8_t", value.value if isinstance(value, Cast) and isinstance(value.value, Name) else value)
 
 
-def _multiplied(type_: str, run: Expr, divisor: int) -> Expr:
+def _run_product(type_: str, run: Expr, divisor: int) -> Expr:
     return Operation("*", (Cast(type_, run), Number(divisor))) if divisor > 1 else run
 
 

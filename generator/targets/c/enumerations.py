@@ -11,7 +11,7 @@ from ...model.record import dataclass
 from ...plan.values import Named, meaning_of
 from ...say.field import meaning
 from ...say.name import printed, title, words
-from ...say.text import Said, told
+from ...say.text import Statement, spec_text
 from .comments import Paragraph
 from .names import Declared
 from .style import S
@@ -28,12 +28,12 @@ class Entry:
 class Enumeration:
     """The named values of a field, each with ``digits`` hexadecimal digits. Values too large for an int become macros.
 
-    ``said`` contains the statements about the field that are in its comment.
+    ``statements`` contains the statements about the field that are in its comment.
     """
 
     type: str
     about: Sequence[Paragraph] | str
-    said: tuple[Said, ...]
+    statements: tuple[Statement, ...]
     entries: tuple[Entry, ...]
     digits: int
     path: Path
@@ -98,5 +98,5 @@ class Enumerations:
 
 def _note(value: Value) -> str:
     # Omit a printed name of one word that the constant already has. Keep longer ones, for readers who search for them.
-    about = told(value.meaning) if printed(value).lower() == value.name else meaning(value, value.meaning)
+    about = spec_text(value.meaning) if printed(value).lower() == value.name else meaning(value, value.meaning)
     return S.paragraph(replace(statement, source=value.source) for statement in about) or words(value.name)

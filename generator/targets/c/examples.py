@@ -20,11 +20,12 @@ from ...model import (
     WriteStep,
     assert_never,
     cite,
+    first_of,
     number_to_bytes,
 )
 from ...model.record import dataclass
 from ...plan.codec import Part
-from ...plan.receive_lengths import SSI_AROUND, Received, received
+from ...plan.receive_lengths import SSI_AROUND, FrameSize, received
 from ...plan.steps import Sends
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.name import title, words
@@ -34,7 +35,7 @@ from .alternatives import AlternativeCode
 from .chosen import Chosen, Frame, NoFrame
 from .comments import ascii_text
 from .device import DeviceView
-from .interfaces import Asking
+from .interfaces import ReplyRequest
 from .positions import Positions
 from .procedures import ProcedureCode, Row
 from .reports import FrameReports
@@ -85,17 +86,17 @@ class Memory:
 
 
 @dataclass(frozen=True, slots=True)
-class Printed:
+class PrintedMember:
     """A member with its name, the ``form`` and arguments for ``printf``, and the meanings of its values."""
 
     name: str
     form: str
     arguments: str
-    known: str = ""
+    value_names: str = ""
 
 
 @dataclass(frozen=True, slots=True)
-class Sampled:
+class ReceivedBytes:
     """The bytes received over SPI for the frame, and macros for its length in bits and bytes."""
 
     bits: str
@@ -137,20 +138,20 @@ class ExampleCode:
     # -- the frame
 
     @property
-    def asked(self) -> tuple[AlternativeCode, ...]:
+    def alternatives(self) -> tuple[AlternativeCode, ...]:
         """The alternatives that the user must answer to decode the frame. The program uses the first answers."""
-        codecs = self.view.interface.codecs
-        return next(codec.asked for codec in codecs if codec.struct is self.struct)
+        codecs = (codec for codec in self.view.interface.codecs if codec.struct is self.struct)
+        return first_of(codecs, f"codec for '{self.struct.layout.name}'").alternatives
 
     @property
     def encoder(self) -> str:
         """The first arguments of the decoder."""
-        return ", ".join(("encoder", *(question.constant for question in self.asked)))
+        return ", ".join(("encoder", *(question.constant for question in self.alternatives)))
 
     @property
-    def received(self) -> list[Received]:
+    def received(self) -> list[FrameSize]:
         """The lengths of the frame as received, by order code."""
-        answers = [question.item.answers[0] for question in self.asked]
+        answers = [question.item.answers[0] for question in self.alternatives]
         received_frames = received(self.view.device, self.interface)
         of_layout = (frame for frame in received_frames if frame.layout is self.frame.layout)
         return [frame for frame in of_layout if _has_only_answers(frame, answers)]
@@ -167,7 +168,9 @@ class ExampleCode:
     @property
     def struct(self) -> Struct:
         """The struct of the frame."""
-        return next(codec.struct for codec in self.view.interface.codecs if codec.struct.layout is self.frame.layout)
+        structs = (codec.struct for codec in self.view.interface.codecs)
+        own_structs = (struct for struct in structs if struct.layout is self.frame.layout)
+        return first_of(own_structs, f"struct for '{self.frame.layout.name}'")
 
     @property
     def reports(self) -> FrameReports | None:
@@ -175,7 +178,7 @@ class ExampleCode:
         return self.view.reports.of(self.frame.layout, self.struct.name, self.struct.type)
 
     @property
-    def worth(self) -> tuple[str, ...]:
+    def verdict_words(self) -> tuple[str, ...]:
         """The verdicts in words, ordered by number."""
         return tuple(WORTH[verdict] for verdict in Verdict)
 
@@ -188,7 +191,7 @@ class ExampleCode:
         return number_to_bytes(layout, self.frame.wire, layout.place(self._chosen.variant.parameters).bits)
 
     @property
-    def raw(self) -> Sampled | None:
+    def raw(self) -> ReceivedBytes | None:
         """The data line of SSI: high until the first clock has stored the position, the word, and the 0 after it."""
         received_frame = next(
             (candidate for candidate in self.received if candidate.variant is self._chosen.variant), None
@@ -198,7 +201,7 @@ class ExampleCode:
         bits, size = (macro.name for macro in self.view.lengths.macros_of(received_frame))
         around = (1 << received_frame.bits | self.frame.wire) << 1
         unused_bits = 8 * received_frame.bytes - received_frame.bits - SSI_AROUND
-        return Sampled(bits, size, (around << unused_bits).to_bytes(received_frame.bytes, "big"))
+        return ReceivedBytes(bits, size, (around << unused_bits).to_bytes(received_frame.bytes, "big"))
 
     @property
     def session(self) -> Session | None:
@@ -211,7 +214,8 @@ class ExampleCode:
         if exchange is None:
             return None
         structs = (codec.struct for codec in self.view.interface.codecs)
-        request = next(struct for struct in structs if struct.layout.name == exchange.request)
+        requests = (struct for struct in structs if struct.layout.name == exchange.request)
+        request = first_of(requests, f"struct for '{exchange.request}'")
         bits = self.frame.layout.place(self._chosen.variant.parameters).bits
         data = self.frame.wire.to_bytes((bits + 7) // 8, "big")
         macro = f"{self.view.PREFIX}_REQUEST_{exchange.request}".upper()
@@ -219,7 +223,7 @@ class ExampleCode:
         return Session(request, initial, macro, data, (request.layout.widest + 7) // 8)
 
     @property
-    def asking(self) -> Asking | None:
+    def asking(self) -> ReplyRequest | None:
         """The request frame over RS-485 that the frame answers, or None if the request has only a control field."""
         placed = self.frame.layout.place(self._chosen.variant.parameters)
         numbers = (field for field in placed.fields if isinstance(meaning_of(field.field), Raw))
@@ -318,7 +322,8 @@ class ExampleCode:
         if self._chosen.procedure is None:
             return None
         procedure, example = self._chosen.procedure
-        code = next(candidate for candidate in self.view.procedures if candidate.run.procedure is procedure)
+        candidates = (code for code in self.view.procedures if code.run.procedure is procedure)
+        code = first_of(candidates, f"code for the procedure '{procedure.name}'")
         values: dict[str, int] = {}
         if example is not None:
             values = {argument.name: example.arguments[argument.name] for argument in procedure.arguments}
@@ -329,7 +334,8 @@ class ExampleCode:
 
     def _read(self, register: Register) -> ShownRegister:
         _, example = self._chosen.registers[register.name]
-        code = next(candidate for candidate in self.view.registers if candidate.register is register)
+        candidates = (code for code in self.view.registers if code.register is register)
+        code = first_of(candidates, f"code for the register '{register.name}'")
         heading = f"{ascii_text(title(register))} {register.address:02X}h"
         about = f"a worked example [{cite(example.source)}]"
         return ShownRegister(heading, c_name(register.name, _TAKEN), about, code.access, code.struct)
@@ -345,18 +351,18 @@ class ExampleCode:
             else:
                 yield Memory(register.address, example.bytes, title(register))
 
-    def printed(self, part: Part, variable: str) -> Iterator[Printed]:
+    def printed(self, part: Part, variable: str) -> Iterator[PrintedMember]:
         """Yield the members of a part of a struct as ``printf`` shows them."""
         member = f"{variable}.{c_name(part.field.name)}"
         match part.meaning:
             case Characters():
-                yield Printed(part.field.name, "%.*s", f"(int)sizeof({member}), {member}")
+                yield PrintedMember(part.field.name, "%.*s", f"(int)sizeof({member}), {member}")
             case Active():
-                yield Printed(part.field.name, "%s", f'{member} ? "yes" : "no"')
+                yield PrintedMember(part.field.name, "%s", f'{member} ? "yes" : "no"')
             case TwosComplement():
-                yield Printed(part.field.name, "%lld", f"(long long){member}")
+                yield PrintedMember(part.field.name, "%lld", f"(long long){member}")
             case Named(values):
-                yield replace(self.number(part.field.name, variable), known=_value_meanings(values))
+                yield replace(self.number(part.field.name, variable), value_names=_value_meanings(values))
             case DigitRuns(runs):
                 names = (part.field.name, *(run.name for run in runs))
                 yield from (self.number(name, variable) for name in names)
@@ -366,12 +372,12 @@ class ExampleCode:
                 assert_never(never)
 
     @staticmethod
-    def number(name: str, variable: str) -> Printed:
+    def number(name: str, variable: str) -> PrintedMember:
         """Return an unsigned member as ``printf`` shows it."""
-        return Printed(name, "%llu", f"(unsigned long long){variable}.{c_name(name)}")
+        return PrintedMember(name, "%llu", f"(unsigned long long){variable}.{c_name(name)}")
 
 
-def _has_only_answers(frame: Received, answers: Sequence[Answer]) -> bool:
+def _has_only_answers(frame: FrameSize, answers: Sequence[Answer]) -> bool:
     """Return True if the length of a frame depends on no other answers than these."""
     return all(answer in answers for answer in frame.answers)
 

@@ -85,7 +85,7 @@ class Operation(Expr):
 
 
 @dataclass(frozen=True, slots=True)
-class Either(Expr):
+class Conditional(Expr):
     """One of two values: the first if the condition holds."""
 
     condition: Expr
@@ -100,12 +100,12 @@ class Either(Expr):
         return f"({self})"
 
 
-def right(value: Expr, by: int) -> Expr:
+def shifted_right(value: Expr, by: int) -> Expr:
     """Return ``value`` shifted to the right, unless by 0."""
     return Operation(">>", (value, Number(by))) if by else value
 
 
-def left(value: Expr, by: int | Expr) -> Expr:
+def shifted_left(value: Expr, by: int | Expr) -> Expr:
     """Return ``value`` shifted to the left, unless by 0."""
     if not by:
         return value

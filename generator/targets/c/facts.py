@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...model import Alarm, Device
+from ...model import Alarm, Device, member_named
 from .about import about_alarm
 from .context import Context
 from .macros import Macro
@@ -37,7 +37,7 @@ def _mask(device: Device, alarm: Alarm) -> tuple[int, str]:
     frame_field = next(candidates, None)
     if alarm.group and frame_field is not None and len(frame_field.pieces) == 1:
         piece = frame_field.pieces[0]
-        group = next(group for group in device.field_groups if group.name == alarm.group)
+        group = member_named(device.field_groups, alarm.group, "field group")
         note = "in its byte" if group.bits > 8 else ""
         return piece.mask << piece.right, note
     if not alarm.register:

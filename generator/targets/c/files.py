@@ -14,7 +14,7 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import Annotated, TypedDict
 
-from ...loading.named import UnknownName, narrowed
+from ...loading.named import UnknownName, narrowed_to
 from ...model import Device, Manufacturer
 from ...render import Templates, our_templates
 from ...say.lines import plain
@@ -24,7 +24,7 @@ from .assumptions import TEMPLATE, Assumptions, assumptions_files
 from .device import DeviceView, Part, views_of
 from .examples import ExampleCode
 from .filters import FILTERS, TESTS
-from .lines import documented, laid_out
+from .lines import break_lines, documented
 from .names import called, clashes
 from .package import FILES, FOUND_BY_NAME, Named, Package, own_programs, package_files
 from .receivers import ReceiverCode
@@ -67,7 +67,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return the headers, their README, examples, self-test and package files, by path."""
     files: dict[str, str] = {}
     try:
-        devices = narrowed(library.devices, options.get(ONLY.name, ""))
+        devices = narrowed_to(library.devices, options.get(ONLY.name, ""))
     except UnknownName as error:
         raise OptionError(f"c.{ONLY.name}: {error}") from None
     for device in devices:
@@ -130,8 +130,8 @@ def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, str]]:
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:
     text = TEMPLATES.render(template, values, library.own_templates)
     if template.endswith((".h.jinja", ".hpp.jinja")):
-        return documented(laid_out(text))
-    return laid_out(text) if template.endswith((".c.jinja", ".ino.jinja")) else text
+        return documented(break_lines(text))
+    return break_lines(text) if template.endswith((".c.jinja", ".ino.jinja")) else text
 
 
 def _json(value: object) -> str:

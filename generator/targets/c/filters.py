@@ -21,7 +21,7 @@ from .bits import digits
 from .comments import comment, comment_lines, in_comment
 from .decode import ByteIs, FlagsIn, UnusedAre, UnusedIn
 from .folds import FoldOperation
-from .lines import beside, in_lines, literals
+from .lines import end_comment, in_lines, literals
 from .positions import Positions
 from .procedures import FilledRows
 from .reserved import c_name
@@ -40,7 +40,7 @@ def _hex(value: int, digits: int = 2) -> str:
     return number(value, hexadecimal=True, digits=digits)
 
 
-def _never(op: object) -> NoReturn:
+def _refuse_operation(op: object) -> NoReturn:
     """Refuse an operation for which a template has no case."""
     raise AssertionError(f"no case for {op!r}")
 
@@ -67,7 +67,7 @@ def _bytes(count: int) -> str:
 
 FILTERS: dict[str, Callable[..., object]] = {
     "addresses": addresses,
-    "beside": beside,
+    "end_comment": end_comment,
     "bytes": _bytes,
     "c_name": c_name,
     "comment": comment,
@@ -80,7 +80,7 @@ FILTERS: dict[str, Callable[..., object]] = {
     "literals": literals,
     "mask": mask,
     "md": _md,
-    "never": _never,
+    "never": _refuse_operation,
     "number": number,
     "made_of": _made_of,
     "place": place,

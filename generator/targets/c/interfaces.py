@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
-from ...model import Biss, CableLength, Clock, Interface, Layout, Port, Rs485, Spi, Timeout, WordFormat, cite
+from ...model import Biss, CableLength, Clock, Interface, Layout, Port, Rs485, Spi, Timeout, WordFormat, cite, first_of
 from ...model.record import dataclass
 from ...plan.frames import Branch, Dispatch, dispatches
 from ...plan.replies import Exchanged, answer, exchanges
@@ -13,7 +13,7 @@ from ...say.erratum import errata, erratum
 from ...say.interface import control_field, data_id, exchange, settings
 from ...say.interface import interface as said_of
 from ...say.name import title
-from ...say.text import Said
+from ...say.text import Statement
 from ...say.timing import timing
 from .about import about_layout
 from .bits import of_bytes
@@ -55,7 +55,7 @@ class FrameTeller:
 
 
 @dataclass(frozen=True, slots=True)
-class Asking:
+class ReplyRequest:
     """Request for a reply: its initial value, the function that receives the reply, and a time-out.
 
     ``repeated`` are the numbers that the reply repeats, such as an address. The time-out is the time that both take on
@@ -79,7 +79,7 @@ class InterfaceCode:
         self.cable = [fact for fact in interface.facts() if isinstance(fact, CableLength)]
         self.timeout = interface.timeout if isinstance(interface, Biss) else None
         #: Statements that are comments on macros.
-        self._macro_statements: list[Said] = []
+        self._macro_statements: list[Statement] = []
         self.macros = tuple(self._macros())
         self.controls = tuple(self._controls())
         self.about = list(self._about())
@@ -122,24 +122,26 @@ class InterfaceCode:
                 return f"{self.upper}_CONTROL_{request.name}".upper()
         return ""
 
-    def asking(self, reply: Layout, values: Mapping[str, int] = MappingProxyType({})) -> Asking | None:
+    def asking(self, reply: Layout, values: Mapping[str, int] = MappingProxyType({})) -> ReplyRequest | None:
         """Return the request whose reply is a frame in bytes, with the given numbers in its fields, or None."""
         matching = (exchanged for exchanged in exchanges(self.interface) if exchanged.reply is reply and reply.in_bytes)
         exchanged = next(matching, None)
         port = next((fact for fact in self.interface.facts() if isinstance(fact, Port)), None)
         if exchanged is None or port is None:
             return None
-        codec = next(candidate for candidate in self.codecs if candidate.struct.layout is exchanged.request)
+        candidates = (candidate for candidate in self.codecs if candidate.struct.layout is exchanged.request)
+        codec = first_of(candidates, f"codec for '{exchanged.request.name}'")
         bits = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
         size = (exchanged.request.widest + reply.widest) // 8
-        parameters = next(variant.parameters for variant in self.device.variants_over(self.interface.name))
+        variants = self.device.variants_over(self.interface.name)
+        parameters = first_of(variants, f"order code with the interface '{self.interface.name}'").parameters
         initial = codec.struct.initial(parameters, values)
         answered = set(_member_names(reply))
         names = [name for name in _member_names(exchanged.request) if name in answered]
         # C does not compare texts by !=.
         repeated = tuple(c_name(name) for name in names if codec.struct.member_type(name) != "char")
         line_us = -(-1_000_000 * size * bits // port.baud)
-        return Asking(
+        return ReplyRequest(
             codec=codec,
             initial=initial,
             take=_take_function(exchanged),
@@ -196,8 +198,8 @@ class InterfaceCode:
             return 0
         return 500_000_000 * (timeout.half_clock_periods or 0)
 
-    def _macro(self, name: str, value: int, about: Said | str = "", hexadecimal: bool = False) -> Macro:
-        if isinstance(about, Said):
+    def _macro(self, name: str, value: int, about: Statement | str = "", hexadecimal: bool = False) -> Macro:
+        if isinstance(about, Statement):
             self._macro_statements.append(about)
         note = about if isinstance(about, str) else S.sentence(about)
         return Macro(f"{self.upper}_{name}".upper(), number(value, hexadecimal), note)
@@ -228,7 +230,7 @@ class InterfaceCode:
             self._macro_statements.append(timing(time))
             yield from timing_macros(time, self.upper)
 
-    def _clock(self, clock: Clock, about: Said) -> Iterator[Macro]:
+    def _clock(self, clock: Clock, about: Statement) -> Iterator[Macro]:
         """Yield the limits, and the fastest clock in use. The first macro has the comment on all of them."""
         numbers = (
             ("MIN", clock.min_hz, "lowest clock in Hz"),
@@ -239,7 +241,7 @@ class InterfaceCode:
         for index, (name, hz, note) in enumerate(stated):
             yield self._macro(f"CLOCK_{name}_HZ", hz, note if index else about)
 
-    def _port(self, port: Port, about: Said) -> Iterator[Macro]:
+    def _port(self, port: Port, about: Statement) -> Iterator[Macro]:
         yield self._macro("BAUD", port.baud, about)
         yield self._macro("DATA_BITS", port.data_bits, "number of data bits")
         yield Macro(f"{self.upper}_PARITY", _PARITIES[port.parity], f"parity: {port.parity}")
@@ -252,7 +254,7 @@ class InterfaceCode:
                 name = f"CONTROL_{field.name}_{value.name}"
                 yield self._macro(name, value.value, f"{title(field)}: {title(value)}", hexadecimal=True)
 
-    def _timeout(self, timeout: Timeout, about: Said) -> Iterator[Macro]:
+    def _timeout(self, timeout: Timeout, about: Statement) -> Iterator[Macro]:
         numbers = [("TYPICAL", timeout.typical_ns), ("AT_MOST", timeout.at_most_ns)]
         if timeout.half_clock_periods is None:
             numbers += [(f"AT_{printed.clock_hz}_HZ", printed.timeout_ns) for printed in timeout.printed]

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from copy import copy
 
 from ...model import Biss, Device, Interface, Layout
-from ...plan.receive_lengths import BISS_ACKNOWLEDGE, Received, received
+from ...plan.receive_lengths import BISS_ACKNOWLEDGE, FrameSize, received
 from ...say.parameter import initial
 from ...say.words import hertz, nanoseconds, timeout_words
 from .context import Context
@@ -35,7 +35,7 @@ class LengthCode:
         kinds = sorted({frame.layout.in_bytes for frame in received_frames})
         self.receivers = " and ".join(names[in_bytes] for in_bytes in kinds)
         self._context = context
-        self.held = any(frame.held for frame in received_frames)
+        self.depends_on_registers = any(frame.depends_on_registers for frame in received_frames)
         #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
         self.register_access = "".join(_register_access(context.device, interface, received_frames))
@@ -55,7 +55,7 @@ class LengthCode:
         code = self.code_of(self._shown) if self._shown is not None else ""
         return f"For example, code can be {code}, as in {self._prefix}{code}_BITS."
 
-    def of(self, layout: Layout) -> LengthCode:
+    def for_layout(self, layout: Layout) -> LengthCode:
         """Return the same for one frame. Of an interface, some frames may be words, and others bytes."""
         of_layout = copy(self)
         of_layout.length = self._context.length_macro(layout) if layout.in_bytes else ""
@@ -65,15 +65,15 @@ class LengthCode:
         """Declare the variable that receives a frame, or an array of them."""
         return f"uint8_t bytes{index}[{self.length}]" if self.length else f"uint64_t word{index}"
 
-    def into(self, index: str = "") -> str:
+    def receiver_argument(self, index: str = "") -> str:
         """Return the last argument of a receiver that fills this variable."""
         return f"bytes{index}" if self.length else f"&word{index}"
 
-    def given(self, index: str = "") -> str:
+    def decoder_arguments(self, index: str = "") -> str:
         """Return the arguments of a decoder that takes this variable."""
         return f"bytes{index}, {self.length}" if self.length else f"word{index}"
 
-    def code_of(self, frame: Received) -> str:
+    def code_of(self, frame: FrameSize) -> str:
         """Return the name of an order code in names of lengths, with the answers on which these depend."""
         names = [frame.layout.name] if len(self.layouts) > 1 else []
         return "_".join((self._codes[id(frame.variant)], *names, *(answer.name for answer in frame.answers))).upper()
@@ -82,20 +82,20 @@ class LengthCode:
         names = (*(macro.name for macro in self.macros), self.receive)
         yield from ((name, ("interfaces", self.interface.name)) for name in names if name)
 
-    def macros_of(self, frame: Received) -> Iterator[Macro]:
+    def macros_of(self, frame: FrameSize) -> Iterator[Macro]:
         """Yield the macros of the number of bits and of the bytes of a buffer."""
         stem = f"{self._prefix}{self.code_of(frame)}"
         yield Macro(f"{stem}_BITS", number(frame.bits), "number of bits in its frame")
         yield Macro(f"{stem}_RX_BYTES", number(frame.bytes), "number of bytes in its buffer")
 
 
-def _register_access(device: Device, interface: Interface, frames: Sequence[Received]) -> Iterator[str]:
+def _register_access(device: Device, interface: Interface, frames: Sequence[FrameSize]) -> Iterator[str]:
     """Yield the deadlines for the control bit of a master, with the numbers of the family, if the interface is BiSS."""
     if not isinstance(interface, Biss) or not frames:
         return
     bits, clock = min(frame.bits for frame in frames), interface.clock
     after = f"{bits} clock periods after its CDS"
-    depends_on_registers = any(frame.held for frame in frames)
+    depends_on_registers = any(frame.depends_on_registers for frame in frames)
     after = f"{after} with {initial(device)}" if depends_on_registers else f"at least {after}"
     limits = [hz for hz in (clock.max_hz, clock.min_hz) if hz is not None]
     clocks = limits or [clock.fastest_hz]

@@ -20,8 +20,8 @@ _BEHIND = re.compile(r"^(\s*[A-Za-z#](?:(?!/\*).)*) /\* (?=[^*]*\*/$)")
 _OPEN = ("(", " =", " |")
 
 
-def beside(note: object) -> str:
-    """Return a comment for the end of a line. ``laid_out`` moves it above the line if the line gets too long."""
+def end_comment(note: object) -> str:
+    """Return a comment for the end of a line. ``break_lines`` moves it above the line if the line gets too long."""
     safe_note = in_comment(note)
     return f" /* {safe_note} */" if safe_note else ""
 
@@ -82,7 +82,7 @@ def _one_or_more(line: str) -> Iterator[str]:
     yield f"{margin} */"
 
 
-def laid_out(text: str) -> str:
+def break_lines(text: str) -> str:
     """Break the long lines of a file, except comments, macros and initialisers, which stay unchanged."""
     lines: list[str] = []
     in_comment = False
@@ -120,13 +120,13 @@ def _broken_line(line: str, margin: str, hang: str) -> Sequence[str]:
         first, mark, _ = without_strings.partition(" = ")
     at = len(first) + len(mark)
     twice = [margin + line[: at - 1], hang + line[at:]]
-    if mark and " | " not in without_strings and _fit(twice):
+    if mark and " | " not in without_strings and _all_fit(twice):
         return twice
     lines = _split(line, without_strings, margin, hang, _CONDITIONS)
-    return lines if _fit(lines) else _split(line, without_strings, margin, hang, _ANYWHERE)
+    return lines if _all_fit(lines) else _split(line, without_strings, margin, hang, _ANYWHERE)
 
 
-def _fit(lines: Sequence[str]) -> bool:
+def _all_fit(lines: Sequence[str]) -> bool:
     return max(map(len, lines)) <= COLUMNS
 
 

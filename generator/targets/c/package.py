@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Biss, Manufacturer
+from ...model import Biss, Manufacturer, first_of
 from ...model.record import dataclass
 from .. import main_manufacturer, manufacturers
 from .comments import ascii_text
@@ -68,13 +68,14 @@ def package_files(views: Sequence[DeviceView], tests: Iterable[str], render: Ren
     programs_of_views: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
     makers = manufacturers(view.device for view in views)
     main = main_manufacturer(makers)
-    namespace = main.name if main else "-".join(maker.name for maker in makers)
+    maker_names = [maker.name for maker in makers]
+    namespace = main.name if main else "-".join(maker_names)
     names = [_package_names(maker.name, [maker]) for maker in makers]
     procedures = [procedure for view in views for procedure in view.procedures if procedure.arguments]
     family_headers = [header for view in views for header in (*view.headers, view.cpp_header)]
     values: Package = {
         **_package_names(namespace, makers),
-        "makers": [maker.name for maker in makers],
+        "makers": maker_names,
         "others": [maker.name for maker in makers if maker is not main],
         "guide": guide(programs),
         "families": list(dict.fromkeys(view.device.name for view in views)),
@@ -101,7 +102,7 @@ def _package_names(namespace: str, makers: Sequence[Manufacturer]) -> Named:
         "namespace": namespace,
         "option": package.replace("-", "_").upper(),
         "version": max((maker.version for maker in makers), key=_version_numbers),
-        "title": bare(f"Headers for encoders by {' and '.join(maker.title for maker in makers)}"),
+        "title": without_special_characters(f"Headers for encoders by {' and '.join(maker.title for maker in makers)}"),
     }
 
 
@@ -145,14 +146,17 @@ class Guide:
     @property
     def bits(self) -> str:
         """The macro of the length of its frame, for a receiver."""
-        received = next(frame for frame in self.example.received if frame.variant is self.example.row.variant)
-        return next(self.example.view.lengths.macros_of(received)).name
+        variant = self.example.row.variant
+        frames = (frame for frame in self.example.received if frame.variant is variant)
+        macros = self.example.view.lengths.macros_of(first_of(frames, f"frame received from {variant.code}"))
+        return first_of(macros, f"macro for the length of the frames of {variant.code}").name
 
     @property
     def number(self) -> str:
         """The position or else the first number of the frame, by its name in the spec."""
         plan = self.example.struct.plan
-        field_names = [*(whole.join.name for whole in plan.wholes), *(part.field.name for part in plan.parts)]
+        field_names = [whole.join.name for whole in plan.wholes]
+        field_names += [part.field.name for part in plan.parts]
         positions = (name for name in field_names if c_name(name) == self.example.counts)
         return next(positions, field_names[0] if field_names else "no_data")
 
@@ -198,6 +202,6 @@ def _version_numbers(version: str) -> tuple[int, ...]:
     return tuple(map(int, version.split(".")))
 
 
-def bare(text: str) -> str:
+def without_special_characters(text: str) -> str:
     """Remove from ``text`` all characters that are special to CMake, Kconfig or pkg-config."""
     return " ".join(re.sub(r"[^A-Za-z0-9 .,:/+&-]+", " ", ascii_text(text)).split())

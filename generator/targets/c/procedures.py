@@ -11,14 +11,14 @@ from ...plan.steps import (
     ArgumentRefusal,
     AsMember,
     AsNumber,
-    Beyond,
-    Given,
+    CheckedArgument,
+    FixedNumber,
     InField,
     Operation,
+    OutsideArgumentLimits,
     Polls,
     Reads,
     Sends,
-    Stated,
     Undecodable,
     Verifies,
     Waits,
@@ -30,7 +30,7 @@ from .. import TargetError
 from .about import about_argument, about_procedure, about_run, note_of_read, note_of_step
 from .comments import Paragraph
 from .context import Context
-from .expr import Cast, Expr, Name, Number, left, masked, right
+from .expr import Cast, Expr, Name, Number, masked, shifted_left, shifted_right
 from .names import Declared
 from .registers import RegisterCode
 from .reserved import c_name
@@ -62,7 +62,7 @@ class Row:
 
 
 @dataclass(frozen=True, slots=True)
-class Filled:
+class FilledRegister:
     """The local variables of a register that takes an argument: ``local`` for its struct, ``bytes`` for its bytes."""
 
     code: RegisterCode
@@ -93,7 +93,7 @@ class FilledRows:
 
     at: int
     kind: str
-    filled: Filled
+    filled: FilledRegister
     note: str
 
 
@@ -101,7 +101,7 @@ class FilledRows:
 class ArgumentCode:
     """An argument, its comment, and the reasons to refuse it."""
 
-    given: Given
+    checked: CheckedArgument
     type: str
     name: str
     about: str
@@ -143,7 +143,7 @@ class ProcedureCode:
         self.whole_about = [*self.about, *about_run(context.device, run, read_state), *self._parameters()]
 
     @property
-    def filled(self) -> list[Filled]:
+    def filled(self) -> list[FilledRegister]:
         return list(self._filled.values())
 
     @property
@@ -160,27 +160,28 @@ class ProcedureCode:
         return list(self._wholes.values())
 
     def whole(self, argument: ArgumentCode, register: Register) -> Whole:
-        return self._wholes[argument.given.argument.name, register.name]
+        return self._wholes[argument.checked.argument.name, register.name]
 
     @property
     def variant(self) -> str:
         """The variant that functions receive, which is a copy if limits depend on values written earlier."""
         return "&written" if self._teaching else "variant"
 
-    def taker(self, written: Filled | Whole) -> str:
+    def taker(self, written: FilledRegister | Whole) -> str:
         """Return the function that updates the copy from written bytes, or an empty text if no limit needs it."""
         name = written.code.register.name
         return f"{self.context.prefix}_take_{name}" if name in self._teaching else ""
 
     def is_late(self, refusal: ArgumentRefusal) -> bool:
         """Return True if it must be checked after the copy was updated."""
-        varies = isinstance(refusal, Beyond) and any(not bound.is_constant for _, bound in refusal.limits.binding)
-        return varies and bool(self._teaching)
+        if not self._teaching or not isinstance(refusal, OutsideArgumentLimits):
+            return False
+        return any(not bound.is_constant for _, bound in refusal.limits.binding)
 
     @property
     def needs_variant(self) -> bool:
         refusals = [refusal for argument in self.arguments for refusal in argument.refusals]
-        limits = (refusal.limits for refusal in refusals if isinstance(refusal, Beyond))
+        limits = (refusal.limits for refusal in refusals if isinstance(refusal, OutsideArgumentLimits))
         decoded = any(isinstance(refusal, Undecodable) for refusal in refusals)
         varying = any(not bound.is_constant for limit in limits for _, bound in limit.binding)
         return bool(self._filled) or decoded or varying or bool(self._teaching)
@@ -201,13 +202,13 @@ class ProcedureCode:
 
     # -- arguments
 
-    def _argument(self, parameter: Given) -> ArgumentCode:
+    def _argument(self, parameter: CheckedArgument) -> ArgumentCode:
         refusals = list(parameter.refusals)
         for write in parameter.written:
             refusals += self._byte_refusals(write)
         distinct = [refusal for index, refusal in enumerate(refusals) if refusal not in refusals[:index]]
         return ArgumentCode(
-            given=parameter,
+            checked=parameter,
             type=self._argument_type(parameter.written[0]),
             name=self._names[parameter.argument.name],
             about=about_argument(self.context.device, parameter.argument),
@@ -228,12 +229,12 @@ class ProcedureCode:
                 return unsigned(field.widest)
             case AsMember(member=member) if not self.registers[write.register.name].is_plain:
                 return self.registers[write.register.name].struct.member_type(member)
-            case AsMember() | AsNumber() | Stated():
+            case AsMember() | AsNumber() | FixedNumber():
                 return unsigned(8 * write.register.length)
             case _:
                 assert_never(write.value)
 
-    def _structs_to_fill(self) -> Iterator[tuple[tuple[str, str], Filled]]:
+    def _structs_to_fill(self) -> Iterator[tuple[tuple[str, str], FilledRegister]]:
         """Yield the structs that take arguments, by argument and register."""
         for parameter in self.run.arguments:
             argument = parameter.argument.name
@@ -244,7 +245,7 @@ class ProcedureCode:
                 stem = argument if index == 0 else f"{argument}_{register}"
                 yield (
                     (argument, register),
-                    Filled(
+                    FilledRegister(
                         code=self.registers[register],
                         argument=self._names[argument],
                         member=member,
@@ -313,7 +314,7 @@ class ProcedureCode:
             more=op.register.is_accessed_whole and piece.byte > 0,
         )
 
-    def _read_back(self, at: int, step: Verifies, filled: Filled, note: str) -> Iterator[Row | FilledRows]:
+    def _read_back(self, at: int, step: Verifies, filled: FilledRegister, note: str) -> Iterator[Row | FilledRows]:
         """Yield one row for all bytes if every bit of them counts, else one row per byte."""
         if step.pieces == step.write.pieces:
             yield FilledRows(at, "verify", filled, note)
@@ -322,7 +323,7 @@ class ProcedureCode:
             value = _ZERO if not piece.mask else masked(Name(f"{filled.bytes}[{piece.byte}]"), piece.mask)
             yield self._row(at + index, step, "" if index else note, piece, value)
 
-    def _filled_by(self, step: Writes | Reads | Polls | Verifies) -> Filled | None:
+    def _filled_by(self, step: Writes | Reads | Polls | Verifies) -> FilledRegister | None:
         write = step.write if isinstance(step, Verifies) else step
         if isinstance(write, Writes) and isinstance(write.value, AsMember):
             return self._filled.get((write.value.argument.name, write.register.name))
@@ -333,13 +334,13 @@ class ProcedureCode:
         if isinstance(step, Reads) or not piece.mask:
             return _ZERO
         write = step.write if isinstance(step, Verifies) else step
-        value = Stated(write.step.value) if isinstance(write, Polls) else write.value
-        if isinstance(value, Stated):
+        value = FixedNumber(write.step.value) if isinstance(write, Polls) else write.value
+        if isinstance(value, FixedNumber):
             return Number((value.number >> piece.left & piece.mask) << piece.right, hexadecimal=True)
-        bits = right(Name(self._names[value.argument.name]), piece.left)
+        bits = shifted_right(Name(self._names[value.argument.name]), piece.left)
         if isinstance(value, AsNumber) and len(step.pieces) == 1 and piece.mask == 0xFF:
             return bits
-        return Cast("uint8_t", left(masked(bits, piece.mask), piece.right) if piece.mask != 0xFF else bits)
+        return Cast("uint8_t", shifted_left(masked(bits, piece.mask), piece.right) if piece.mask != 0xFF else bits)
 
     def _read_members(self) -> Iterator[ReadMember]:
         names: list[str] = []
@@ -349,10 +350,12 @@ class ProcedureCode:
             stem = read.register.name
             if length != read.register.length and read.field is not None:
                 stem += f"_{read.field.name}"
-            base = c_name(stem)
-            numbered = (f"{base}_{number}" for number in range(2, len(names) + 3))
-            names.append(next(name for name in (base, *numbered) if name not in names))
-            yield ReadMember(names[-1], first, length, note_of_read(self.context.device, read))
+            base = name = c_name(stem)
+            for number in range(2, len(names) + 2):
+                if name in names:
+                    name = f"{base}_{number}"
+            names.append(name)
+            yield ReadMember(name, first, length, note_of_read(self.context.device, read))
             first += length
 
 

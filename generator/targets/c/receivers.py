@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from ...model import Biss
+from ...model import Biss, first_of
 from .examples import ExampleCode
 from .variants import CodeRow
 
@@ -21,10 +21,13 @@ class ReceiverCode:
         self.member = example.counts
         self.is_signed = example.is_signed(example.counts)
         self.longest = max(example.received, key=lambda frame: frame.bits)
-        rows = view.variants.rows
-        self.row: CodeRow = next(row for row in rows if row.variant is self.longest.variant)
+        variant = self.longest.variant
+        rows = (row for row in view.variants.rows if row.variant is variant)
+        self.row: CodeRow = first_of(rows, f"row for {variant.code}")
         self.bits, self.size = (macro.name for macro in view.lengths.macros_of(self.longest))
-        self.receive = f"{view.lengths.receive}({view.lengths.code_of(self.longest)}, rx, {view.lengths.into()})"
+        self.receive = (
+            f"{view.lengths.receive}({view.lengths.code_of(self.longest)}, rx, {view.lengths.receiver_argument()})"
+        )
         self.modulus = example.modulus
 
 

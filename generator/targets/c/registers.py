@@ -35,7 +35,7 @@ class Bounds:
 
 
 @dataclass(frozen=True, slots=True)
-class Explained:
+class ExplainingBits:
     """The bits of a register that give the reason why a field of another one is set."""
 
     name: str
@@ -146,7 +146,7 @@ class RegisterCode:
     def moving(self) -> tuple[Field, ...]:
         return tuple(field for field in self._with_masks if field not in self.masked)
 
-    def _explained(self) -> Iterator[Explained]:
+    def _explained(self) -> Iterator[ExplainingBits]:
         for field in self.layout.fields:
             bits: dict[str, int] = {}
             for place in field.explained_by:
@@ -154,7 +154,9 @@ class RegisterCode:
                 explaining_field = self.device.register(name).layout.field(bit)
                 bits[name] = bits.get(name, 0) | explaining_field.mask_in_place
             for name, mask in bits.items():
-                yield Explained(f"{self.stem}_{field.name}_IN_{name}".upper(), mask, title(self.device.register(name)))
+                yield ExplainingBits(
+                    f"{self.stem}_{field.name}_IN_{name}".upper(), mask, title(self.device.register(name))
+                )
 
     # -- limits
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from ...language.problems import Path
-from ...model import Device, Layout, Verdict, cite
+from ...model import Device, Layout, Verdict, cite, first_of
 from ...plan.codec import Part, Reserved
 from ...plan.reports import Report, Reporting, reportings, reports_of
 from ...plan.values import Active
-from ...plan.verdicts import Cause, Match, Only, Speaks
+from ...plan.verdicts import Cause, Match, Only, VerdictCause
 from ...say.name import title
 from ...say.report import alarm_of, meaning, remedy, source
-from ...say.text import said
+from ...say.text import statement
 from .. import TargetError
 from .enumerations import Entry, Enumeration
-from .expr import Cast, Either, Expr, Name, Number, Operation, joined, masked
+from .expr import Cast, Conditional, Expr, Name, Number, Operation, joined, masked
 from .names import Declared
 from .reserved import c_name
 from .style import S
@@ -42,7 +42,7 @@ class FrameReports:
         self._choices = choices
         self.judgement = reporting.judgement
         self.verdict = f"{frame}_verdict" if reporting.judgement is not None else ""
-        self.reports = f"{frame}_reports" if reporting.told else ""
+        self.reports = f"{frame}_reports" if reporting.causes else ""
         self._every_unused = sum(op.mask for op in reporting.codec.reserved)
 
     def names(self) -> Iterator[str]:
@@ -50,11 +50,11 @@ class FrameReports:
         return filter(None, (self.verdict, self.reports))
 
     @property
-    def told(self) -> Iterator[Expr]:
+    def mask_terms(self) -> Iterator[Expr]:
         """The terms of the mask of its reports."""
-        for report_cause in self.reporting.told:
+        for report_cause in self.reporting.causes:
             says = joined("&&", (*map(_holds, report_cause.conditions), self._says(report_cause.by)))
-            yield Either(says, self.family.constant(report_cause.report), Number(0))
+            yield Conditional(says, self.family.constant(report_cause.report), Number(0))
 
     @property
     def verdict_depends(self) -> bool:
@@ -64,10 +64,10 @@ class FrameReports:
     @property
     def reports_depend(self) -> bool:
         """True if the reports depend on the order code."""
-        return any(report_cause.only for report_cause in self.reporting.told)
+        return any(report_cause.only for report_cause in self.reporting.causes)
 
     @property
-    def _levels(self) -> tuple[tuple[Verdict, tuple[Speaks, ...]], ...]:
+    def _levels(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
         return self.judgement.worst_first if self.judgement is not None else ()
 
     def _says(self, by: Cause) -> Expr:
@@ -92,15 +92,18 @@ class FrameReports:
         for verdict, speaking in self._levels:
             yield self._any(speaking), verdict
 
-    def _any(self, speaking: Sequence[Speaks]) -> Expr:
+    def _any(self, speaking: Sequence[VerdictCause]) -> Expr:
         """Return the condition that one of these is active. Unused bits are checked together."""
-        unused = [cause.by for cause in speaking if isinstance(cause.by, Reserved)]
-        conditions = [
-            joined("&&", (*map(_holds, cause.conditions), *self._active(cause.by), *map(_inactive, cause.unless)))
-            for cause in speaking
-            if not isinstance(cause.by, Reserved)
-        ]
-        return joined("||", (*conditions, *([self._differ(unused)] if unused else [])))
+        conditions, unused = [], []
+        for cause in speaking:
+            if isinstance(cause.by, Reserved):
+                unused.append(cause.by)
+                continue
+            terms = (*map(_holds, cause.conditions), *self._active(cause.by), *map(_inactive, cause.unless))
+            conditions.append(joined("&&", terms))
+        if unused:
+            conditions.append(self._differ(unused))
+        return joined("||", tuple(conditions))
 
     def _differ(self, unused: Sequence[Reserved]) -> Expr:
         """Return the condition that some of these bits differ from the manual."""
@@ -120,9 +123,8 @@ class Reports:
         self.text = f"{prefix}_report_text"
         self.texts = tuple(_texts(device, report) for report in self.all)
         stem = f"{prefix}_report".upper()
-        entries = (
-            Entry(f"{stem}_{report.name.upper()}", 1 << report.number, _note(device, report)) for report in self.all
-        )
+        names = {report.name: f"{stem}_{report.name.upper()}" for report in self.all}
+        entries = (Entry(names[report.name], 1 << report.number, _note(device, report)) for report in self.all)
         about = "Reports of the encoder. The _reports() functions of the frames return a mask of these bits."
         digits = (len(self.all) + 3) // 4
         self.enumeration = Enumeration(f"{prefix}_report", about, (), tuple(entries), digits, ())
@@ -149,12 +151,13 @@ class Reports:
 
     def _path(self, report: Report) -> Path:
         """Return the path of the first frame with this report."""
-        first = next(
-            reporting
-            for reporting in self._by_frame.values()
-            if any(report_cause.report.number == report.number for report_cause in reporting.told)
-        )
+        frames = (reporting for reporting in self._by_frame.values() if _has_report(reporting, report))
+        first = first_of(frames, f"frame with the report '{report.name}'")
         return ("interfaces", first.interface.name, "layouts", first.codec.layout.name)
+
+
+def _has_report(reporting: Reporting, report: Report) -> bool:
+    return any(report_cause.report.number == report.number for report_cause in reporting.causes)
 
 
 def _texts(device: Device, report: Report) -> tuple[str, ...]:
@@ -168,7 +171,7 @@ def _note(device: Device, report: Report) -> str:
     """Return its name in the manual and the source of its meaning."""
     field = report.field
     unused = ", unused" if report.is_unused else ""
-    return S.sentence(said(title(field), unused, source=source(field, alarm_of(device, field))))
+    return S.sentence(statement(title(field), unused, source=source(field, alarm_of(device, field))))
 
 
 def _holds(only: Only) -> Expr:

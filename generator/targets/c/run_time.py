@@ -7,14 +7,14 @@ from collections.abc import Iterator, Sequence
 from ...language.problems import listed
 from ...model import assert_never
 from ...model.record import dataclass
-from ...plan.run_time_parameters import Held, HeldBy
+from ...plan.run_time_parameters import HeldParameter, HoldingRegister
 from ...plan.values import Raw, ZeroMeans, widest_value
 from ...say.name import title
 from .. import TargetError
 from .access import Access
 from .bits import of_bytes
 from .context import Context
-from .expr import Cast, Either, Expr, Name, Number, Operation, joined
+from .expr import Cast, Conditional, Expr, Name, Number, Operation, joined
 from .names import Declared
 from .reserved import c_name
 from .types import unsigned
@@ -26,12 +26,12 @@ _TAKEN = frozenset(("failure", "result", "taken", "transport", "variant"))
 class HeldValue:
     """A parameter held by a register, and its local."""
 
-    def __init__(self, context: Context, parameter_in_register: Held) -> None:
+    def __init__(self, context: Context, parameter_in_register: HeldParameter) -> None:
         parameter, field = parameter_in_register.parameter, parameter_in_register.field
         if not field.pieces:
             problem = f"the place of '{parameter.read_from}' depends on the order code; the C target cannot read it"
             raise TargetError(problem)
-        self.held = parameter_in_register
+        self.held_parameter = parameter_in_register
         self.local = c_name(parameter.name, ("bytes", "length", "variant"))
         self.member = c_name(parameter.name)
         self.member_type = context.member_type(parameter)
@@ -47,18 +47,18 @@ class HeldValue:
 
     def for_code(self, code: int) -> str:
         """Return the value of the parameter for one of its codes."""
-        value = self.held.parameter.held_value(code)
+        value = self.held_parameter.parameter.held_value(code)
         assert value is not None
         return str(Number(value))
 
     def _locals(self) -> Iterator[tuple[str, str, Expr]]:
-        type_, bits = of_bytes(self.held.bits.pieces)
-        match self.held.meaning:
+        type_, bits = of_bytes(self.held_parameter.bits.pieces)
+        match self.held_parameter.meaning:
             case ZeroMeans(number):
                 raw = Name(f"{self.local}_raw")
                 yield type_, raw.text, bits
-                chosen = Either(Operation("==", (raw, Number(0))), Number(number), raw)
-                type_ = unsigned(widest_value(self.held.field))
+                chosen = Conditional(Operation("==", (raw, Number(0))), Number(number), raw)
+                type_ = unsigned(widest_value(self.held_parameter.field))
                 yield type_, self.local, Cast(type_, chosen)
             case Raw():
                 yield type_, f"{self.local}_code" if self.is_coded else self.local, bits
@@ -68,7 +68,7 @@ class HeldValue:
     @property
     def is_outside(self) -> Expr | None:
         """Condition that the parameter cannot have the value, or None if it can have any value."""
-        name, low, high = Name(self.local), self.held.low, self.held.high
+        name, low, high = Name(self.local), self.held_parameter.low, self.held_parameter.high
         sides = (("<", low), (">", high))
         comparisons = tuple(Operation(sign, (name, Number(limit))) for sign, limit in sides if limit is not None)
         return joined("||", comparisons) if comparisons else None
@@ -87,18 +87,18 @@ def _switches(values: Sequence[HeldValue]) -> Iterator[CodeSwitch]:
     fields: dict[str, list[HeldValue]] = {}
     for value in values:
         if value.is_coded:
-            fields.setdefault(value.held.parameter.read_from, []).append(value)
+            fields.setdefault(value.held_parameter.parameter.read_from, []).append(value)
     for field_values in fields.values():
         common_codes = set.intersection(*map(_codes_of, field_values))
-        cases = tuple(_case(code, field_values) for code in sorted(common_codes))
+        cases = tuple(_switch_case(code, field_values) for code in sorted(common_codes))
         yield CodeSwitch(field_values[0].code, cases)
 
 
 def _codes_of(value: HeldValue) -> set[int]:
-    return {row.code for row in value.held.parameter.by_code}
+    return {row.code for row in value.held_parameter.parameter.by_code}
 
 
-def _case(code: int, values: Sequence[HeldValue]) -> tuple[str, tuple[tuple[str, str], ...]]:
+def _switch_case(code: int, values: Sequence[HeldValue]) -> tuple[str, tuple[tuple[str, str], ...]]:
     """Return a code, and the assignments that it stands for."""
     return str(Number(code)), tuple((value.local, value.for_code(code)) for value in values)
 
@@ -106,7 +106,7 @@ def _case(code: int, values: Sequence[HeldValue]) -> tuple[str, tuple[tuple[str,
 class Taker:
     """The function that updates a variant from the content of a register."""
 
-    def __init__(self, context: Context, register_parameters: HeldBy, access: Access) -> None:
+    def __init__(self, context: Context, register_parameters: HoldingRegister, access: Access) -> None:
         register = register_parameters.register
         self.name = f"{context.prefix}_take_{register.name}"
         names = listed(parameter.parameter.name for parameter in register_parameters.parameters)

@@ -20,6 +20,8 @@ from ...model import (
     Write,
     assert_never,
     cite,
+    first_of,
+    member_named,
 )
 from ...model.record import dataclass
 from ...plan.codec import Part
@@ -165,7 +167,7 @@ class SelfTest:
     def _procedure_check(self, example: ProcedureExample) -> ProcedureCheck:
         codes = {code.run.procedure.name: code for code in self.view.procedures}
         code = codes[example.procedure]
-        names = (argument.given.argument.name for argument in code.arguments)
+        names = (argument.checked.argument.name for argument in code.arguments)
         return ProcedureCheck(
             code=code,
             variant=self._variant(example.order_code),
@@ -179,7 +181,8 @@ class SelfTest:
         if self.writes_whole:
             interface = self.view.context.interface.name
             registers = (register for register in self.view.device.registers_over(interface) if register.writable)
-            length = next(register.length for register in registers if register.address == write.address)
+            written = (register for register in registers if register.address == write.address)
+            length = first_of(written, f"writable register at {write.address:#x}").length
         yield from ((_hex(write.address), _hex(byte)) for byte in write.value.to_bytes(length, "big"))
 
     @property
@@ -225,14 +228,15 @@ class SelfTest:
     def _answers(self, codec: StructCodec, example: FrameExample) -> str:
         """Return the answers for the example, or the first answer if it states none."""
         answers = ""
-        for question in codec.asked:
+        for question in codec.alternatives:
             names = [answer.name for answer in question.item.answers]
             at = names.index(example.alternatives.get(question.item.name, names[0]))
             answers += f"{question.enumeration.entries[at].name}, "
         return answers
 
     def _register_checks(self, example: RegisterExample) -> Iterator[Work]:
-        code = next(register for register in self.view.registers if register.register.name == example.register)
+        codes = (code for code in self.view.registers if code.register.name == example.register)
+        code = first_of(codes, f"code for the register '{example.register}'")
         if code.codec is not None:
             yield FrameCheck(
                 codec=code.codec,
@@ -261,7 +265,7 @@ class SelfTest:
             case Characters():
                 return Expected(c_name(name), string(value), text=True)
             case Named(values) if isinstance(value, str):
-                named = next(candidate.value for candidate in values if candidate.name == value)
+                named = member_named(values, value, f"value of '{name}'").value
                 choice = self.view.context.choices.get((key, name))
                 constants = choice.names if choice else {}
                 return Expected(c_name(name), constants.get(named, number(named)))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from ...say.text import BY_TITLE, Said, Style
+from ...say.text import BY_TITLE, Statement, Style
 
 
 class InHeader(Style):
     """A style that mentions an erratum where it matters, with the value used if wrong bytes could be sent."""
 
-    def sentence(self, statement: Said) -> str:
+    def sentence(self, statement: Statement) -> str:
         if statement.brief is None:
             return super().sentence(statement)
         label = self.text(statement.label)

@@ -9,8 +9,12 @@ _PLAIN = frozenset(letter for letter in map(chr, range(0x20, 0x7F)) if letter no
 
 def string(text: object) -> str:
     """Return ``text`` as a string literal."""
-    characters = (chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}" for byte in str(text).encode("utf-8"))
-    return '"' + "".join(characters) + '"'
+    return '"' + "".join(map(_character, str(text).encode("utf-8"))) + '"'
+
+
+def _character(byte: int) -> str:
+    """Return a byte as a character of a string literal."""
+    return chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}"
 
 
 def number(value: int, hexadecimal: bool = False, digits: int = 2) -> str:
@@ -31,9 +35,10 @@ def mask(width: int) -> str:
 
 def size_of(bits: int) -> int:
     """Return the width of the smallest unsigned type for ``bits`` bits."""
-    if bits > 64:
-        raise TargetError(f"a number of {bits} bits; the C target holds numbers of at most 64 bits")
-    return next(size for size in (8, 16, 32, 64) if bits <= size)
+    for size in (8, 16, 32, 64):
+        if bits <= size:
+            return size
+    raise TargetError(f"a number of {bits} bits; the C target holds numbers of at most 64 bits")
 
 
 def signed(bits: int) -> str:

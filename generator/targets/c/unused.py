@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...model import Field
+from ...model import Field, first_of
 from ...plan.codec import Reserved
-from ...plan.unused import Moved, moved_bits
+from ...plan.unused import ShiftedBits, moved_bits
 from .bits import Reader
-from .expr import Cast, Expr, Name, Number, Operation, joined, left, masked, right
+from .expr import Cast, Expr, Name, Number, Operation, joined, masked, shifted_left, shifted_right
 from .types import size_of, unsigned
 
 _MEMBER = Name("in->unused")
@@ -43,17 +43,17 @@ class Unused:
     # -- decoding
 
     @property
-    def gathered(self) -> Expr:
+    def member(self) -> Expr:
         """The member, from the word, or from bytes if the fields are extracted one by one."""
         parts = (*map(self._moved_bits, self.moved), *map(self._single_bits, self.single))
         documented = sum(bits.value for bits in self.moved)
         return Cast(self.type, _with_inverted(joined("|", parts), _documented(documented)))
 
-    def at_place(self, moved: Moved, byte: Expr) -> Expr:
+    def at_place(self, moved: ShiftedBits, byte: Expr) -> Expr:
         """Return a byte shifted to the place of its bits in the member."""
-        return left(Cast(self.work, byte), -moved.shift) if moved.shift else byte
+        return shifted_left(Cast(self.work, byte), -moved.shift) if moved.shift else byte
 
-    def told(self, bits: Expr) -> Expr:
+    def member_from(self, bits: Expr) -> Expr:
         """Return the member from bytes that are at their positions."""
         mask = sum(moved.mask for moved in self.moved)
         value = sum(moved.value for moved in self.moved)
@@ -65,11 +65,11 @@ class Unused:
         """The type in which a decoder assembles bytes."""
         return unsigned(max(self.width, 32))
 
-    def _moved_bits(self, moved: Moved) -> Expr:
+    def _moved_bits(self, moved: ShiftedBits) -> Expr:
         word = self.reader.lower(moved.mask.bit_length() + moved.shift)
         if moved.shift >= 0:
-            return masked(right(word, moved.shift), moved.mask)
-        return left(masked(word, moved.mask >> -moved.shift), -moved.shift)
+            return masked(shifted_right(word, moved.shift), moved.mask)
+        return shifted_left(masked(word, moved.mask >> -moved.shift), -moved.shift)
 
     def _single_bits(self, op: Reserved) -> Expr:
         bits, documented = self.reader.value(op.bits)[1], self._documented(op)
@@ -77,7 +77,7 @@ class Unused:
             return _with_inverted(bits, documented)
         turned = _with_inverted(Cast(self.work, bits), documented)
         # The mask of a variable width has 64 bits.
-        return left(turned if op.bits.width.is_constant else Cast(self.work, turned), op.place)
+        return shifted_left(turned if op.bits.width.is_constant else Cast(self.work, turned), op.place)
 
     # -- encoding
 
@@ -89,7 +89,7 @@ class Unused:
         if not varying:
             other_bits = fixed ^ ((1 << size_of(self.width)) - 1)
             return Operation("!=", (masked(_MEMBER, other_bits), Number(0))) if fixed and other_bits else None
-        masks = [left(self.reader.scope.mask(op.bits.width), op.place) for op in varying]
+        masks = [shifted_left(self.reader.scope.mask(op.bits.width), op.place) for op in varying]
         masks += [Number(fixed, hexadecimal=True)] if fixed else []
         return Operation("!=", (Operation("&", (_MEMBER, joined("|", tuple(masks)))), _MEMBER))
 
@@ -103,7 +103,7 @@ class Unused:
         for op in self.single:
             bits = _with_inverted(_MEMBER, self._documented(op)) if is_all else self._given(op)
             low = op.bits.low
-            yield left(Cast("uint64_t", bits), low.constant if low.is_constant else self.reader.scope.of(low))
+            yield shifted_left(Cast("uint64_t", bits), low.constant if low.is_constant else self.reader.scope.of(low))
 
     @property
     def in_bytes(self) -> Iterator[tuple[int, Expr]]:
@@ -111,19 +111,23 @@ class Unused:
         for moved in self.moved:
             assert moved.byte is not None
             mask, value = moved.mask >> -moved.shift, moved.value >> -moved.shift
-            bits = _masked_byte(right(_MEMBER, -moved.shift), mask)
+            bits = _masked_byte(shifted_right(_MEMBER, -moved.shift), mask)
             is_wider = bits is _MEMBER and self.width > 8
             yield moved.byte, _with_inverted(Cast("uint8_t", bits) if is_wider else bits, _documented(value))
         for op in self.single:
             for piece in op.bits.pieces:
-                yield piece.byte, _shifted(_masked_byte(right(self._given(op), piece.left), piece.mask), -piece.right)
+                yield (
+                    piece.byte,
+                    _shifted(_masked_byte(shifted_right(self._given(op), piece.left), piece.mask), -piece.right),
+                )
 
-    def given(self, field: Field) -> Expr:
+    def bits_of(self, field: Field) -> Expr:
         """Return the bits of one field."""
-        return next(self._given(op) for op in self.plan.reserved if op.field is field)
+        operations = (op for op in self.plan.reserved if op.field is field)
+        return self._given(first_of(operations, f"unused field '{field.name}'"))
 
     def _given(self, op: Reserved) -> Expr:
-        return _with_inverted(right(masked(_MEMBER, op.mask), op.place), self._documented(op))
+        return _with_inverted(shifted_right(masked(_MEMBER, op.mask), op.place), self._documented(op))
 
     # -- both
 
@@ -152,4 +156,4 @@ def _with_inverted(bits: Expr, by: Expr | None) -> Expr:
 
 def _shifted(bits: Expr, by: int) -> Expr:
     """Return ``bits`` shifted to the right, or to the left if ``by`` is negative."""
-    return left(bits, -by) if by < 0 else right(bits, by)
+    return shifted_left(bits, -by) if by < 0 else shifted_right(bits, by)

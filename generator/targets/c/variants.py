@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence, Set
 
-from ...model import Parameter, Variant
+from ...model import Parameter, Variant, first_of
 from ...model.record import dataclass
-from ...plan.measurement import also_measured
+from ...plan.measurement import parameters_in_measurement
 from .about import about_order_codes, about_parameter
 from .context import Context
 from .functions import Function, number_of
@@ -32,7 +32,7 @@ class VariantCode:
         self.context, self.device = context, context.device
         self.parameters = self.device.set_parameters
         #: Without those that the functions of positions return.
-        measured = also_measured(self.device)
+        measured = parameters_in_measurement(self.device)
         self._named = [parameter for parameter in self._in_order_of_use() if parameter.name not in measured]
         self.derived: Sequence[Function] = [self._derived(parameter) for parameter in self._named]
         self.rows = [self._row(variant) for variant in self.device.variants]
@@ -74,7 +74,8 @@ class VariantCode:
         ordered: list[Parameter] = []
         while waiting:
             ready = (parameter for parameter in waiting.values() if _needs_none_of(parameter, waiting.keys()))
-            ordered.append(waiting.pop(next(ready).name))
+            parameter = first_of(ready, f"order in which to calculate {', '.join(waiting)}")
+            ordered.append(waiting.pop(parameter.name))
         return ordered
 
     def _derived(self, parameter: Parameter) -> Function:

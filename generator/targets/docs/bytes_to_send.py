@@ -161,8 +161,8 @@ def _requests(device: Device, interface: Interface, errata_at: Callable[..., str
         frames = [
             link(code(layout.name), f"#layout-{layout.name}") for layout in (exchange.request, exchange.reply) if layout
         ]
-        bits = exchange.item.word_bits
-        effect = PURPOSES[exchange.item.purpose] or text(exchange.request.note.partition(". ")[0].removesuffix("."))
+        bits = exchange.exchange.word_bits
+        effect = PURPOSES[exchange.exchange.purpose] or text(exchange.request.note.partition(". ")[0].removesuffix("."))
         about = [effect, f"in words of {word_lengths([bits])}" if bits is not None else ""]
         description = ", ".join(filter(None, about))
         yield " → ".join(frames), description[:1].upper() + description[1:]
@@ -271,7 +271,7 @@ def _sent(device: Device, step: Step, variant: Variant) -> str:
 
 
 def _bit_of(register: Register, name: str, variant: Variant) -> str:
-    placed = register.layout.place(variant.parameters).field(name)
+    placed = register.layout.place(variant.parameters).find_field(name)
     return bits(placed.high, placed.low) if placed is not None else code(name)
 
 

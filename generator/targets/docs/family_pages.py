@@ -12,7 +12,7 @@ from ...say.evidence import basis, grade
 from ...say.interface import settings
 from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.origin import edition_test, origin, other_editions
-from ...say.text import Said
+from ...say.text import Statement
 from ...say.words import counted, language
 from . import changes_page, fact_tables, inline_errata, order_code_tables, page_links, verdict_page
 from .hardware_steps import ByHand, by_hand
@@ -24,9 +24,9 @@ Rows = list[tuple[str, ...]]
 
 class FamilyPage(TypedDict):
     device: Annotated[Device, "the family"]
-    origin: Annotated[list[Said], "overlays and the edition of the family"]
+    origin: Annotated[list[Statement], "overlays and the edition of the family"]
     manual: Annotated[str, "the manual with its revision"]
-    evidence: Annotated[Said, "grade of the evidence"]
+    evidence: Annotated[Statement, "grade of the evidence"]
     errata_at: Annotated[Callable[..., str], "errata of one or more paths in the spec"]
     errata_count: Annotated[str, "number of errata"]
     wish_rows: Annotated[Rows, "tasks, and links to their instructions"]

@@ -17,13 +17,13 @@ from ...model import (
 from ...order_codes.run_time import with_answers
 from ...plan.reports import reportings
 from ...plan.values import Active, TwosComplement, meaning_of
-from ...plan.verdicts import Judgement, Match, Only, Speaks
+from ...plan.verdicts import Judgement, Match, Only, VerdictCause
 from ...say.crc import inverted, reflected
 from ...say.markdown import STYLE, code, link, text
 from ...say.numbers import number
 from ...say.place import bits, frame_bytes
 from ...say.report import conditions, deciding
-from ...say.text import said
+from ...say.text import statement
 from ...say.words import WORTH, counted
 
 _SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -133,14 +133,14 @@ def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
     applying = _applying_causes(judgement, variant)
     parts = [f"{_VERDICT[verdict]} if {', or if '.join(_causes(causes))}" for verdict, causes in applying.items()]
     if not parts:
-        return STYLE.phrase(said(WORTH[judgement.otherwise]))
+        return STYLE.phrase(statement(WORTH[judgement.otherwise]))
     correct = ", if the CRC is correct," if has_crc else ""
     return "; ".join([*parts, f"otherwise{correct} {_VERDICT[judgement.otherwise]}"])
 
 
-def _applying_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, list[Speaks]]:
+def _applying_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, list[VerdictCause]]:
     """Return the causes of each verdict that apply to an order code, the worst verdict first."""
-    applying: dict[Verdict, list[Speaks]] = {}
+    applying: dict[Verdict, list[VerdictCause]] = {}
     for verdict, causes in judgement.worst_first:
         applying[verdict] = [cause for cause in causes if all(_applies(only, variant) for only in cause.conditions)]
     return {verdict: causes for verdict, causes in applying.items() if causes}
@@ -158,7 +158,7 @@ def _changed_verdicts(judgement: Judgement, variant: Variant, chosen: Variant) -
     return changes
 
 
-def _causes(causes: Sequence[Speaks]) -> Iterator[str]:
+def _causes(causes: Sequence[VerdictCause]) -> Iterator[str]:
     """Yield the conditions of a verdict. Flags with the same active level are one condition."""
     by_value: dict[str, list[str]] = {}
     for cause in causes:
@@ -178,7 +178,7 @@ _VERDICT = {
 }
 
 
-def _cause(cause: Speaks) -> str:
+def _cause(cause: VerdictCause) -> str:
     unless = " and ".join(code(part.field.name) for part in cause.unless)
     return code(cause.by.field.name) + (
         f" (while {unless} {'is' if len(cause.unless) == 1 else 'are'} inactive)" if unless else ""

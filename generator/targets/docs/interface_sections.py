@@ -19,7 +19,7 @@ from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.name import title, words
 from ...say.origin import origin, other_editions
 from ...say.place import addresses
-from ...say.text import Code, Said, said
+from ...say.text import Code, Statement, statement
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
 from .page_links import to_steps
 
@@ -32,7 +32,7 @@ Section = dict[str, Any]
 class Sections(TypedDict):
     device: Annotated[Device, "the family, with only the data relevant to this page"]
     document: Annotated[str, "manual, or spec if not all of the manual was read"]
-    origin: Annotated[list[Said], "overlays and the edition of the family"]
+    origin: Annotated[list[Statement], "overlays and the edition of the family"]
     usable_page: Annotated[str, "the page on verdicts"]
     errata_at: Annotated[
         Callable[..., str],
@@ -158,8 +158,8 @@ def _exchange_rows(interface: Interface) -> Rows:
             frame(exchange.request),
             frame(exchange.reply),
             *((f"{exchange.request.bits.render()} bits",) if lengths else ()),
-            PURPOSES[exchange.item.purpose],
-            cited(exchange.item.source),
+            PURPOSES[exchange.exchange.purpose],
+            cited(exchange.exchange.source),
         )
         for exchange in frame_exchanges
     ]
@@ -188,7 +188,7 @@ def _layout(device: Device, interface: Interface, layout: Layout) -> Section:
     return {
         "layout": layout,
         "head": say_layout.head(interface, layout, Code(layout.name), device.alternatives),
-        "size": STYLE.phrase(said(*say_layout.size(layout, device.alternatives))),
+        "size": STYLE.phrase(statement(*say_layout.size(layout, device.alternatives))),
         "facts": [*say_layout.facts(interface, layout), *needs(device, layout)],
         "rows": list(layout_tables.field_rows(device, layout)),
         "placements": layout_tables.placement_table(device, layout, interface.name),

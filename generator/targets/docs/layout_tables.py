@@ -14,7 +14,7 @@ from ...say.field import rules, value
 from ...say.markdown import STYLE, cited, code, joined, link, table, text
 from ...say.name import Named
 from ...say.place import bit_range, bits, field_place, frame_bytes, hexadecimal
-from ...say.text import Code, Said, listed, parted, said, told
+from ...say.text import Code, Statement, listed, parted, spec_text, statement
 from .layout_pictures import Byte, Stack, bit_stack, byte_stack, group_stack, register_stack
 from .order_code_patterns import order_codes
 
@@ -58,18 +58,18 @@ def named(named_part: Named) -> str:
 
 def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
     """Return all statements about a field in one cell. Many values of a register are in a separate table."""
-    parts = [*told(field.meaning), *_values(field, in_register), *rules(device, field), *told(field.note)]
+    parts = [*spec_text(field.meaning), *_values(field, in_register), *rules(device, field), *spec_text(field.note)]
     return joined(map(STYLE.sentence, parts))
 
 
-def _values(field: Field, in_register: bool) -> Iterator[Said]:
+def _values(field: Field, in_register: bool) -> Iterator[Statement]:
     if not has_value_table(field):
         yield from (value(replace(named_value, source=()), field.widest) for named_value in field.values)
     elif in_register:
-        yield said("See the table of values below")
+        yield statement("See the table of values below")
     else:
         names = (value(replace(named_value, meaning=""), field.widest).parts for named_value in field.values)
-        yield said(*parted(names, ", "), label="Values")
+        yield statement(*parted(names, ", "), label="Values")
 
 
 def has_value_table(field: Field) -> bool:
@@ -92,7 +92,7 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
                 [link(code(field_or_group.name), f"#group-{field_or_group.name}"), text(field_or_group.printed_name)]
             )
             parts = [Code(field.name) for field in layout.fields if field.group == field_or_group.name]
-            made_of = STYLE.sentence(said(*listed(parts), label="Fields"))
+            made_of = STYLE.sentence(statement(*listed(parts), label="Fields"))
             yield name, group_place(device, layout, field_or_group), f"{field_or_group.bits}", made_of, ""
         else:
             yield (
@@ -120,7 +120,7 @@ def group_place(device: Device, layout: Layout, group: FieldGroup) -> str:
 
 
 def field_place_cell(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> str:
-    return STYLE.phrase(said(*field_place(layout, field, alternatives)))
+    return STYLE.phrase(statement(*field_place(layout, field, alternatives)))
 
 
 def _first_answers(device: Device) -> Mapping[str, int]:
@@ -156,7 +156,7 @@ def _follows(field: Field, alternative: Alternative) -> bool:
 
 def group_rows(device: Device, name: str) -> Iterator[tuple[str, ...]]:
     """Yield rows of field, place, meaning, source."""
-    for field, where in group_places(device, name, lambda answers: STYLE.phrase(said(*names(answers)))):
+    for field, where in group_places(device, name, lambda answers: STYLE.phrase(statement(*names(answers)))):
         yield named(field), where, field_cell(device, field), cited(field.source)
 
 
@@ -200,7 +200,7 @@ def placement_table(device: Device, layout: Layout, kind: str) -> str:
     for answers, shape in shapes:
         cells = []
         for field in moving:
-            placed_field = shape.placed.field(field.name)
+            placed_field = shape.placed.find_field(field.name)
             container_low = placed_field.low if placed_field is not None and field.name in within else 0
             cells.append(
                 "–"

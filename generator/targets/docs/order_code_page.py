@@ -18,7 +18,7 @@ from ...say.measurement import measurement, own_ranges, position_range
 from ...say.name import title
 from ...say.parameter import value
 from ...say.place import field_at, hexadecimal
-from ...say.text import Said, said
+from ...say.text import Statement, statement
 from ...say.words import counted, sentence, with_unit
 from ..file_names import names_of_codes
 from . import bytes_to_send, clock_and_cable, frame_facts, pin_tables, short_tables, wide_pictures
@@ -44,7 +44,7 @@ class CodePage(Sections, OverValues):
     codes: Annotated[Sequence[str], "the order codes, which differ only in mechanics or supply"]
     lead: Annotated[str, "first sentences of the note on the interface"]
     position: Annotated[str, "unit and range of the position"]
-    evidence: Annotated[Said, "grade of the evidence"]
+    evidence: Annotated[Statement, "grade of the evidence"]
     wiring: Annotated[pin_tables.Wiring, "contacts and signals: head, rows, about, notes, errata"]
     supply: Annotated[list[str], "supply, with order codes if it differs between them"]
     no_supply: Annotated[str, "text in place of the supply"]
@@ -226,7 +226,7 @@ def _frame(alike: Alike, layout: Layout, pictures: Pictures) -> Section:
     return {
         "title": title(layout),
         "name": layout.name,
-        "size": STYLE.phrase(said(*size(layout, alike.here.alternatives))),
+        "size": STYLE.phrase(statement(*size(layout, alike.here.alternatives))),
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
         "narrower": wide_pictures.SCREEN - 1,

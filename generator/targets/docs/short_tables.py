@@ -11,7 +11,7 @@ from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import Titled, heading, title
 from ...say.place import addresses
 from ...say.procedure import step
-from ...say.text import said
+from ...say.text import statement
 from ...say.timing import bounds_with_codes
 from ...say.words import counted, sentence
 from .fact_tables import example_facts
@@ -125,4 +125,4 @@ def led_rows(device: Device) -> Iterator[Row]:
 def setting_lines(device: Device, interface: Interface) -> Iterator[str]:
     """Yield the settings of the interface, each with its source."""
     for setting in settings(device, interface):
-        yield f"{text(setting.label)}: {STYLE.phrase(said(*setting.parts))} <small>{cited(setting.source)}</small>"
+        yield f"{text(setting.label)}: {STYLE.phrase(statement(*setting.parts))} <small>{cited(setting.source)}</small>"

@@ -8,7 +8,7 @@ from ...model import Device, Interface
 from ...say.evidence import document
 from ...say.markdown import link
 from ...say.mentions import Subject, mentions
-from ...say.text import BY_NAME, listed, said
+from ...say.text import BY_NAME, listed, statement
 
 
 def unstated(family: Device, interface: Interface, subjects: Mapping[str, Subject]) -> Iterator[str]:
@@ -45,5 +45,5 @@ def no_supply(family: Device, interface: Interface) -> str:
 
 def _capitalized(labels: list[str]) -> str:
     """Return labels as the beginning of a sentence."""
-    phrase = BY_NAME.phrase(said(*listed(labels)))
+    phrase = BY_NAME.phrase(statement(*listed(labels)))
     return phrase[:1].upper() + phrase[1:]

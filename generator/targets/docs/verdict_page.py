@@ -12,8 +12,8 @@ from ...plan.verdicts import Judgement, Only, verdict_of
 from ...say.evidence import document
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import own_names
-from ...say.report import advice, alarm_of, by_hand, conditions, deciding, meaning, source
-from ...say.text import Code, listed, said
+from ...say.report import alarm_of, by_hand, conditions, deciding, meaning, remedy_text, source
+from ...say.text import Code, listed, statement
 from .page_links import to_erratum, to_layout, to_steps
 
 #: File name of the page, which no family can have.
@@ -132,12 +132,12 @@ def _conditions(layout: Layout, sign: Sign) -> str:
 def _unless(field: Field, layout: Layout) -> str:
     """Return the flags of the frame that must be inactive if a flag that combines them is to decide."""
     lower_flags = [Code(name) for name in sums_up(field) if any(field.name == name for field in layout.fields)]
-    return f", with {STYLE.phrase(said(*listed(lower_flags)))} inactive" if lower_flags else ""
+    return f", with {STYLE.phrase(statement(*listed(lower_flags)))} inactive" if lower_flags else ""
 
 
 def _frames(device: Device, reporting: Sequence[Reporting]) -> Iterator[Row]:
     """Yield rows of interface, frames, possible reports."""
-    reports_by_frame = {reporting.codec.layout.name: reporting.told for reporting in reporting}
+    reports_by_frame = {reporting.codec.layout.name: reporting.causes for reporting in reporting}
     layouts_by_reports: dict[tuple[str, tuple[str, ...]], list[Layout]] = {}
     for interface, layout in device.layouts():
         if layout.sender == "encoder":
@@ -153,7 +153,7 @@ def _reports(device: Device) -> Iterator[Row]:
         alarm = alarm_of(device, report.field)
         name = joined([code(report.name), text(own_names(report.field))])
         steps = to_steps(f"{device.name}/", by_hand(report.field, alarm))
-        advised = joined([text(advice(report.field, alarm)), *steps])
+        advised = joined([text(remedy_text(report.field, alarm)), *steps])
         what_to_do = advised or _clearing(device, alarm) or f"The {document(device)} gives no remedy"
         yield name, text(meaning(report.field, alarm)), what_to_do, cited(source(report.field, alarm))
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 from ...model import Piece
 from ...model.expressions import Expression
 from ...plan.codec import Bits, Codec, Reserved
-from ...plan.unused import Moved, moved_bits
+from ...plan.unused import ShiftedBits, moved_bits
 from .expr import Atom, Expr, Operation, Scope, call, joined, mask, moved, number
 
 
@@ -61,7 +61,7 @@ class Reader:
         number_of_data = number_of_bytes if codec.by_word or codec.length > 1 else "data[0]"
         return Operation(Atom(number_of_data), "&", others(self.scope, codec))
 
-    def _unused_at_fixed_place(self, bits: Moved) -> Expr:
+    def _unused_at_fixed_place(self, bits: ShiftedBits) -> Expr:
         source = Atom(self.source) if bits.byte is None else self._atom(bits.byte)
         down, up = max(bits.shift, 0), max(-bits.shift, 0)
         expression = moved(source, ">>", number(down))
@@ -80,7 +80,7 @@ class Reader:
     def characters(self, bits: Bits) -> str:
         """Return the slice of ``data`` that contains the bytes of a string. Empty if they are not adjacent."""
         places = [piece.byte for piece in reversed(bits.pieces) if not piece.right and piece.mask == 0xFF]
-        if self.codec.by_word or len(places) < len(bits.pieces) or not _ascend(places):
+        if self.codec.by_word or len(places) < len(bits.pieces) or not _are_ascending(places):
             return ""
         return f"data[{places[0]}:{places[-1] + 1}]"
 
@@ -97,7 +97,7 @@ def others(scope: Scope, codec: Codec) -> Expr:
     return Operation(mask(ones), "&", Atom(f"~({joined('|', moving)})"))
 
 
-def _ascend(places: Sequence[int]) -> bool:
+def _are_ascending(places: Sequence[int]) -> bool:
     """Return whether the bytes are adjacent and ascending."""
     return all(after - before == 1 for before, after in pairwise(places))
 
@@ -112,7 +112,11 @@ def from_pieces(pieces: Sequence[Piece], length: int = 0, byte: str = "data[{}]"
     places = [piece.byte for piece in pieces]
     low_first = places[0] <= places[-1]
     ascending = places if low_first else places[::-1]
-    if len(pieces) > 3 and _ascend(ascending) and all(not piece.right and piece.mask == 0xFF for piece in pieces):
+    if (
+        len(pieces) > 3
+        and _are_ascending(ascending)
+        and all(not piece.right and piece.mask == 0xFF for piece in pieces)
+    ):
         first, end = ascending[0], ascending[-1] + 1
         part = "data" if (first, end) == (0, length) else f"data[{first}:{end}]"
         return call("int.from_bytes", part, '"little"' if low_first else '"big"')

@@ -28,8 +28,8 @@ from ...plan.values import (
 from ...say.name import words
 from ...say.words import sentence
 from . import text
-from .context import Asked, Context
-from .decode import Decoder, Once, assigned
+from .context import Context, OpenQuestion
+from .decode import Decoder, NamedValues, assigned
 from .expr import Atom, Expr, Negative, Operation, Scope, coded, number
 from .joins import Maker
 from .literals import quoted
@@ -69,11 +69,11 @@ class Coder:
         self.interface, self.encoder = interface_name(interface), encoder_name(interface)
         self.names = ClassNames(layout, register, context.crcs.values())
         self.make = Maker(context.scope, self.plan, self.names)
-        answered = frozenset(parameter for question in self.asked for parameter, _ in question.members)
-        scope = Once(context.scope.names, answered) if register is None else context.scope
+        answered = frozenset(parameter for question in self.questions for parameter, _ in question.members)
+        scope = NamedValues(context.scope.names, answered) if register is None else context.scope
         self.decoding = Decoder(scope, self.plan, self.names, self.enum)
         #: Questions whose answers the decoder accepts: those of all frames among which it is chosen.
-        self.passed = self.asked
+        self.passed = self.questions
 
     def number(self, value: Expression) -> Expr:
         return self.context.scope.of(value)
@@ -94,24 +94,24 @@ class Coder:
         )
 
     @cached_property
-    def asked(self) -> list[Asked]:
+    def questions(self) -> list[OpenQuestion]:
         """Questions that the manual leaves open and the caller must answer."""
-        return self.context.asked_of(self.layout)
+        return self.context.questions_of(self.layout)
 
     @property
-    def given(self) -> list[tuple[str, str]]:
+    def encoder_and_answers(self) -> list[tuple[str, str]]:
         """Attributes other than fields: the encoder and answers, with their types."""
         return [
             *([("variant", self.encoder)] if self.takes_variant else []),
-            *((question.name, question.kind) for question in self.asked),
+            *((question.name, question.kind) for question in self.questions),
         ]
 
     @property
-    def given_about(self) -> list[tuple[str, str]]:
+    def about_encoder_and_answers(self) -> list[tuple[str, str]]:
         """The arguments in ``given``, each with its description."""
         answer = "Answer to a question that the manual leaves open, as a member of ``%s``."
-        about = {question.name: answer % question.kind for question in self.asked}
-        return [(name, about.get(name, "The encoder.")) for name, _ in self.given]
+        about = {question.name: answer % question.kind for question in self.questions}
+        return [(name, about.get(name, "The encoder.")) for name, _ in self.encoder_and_answers]
 
     @property
     def finds_constants(self) -> bool:
@@ -134,7 +134,7 @@ class Coder:
     def bases(self) -> str:
         """Bases of the class, except the NamedTuple of its fields."""
         mixin = "Sent, " if self.reports is not None else ""
-        if self.asked:
+        if self.questions:
             return f"{mixin}{'InBytes' if self.plan.in_bytes else 'InBits'}"
         kind = "Bytes" if self.plan.in_bytes else "Bits"
         if self.register is not None:
@@ -292,7 +292,7 @@ class Coder:
 
     def by_index(self, name: str) -> str:
         """Return an expression that reads an attribute by its index, or by its name if it has none."""
-        other_names = (attribute_name for attribute_name, _ in self.given)
+        other_names = (attribute_name for attribute_name, _ in self.encoder_and_answers)
         names = [*other_names, *(attribute.name for attribute in self.attributes)]
         return f"self[{names.index(name)}]" if name in names else f"self.{name}"
 
@@ -338,9 +338,9 @@ class Coder:
         if self.register is not None:
             description, kind = text.of_register(device, self.register), "register"
         else:
-            interface = next(interface for interface, layout in device.layouts() if layout is self.layout)
+            interface = device.interface_of(self.layout)
             description, kind = text.of_layout(device, interface, self.layout), "frame"
-        attributes = [(question.name, sentence(question.alternative.meaning)) for question in self.asked]
+        attributes = [(question.name, sentence(question.alternative.meaning)) for question in self.questions]
         attributes += [(attribute.name, attribute.meaning) for attribute in self.attributes]
         reserved = self.plan.reserved
         unused_bits = [(text.of_unused(bits.field, bits.place), self.about(bits.field)) for bits in reserved]

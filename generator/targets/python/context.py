@@ -49,7 +49,7 @@ def _runs(field: Field) -> list[str]:
 
 
 @dataclass(frozen=True)
-class Asked:
+class OpenQuestion:
     """Question that the manual leaves open, as an argument ``name`` whose values are members of the Enum ``kind``.
 
     ``members`` are the parameters that an answer sets, with their attribute names in the Enum.
@@ -77,11 +77,10 @@ class Context:
         self.crcs = {crc.name: names.take(f"crc_{crc.name}", "_") for crc in device.crcs}
         self.frames = {layout.name: names.take(camel(layout.name), "Frame") for _, layout in device.layouts()}
         self.registers = {register.name: names.take(camel(register.name), "Register") for register in device.registers}
-        self.procedures = {
-            procedure.name: names.take(attribute(procedure.name), "_steps") for procedure in device.procedures
-        }
-        self.asked = {alternative.name: self._asked(alternative, names) for alternative in device.alternatives}
-        required = [question for question in self.asked.values() if not question.alternative.default]
+        procedures = [procedure.name for procedure in device.procedures]
+        self.procedures = {name: names.take(attribute(name), "_steps") for name in procedures}
+        self.questions = {question.name: self._open_question(question, names) for question in device.alternatives}
+        required = [question for question in self.questions.values() if not question.alternative.default]
         answered = {name: f"{question.name}.{member}" for question in required for name, member in question.members}
         self.scope = Scope({**self.scope_of("variant").names, **answered})
         self._enums = {key: names.take(camel(field.name), "Value") for key, field in self.choices.items()}
@@ -90,17 +89,17 @@ class Context:
         """Return the parameters as attributes of ``owner``."""
         return Scope({name: f"{owner}.{member}" for name, member in self.parameters.items()})
 
-    def _asked(self, alternative: Alternative, names: Names) -> Asked:
+    def _open_question(self, alternative: Alternative, names: Names) -> OpenQuestion:
         layouts = [layout for layout in self.coded_layouts() if alternative in self.device.alternatives_of(layout)]
         frame_names = {name for layout in layouts for field in layout.fields for name in (field.name, *_runs(field))}
         frame_names |= {join.name for layout in layouts for join in layout.joins}
         members = [(name, attribute(name, ("name", "value"))) for name in alternative.answers[0].sets]
         name = attribute(alternative.name, (*frame_names, *CLASS_NAMES, *LOCAL_NAMES, "frame"))
-        return Asked(alternative, names.take(camel(alternative.name), "Alternative"), name, tuple(members))
+        return OpenQuestion(alternative, names.take(camel(alternative.name), "Alternative"), name, tuple(members))
 
-    def asked_of(self, layout: Layout) -> list[Asked]:
+    def questions_of(self, layout: Layout) -> list[OpenQuestion]:
         """Return the questions that must be answered to decode or encode a frame of this layout."""
-        return [self.asked[alternative.name] for alternative in self.device.alternatives_of(layout)]
+        return [self.questions[alternative.name] for alternative in self.device.alternatives_of(layout)]
 
     @cached_property
     def choices(self) -> dict[_Values, Field]:

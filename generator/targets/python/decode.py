@@ -35,7 +35,7 @@ _UNPACKED = 16
 
 
 @dataclass(frozen=True)
-class Once(Scope):
+class NamedValues(Scope):
     """Scope that assigns a name to each value that depends on the order code, and records its expression.
 
     Values that depend on the parameters ``answered`` are not assigned once, since a caller can give other answers.
@@ -68,7 +68,7 @@ class Decoder:
     def __init__(self, scope: Scope, codec: Codec, names: ClassNames, enum: Callable[[Field], str]) -> None:
         self.scope, self.codec, self.names, self.enum = scope, codec, names, enum
         self.is_unpacked = (
-            isinstance(scope, Once) and codec.in_bytes and not codec.by_word and 1 < codec.length <= _UNPACKED
+            isinstance(scope, NamedValues) and codec.in_bytes and not codec.by_word and 1 < codec.length <= _UNPACKED
         )
         self.byte = "b{}" if self.is_unpacked else "data[{}]"
         self.read = Reader(scope, codec, self.byte)
@@ -79,11 +79,11 @@ class Decoder:
     @property
     def named(self) -> dict[str, str]:
         """Values that depend on the order code, by name. Complete once the decoder has been printed."""
-        return self.scope.named if isinstance(self.scope, Once) else {}
+        return self.scope.named if isinstance(self.scope, NamedValues) else {}
 
     def local(self, field: Field) -> str:
         """Return the variable for the bits of a field."""
-        return f"of_{field.name}" if isinstance(self.scope, Once) else self.names.local(field.name)
+        return f"of_{field.name}" if isinstance(self.scope, NamedValues) else self.names.local(field.name)
 
     # -- CRC
 
@@ -108,7 +108,7 @@ class Decoder:
             return None
         if not crc.crc.init and not crc.is_part:
             return number(self.codec.layout.widest - crc.crc.width)
-        answered = self.scope.answered if isinstance(self.scope, Once) else frozenset()
+        answered = self.scope.answered if isinstance(self.scope, NamedValues) else frozenset()
         return Scope(self.scope.names).of(crc.covered) if answered.isdisjoint(crc.covered.parameters) else None
 
     @property
@@ -243,7 +243,7 @@ class Decoder:
                 # A shorter number also contains the lowest bits.
                 at = part.bits.low
                 is_low = self.tables and not self.codec.gray and at.is_constant and at.constant < TABLE_BITS
-                return [_truth(self.read.bit(part.bits, "low" if is_low else ""), low)]
+                return [_bit_test(self.read.bit(part.bits, "low" if is_low else ""), low)]
             case Named() if self.selects(field):
                 return [call(self.enum(field), bits)]
             case Named():
@@ -277,7 +277,7 @@ def assigned(scope: Scope, names: ClassNames, enum: str, field: Field, bits: Exp
         case ZeroMeans(stands_for):
             yield name(field.name), _or_if_zero(bits, stands_for)
         case Active(low):
-            yield name(field.name), _truth(bits, low)
+            yield name(field.name), _bit_test(bits, low)
         case Named():
             yield name(field.name), call("choice", enum, f'"{field.name}"', bits)
         case DigitRuns(runs):
@@ -304,7 +304,7 @@ def _or_if_zero(bits: Expr, stands_for: int) -> Expr:
     return Atom(f"{bits.operand} or {grouped(stands_for)}")
 
 
-def _truth(bits: Expr, low: bool) -> Expr:
+def _bit_test(bits: Expr, low: bool) -> Expr:
     return Atom(f"not {bits}" if low else f"{bits.operand} != 0")
 
 

@@ -124,6 +124,10 @@ def moved(value: Expr, operator: str, by: Expr) -> Expr:
     return value if by == Atom("0") else Operation(value, operator, by)
 
 
+def _sign(value: int) -> int:
+    return 1 if value > 0 else -1
+
+
 @dataclass(frozen=True, slots=True)
 class Scope:
     """Maps the names of parameters to expressions."""
@@ -133,11 +137,10 @@ class Scope:
     def of(self, value: Expression) -> Expr:
         if value.is_constant:
             return number(value.constant)
-        signs = [1 if term.multiple > 0 else -1 for term in value.terms]
-        terms = list(zip(signs, map(self._product, value.terms), strict=True))
+        terms = [(_sign(term.multiple), self._product(term)) for term in value.terms]
         if value.constant:
             constant = Atom(str(abs(value.constant)))
-            sign = 1 if value.constant > 0 else -1
+            sign = _sign(value.constant)
             # A sum should not start with a sign.
             terms.insert(0 if sign > terms[0][0] else len(terms), (sign, constant))
         (sign, first), *following = terms

@@ -23,7 +23,7 @@ from .filters import FILTERS, FUNCTIONS, TESTS
 from .imports import Imports, imports_of
 from .module import Module
 from .names import BISS, FACTS, PACKAGE, SHAPES, STANDARD
-from .readme import Shown, start
+from .readme import ReadmeExample, start
 
 #: Files that each package has once, next to its folder and in it.
 _PROJECT_FILES = ("README.md", "pyproject.toml")
@@ -45,7 +45,7 @@ class Package(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
     notices: Annotated[list[str], "notices on trademarks"]
     modules: Annotated[list[Module], "the module of each family"]
-    start: Annotated[Shown, "the first example of the README"]
+    start: Annotated[ReadmeExample, "the first example of the README"]
     families: Annotated[list[str], "the names of all family modules"]
     specials: Annotated[list[tuple[str, str]], "the modules of special models, and the suffixes of their order codes"]
     biss: Annotated[tuple[str, ...], "the name of the module for all BiSS encoders, if there is one"]
@@ -138,7 +138,7 @@ def _package_values(
         "families": [module.name for module in modules],
         "specials": [(module.name, overlay.special) for module, overlay in module_overlays if overlay.special],
         "biss": biss,
-        "rs485": any(device.over(Rs485) for device in devices),
+        "rs485": any(device.find_interface(Rs485) for device in devices),
         "runtime": runtime_version(),
         "shared": relpath(_RUNTIME, folder),
         "neighbours": [f"{prefix}{relpath(other_folder, folder)}" for other_folder in other_folders],
@@ -188,8 +188,7 @@ def _toml(text: str) -> str:
 
 def _markdown(text: str) -> str:
     """Return text of a spec, escaped for Markdown."""
-    escaped = (f"\\{character}" if character in _MARKUP else character for character in plain(text))
-    return "".join(escaped)
+    return plain(text).translate({ord(character): f"\\{character}" for character in _MARKUP})
 
 
 _PACKAGE_TEMPLATES = (*_PROJECT_FILES, *(f"{name}.py" for name in _PACKAGE_FILES))

@@ -48,9 +48,9 @@ TESTS = tests_for(
     codec.Check,
     Refusal,
     steps.Operation,
-    steps.Stated,
+    steps.FixedNumber,
     steps.AsNumber,
-    steps.Beyond,
+    steps.OutsideArgumentLimits,
     steps.Undecodable,
     Enumeration,
 )

@@ -53,13 +53,15 @@ class Call:
     @cached_property
     def flat(self) -> str:
         """Call on one line."""
-        named = ((f"{name}=" if name else "", value) for name, value in self.arguments)
-        arguments = [f"{prefix}{literal(value)}" for prefix, value in named]
+        arguments = []
+        for name, value in self.arguments:
+            prefix = f"{name}=" if name else ""
+            arguments.append(f"{prefix}{literal(value)}")
         return f"{self.function}({', '.join(arguments)})"
 
 
 @dataclass(frozen=True)
-class Sometimes:
+class ConditionalItem:
     """Item of a tuple that is present if the expression ``condition`` is true."""
 
     call: Call
@@ -77,7 +79,7 @@ Literal = (
     | Member
     | Hex
     | Call
-    | Sometimes
+    | ConditionalItem
     | Sequence["Literal"]
     | Mapping[str, str]
 )
@@ -126,12 +128,12 @@ def literal(value: Literal) -> str:
             return f"{value:g}"
         case Mapping():
             return "ReadOnly({" + ", ".join(f"{quoted(key)}: {quoted(text)}" for key, text in value.items()) + "})"
-        case Code() | Hex() | Member() | Call() | Sometimes():
+        case Code() | Hex() | Member() | Call() | ConditionalItem():
             return _code(value)
     return f"({', '.join(map(literal, value))}{',' if len(value) == 1 else ''})"
 
 
-def _code(value: Code | Hex | Member | Call | Sometimes) -> str:
+def _code(value: Code | Hex | Member | Call | ConditionalItem) -> str:
     match value:
         case Code():
             return value.text
@@ -141,7 +143,7 @@ def _code(value: Code | Hex | Member | Call | Sometimes) -> str:
             return f"{value.kind}.{value.value.upper()}"
         case Call():
             return value.flat
-        case Sometimes():
+        case ConditionalItem():
             return f"*([{value.call.flat}] if {value.condition} else [])"
         case _:
             assert_never(value)

@@ -14,7 +14,7 @@ from ...say.name import words
 from . import facts, text
 from .bits import from_pieces
 from .codec import Coder
-from .context import Asked, Context, is_one_choice
+from .context import Context, OpenQuestion, is_one_choice
 from .docstrings import Block, Lines, docstring
 from .expr import Expr
 from .literals import Call
@@ -66,15 +66,15 @@ class Dispatcher:
         return sorted(value for branch in self.plan.branches for value in branch.values)
 
     @property
-    def asked(self) -> list[Asked]:
+    def questions(self) -> list[OpenQuestion]:
         """Questions that the manual leaves open about any of the frames."""
-        questions = (question for coder in self.members for question in coder.asked)
+        questions = (question for coder in self.members for question in coder.questions)
         return list({question.name: question for question in questions}.values())
 
     @property
     def listed(self) -> list[tuple[str, str]]:
         """Arguments for the answers, with their descriptions."""
-        return [(question.name, question.about) for question in self.asked]
+        return [(question.name, question.about) for question in self.questions]
 
     @property
     def told_by(self) -> str:
@@ -187,19 +187,19 @@ class Module:
         for frame in self.readme.frames[:1]:
             # The package's lookup() finds the family from which this one is derived.
             name, call = (self.name, f"{self.name}.lookup") if self.device.base else ("lookup", "lookup")
-            names = ", ".join(filter(None, ("Verdict" if frame.judged else "", frame.module, name)))
+            names = ", ".join(filter(None, ("Verdict" if frame.has_verdict else "", frame.module, name)))
             start = (
                 f"from {self.device.manufacturer.python_package} import {names}",
                 f'encoder = {call}("{frame.code}")',
             )
-            if frame.judged:
+            if frame.has_verdict:
                 yield "A valid frame does not imply a usable position. Check the verdict before you use the position:"
             yield Lines((*start, f"frame = encoder.decode({frame.text}{frame.answers})", *frame.lines))
 
     @property
-    def alternatives(self) -> list[tuple[Asked, str]]:
+    def alternatives(self) -> list[tuple[OpenQuestion, str]]:
         """Questions that the manual leaves open, with their docstrings."""
-        questions = self.context.asked.values()
+        questions = self.context.questions.values()
         return [(question, text.of_alternative(self.device, question.alternative)) for question in questions]
 
     @property
@@ -258,7 +258,7 @@ class Module:
             fallback=coder_of[plan.fallback.name] if plan.fallback is not None else None,
         )
         for coder in dispatcher.members:
-            coder.passed = dispatcher.asked
+            coder.passed = dispatcher.questions
         return dispatcher
 
     def _register(self, register: Register) -> Coder | Enumeration:
@@ -280,10 +280,10 @@ class Module:
             dispatchers = (dispatcher for dispatcher in section.dispatchers if dispatcher.plan.sender == "encoder")
             dispatcher = next(dispatchers, None)
             if dispatcher is None:
-                yield FrameKind(interface, first, "", "", first.asked, (first,))
+                yield FrameKind(interface, first, "", "", first.questions, (first,))
             else:
                 names = (dispatcher.name, dispatcher.union)
-                yield FrameKind(interface, first, *names, dispatcher.asked, dispatcher.members)
+                yield FrameKind(interface, first, *names, dispatcher.questions, dispatcher.members)
 
 
 def _enumeration_doc(field: Field) -> str:

@@ -14,9 +14,9 @@ from ...plan.steps import (
     ArgumentRefusal,
     AsMember,
     AsNumber,
-    Beyond,
-    Given,
+    CheckedArgument,
     Operation,
+    OutsideArgumentLimits,
     Polls,
     Undecodable,
     Verifies,
@@ -40,7 +40,7 @@ class Segment:
     ``taught`` is the last step if its register determines the limits of later steps.
     """
 
-    arguments: Sequence[Given]
+    arguments: Sequence[CheckedArgument]
     steps: Sequence[Operation]
     taught: Writes | None
 
@@ -73,7 +73,7 @@ class Steps:
 
     def _differs(self, refusal: ArgumentRefusal) -> bool:
         match refusal:
-            case Beyond():
+            case OutsideArgumentLimits():
                 return self._limits_differ(refusal)
             case TooWide(width=width):
                 return not width.is_constant
@@ -92,7 +92,7 @@ class Steps:
                 taught=last if isinstance(last, Writes) and last.teaches else None,
             )
 
-    def _first_write(self, parameter: Given) -> int:
+    def _first_write(self, parameter: CheckedArgument) -> int:
         """Return the index of the first step that writes an argument."""
         return self.steps.index(parameter.written[0])
 
@@ -116,11 +116,11 @@ class Steps:
     def argument(argument: Argument) -> str:
         return attribute(argument.name, PROCEDURE_NAMES)
 
-    def type(self, parameter: Given) -> str:
+    def type(self, parameter: CheckedArgument) -> str:
         """Return the type of an argument. A register of several fields is passed as an object or as one number."""
         return f"{self.context.registers[parameter.argument.of]} | int" if self.is_object(parameter) else "int"
 
-    def is_object(self, parameter: Given) -> bool:
+    def is_object(self, parameter: CheckedArgument) -> bool:
         """Return whether an argument can be an object of the register's class as well as a number."""
         object_registers = {write.register.name for write in parameter.written if isinstance(write.value, AsNumber)}
         return parameter.argument.of in object_registers
@@ -163,13 +163,13 @@ class Steps:
     def joins(self, value: AsMember, register: Register) -> bool:
         return any(join.name == value.member for join in register.layout.joins)
 
-    def limits(self, refusal: Beyond) -> str:
+    def limits(self, refusal: OutsideArgumentLimits) -> str:
         """Return the limits of an argument: a call to the register's class if it has one, otherwise a tuple."""
         if refusal.register.name not in self.coders:
             return "({}, {})".format(*limit_expressions(self.scope, refusal.limits))
         name = "limits" if refusal.meaning is None else meaning_limits(refusal.meaning)
         return f"{self.register(refusal.register)}.{name}({'variant' if self._limits_differ(refusal) else ''})"
 
-    def _limits_differ(self, refusal: Beyond) -> bool:
+    def _limits_differ(self, refusal: OutsideArgumentLimits) -> bool:
         coder = self.coders.get(refusal.register.name)
         return coder.takes_variant if coder is not None and refusal.meaning is None else limits_depend(refusal.limits)

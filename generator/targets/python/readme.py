@@ -18,7 +18,7 @@ from ...model import (
     Variant,
     number_to_bytes,
 )
-from ...model.only import applying
+from ...model.only import facts_for_code
 from ...model.record import dataclass
 from ...plan.measurement import counts
 from ...plan.values import (
@@ -27,7 +27,7 @@ from ...plan.values import (
 )
 from ...say.report import alarm_of, meaning
 from .codec import Coder
-from .context import Asked, Context
+from .context import Context, OpenQuestion
 from .expr import grouped
 from .procedures import Steps
 from .variants import FrameKind
@@ -37,10 +37,10 @@ _REGISTERS, _PROCEDURES = 3, 2
 
 
 @dataclass(frozen=True)
-class Shown:
+class ReadmeExample:
     """Example in the README: a call and its result.
 
-    ``judged`` is True for a frame with a verdict. ``spoilt`` is the same frame with a position that is not usable,
+    ``has_verdict`` is True for a frame with a verdict. ``spoilt`` is the same frame with a position that is not usable,
     ``reported`` its report, and ``tried`` the printed lines for both and for an invalid one. ``kind`` is the class
     of the frame if the encoder sends several. ``bits`` and ``digits`` describe a frame that is a string of bits.
     ``looked_up`` is True if the call needs the encoder. ``answers`` are the arguments for questions that the manual
@@ -51,7 +51,7 @@ class Shown:
     text: str
     shown: str
     result: str
-    judged: bool = False
+    has_verdict: bool = False
     spoilt: str = ""
     reported: str = ""
     tried: tuple[str, ...] = ()
@@ -73,15 +73,15 @@ class Shown:
     @property
     def lines(self) -> tuple[str, ...]:
         """Lines that print the values of a frame, after a check of the verdict if there is one."""
-        if not self.judged:
+        if not self.has_verdict:
             return (f"print({self.shown})",)
         return "if frame.verdict is not Verdict.NOT_USABLE:", f"    print({self.shown})"
 
 
-def start(readmes: Sequence[Readme]) -> Shown:
+def start(readmes: Sequence[Readme]) -> ReadmeExample:
     """Return the first example, preferably one with a frame of bits that can report an error."""
     frames = [frame for readme in readmes for frame in readme.frames]
-    no_frame = Shown(readmes[0].device.variants[0].code, "", "", "")
+    no_frame = ReadmeExample(readmes[0].device.variants[0].code, "", "", "")
     return max(
         frames, key=lambda example: (not example.answers, bool(example.spoilt), bool(example.bits)), default=no_frame
     )
@@ -101,9 +101,9 @@ class Readme:
         self._kinds, self._coders, self._procedures = kinds, coders, procedures
 
     @cached_property
-    def frames(self) -> list[Shown]:
+    def frames(self) -> list[ReadmeExample]:
         """One frame for each interface, with invented values and with bits computed by the model."""
-        examples: list[Shown] = []
+        examples: list[ReadmeExample] = []
         for kind in self._kinds:
             example = self._frame(kind.coder)
             if example is not None:
@@ -111,7 +111,7 @@ class Readme:
         # Users copy the first example, so it shows a frame that can report an error, if there is one.
         return sorted(examples, key=lambda example: not example.spoilt)
 
-    def _frame(self, coder: Coder) -> Shown | None:
+    def _frame(self, coder: Coder) -> ReadmeExample | None:
         layout = coder.layout
         sample = self.device.sample_of(layout)
         if sample is None:
@@ -122,18 +122,18 @@ class Readme:
             return None
         placed, number = layout.place(variant.parameters), sample.frame
         numbers = {name: value for name, value in sample.values.items() if _is_number_of(coder, name)}
-        example = Shown(
+        example = ReadmeExample(
             code=variant.code,
             text=_text(placed, number),
             shown=", ".join(f"frame.{coder.names.attribute(name)}" for name in numbers),
             result=" ".join(map(str, numbers.values())),
-            judged=coder.reports is not None and bool(coder.reports.otherwise),
+            has_verdict=coder.reports is not None and bool(coder.reports.otherwise),
             bits=0 if layout.in_bytes else placed.bits,
             digits="" if layout.in_bytes else f"{number:0{placed.bits}b}",
-            answers="".join(map(self._first_answer, coder.asked)),
-            module=self.device.name if coder.asked else "",
+            answers="".join(map(self._first_answer, coder.questions)),
+            module=self.device.name if coder.questions else "",
         )
-        if not example.judged or coder.reports is None or sample.spoilt is None:
+        if not example.has_verdict or coder.reports is None or sample.spoilt is None:
             return example
         flag = layout.spoiling_flags[0]
         reported = coder.reports.name_of(flag)
@@ -145,7 +145,7 @@ class Readme:
         flag_meaning = meaning(flag, alarm_of(self.device, flag))
         return replace(example, tried=(str(numbers[coder.measured]), flag_meaning, invalid))
 
-    def _first_answer(self, question: Asked) -> str:
+    def _first_answer(self, question: OpenQuestion) -> str:
         """Return the argument that passes the first answer to a question."""
         first = question.alternative.answers[0]
         return f", {question.name}={self.device.name}.{question.kind}.{first.name.upper()}"
@@ -161,9 +161,9 @@ class Readme:
         return max(self.device.variants_over(kind), key=preference, default=None)
 
     @property
-    def registers(self) -> list[Shown]:
+    def registers(self) -> list[ReadmeExample]:
         """Worked examples of the first registers that have one."""
-        examples: dict[str, Shown] = {}
+        examples: dict[str, ReadmeExample] = {}
         for example in self.device.examples:
             if isinstance(example, RegisterExample) and example.values and example.register in self._coders:
                 coder = self._coders[example.register]
@@ -171,8 +171,8 @@ class Readme:
         return list(examples.values())[:_REGISTERS]
 
     @property
-    def procedures(self) -> list[Shown]:
-        examples: list[Shown] = []
+    def procedures(self) -> list[ReadmeExample]:
+        examples: list[ReadmeExample] = []
         for example in self.device.examples:
             if not isinstance(example, ProcedureExample) or len(examples) == _PROCEDURES:
                 continue
@@ -188,24 +188,24 @@ class Readme:
             else:
                 arguments.append(f"variant={encoder}")
             result = repr(bytes(write.value for write in example.writes).hex(" "))
-            examples.append(Shown(f"{steps.name}({', '.join(arguments)})", "", "", result))
+            examples.append(ReadmeExample(f"{steps.name}({', '.join(arguments)})", "", "", result))
         return examples
 
     @property
-    def live(self) -> Shown | None:
+    def live(self) -> ReadmeExample | None:
         """Order code with RS-485, with the name of a procedure that clears most alarms, if there is one."""
         variant = self._example_variant("rs485")
         if variant is None:
             return None
-        cleared = [name for alarm in applying(self.device.alarms, variant.code) for name in alarm.cleared_by]
+        cleared = [name for alarm in facts_for_code(self.device.alarms, variant.code) for name in alarm.cleared_by]
         steps_over = (steps for steps in self._procedures.values() if steps.procedure.interface == variant.interface)
         resets = [steps for steps in steps_over if steps.procedure.name in cleared and not steps.arguments]
         best_reset = max(resets, key=lambda steps: cleared.count(steps.procedure.name), default=None)
         reset_name = best_reset.name if best_reset else ""
-        return Shown(code=variant.code, text="", shown=reset_name, result="", module=self.context.module)
+        return ReadmeExample(code=variant.code, text="", shown=reset_name, result="", module=self.context.module)
 
     @property
-    def run_time(self) -> list[Shown]:
+    def run_time(self) -> list[ReadmeExample]:
         """Example of a register that changes the form of frames."""
         for parameter in self.device.run_time_parameters:
             register = self.device.register(parameter.register)
@@ -215,11 +215,13 @@ class Readme:
                 continue
             name = self.context.parameters[parameter.name]
             value = max(variant.parameters[parameter.name] - 4, parameter.min or 0)
-            return [Shown(variant.code, f"0x{register.address:02X}: 0x{value:02X}", f"encoder.{name}", str(value))]
+            return [
+                ReadmeExample(variant.code, f"0x{register.address:02X}: 0x{value:02X}", f"encoder.{name}", str(value))
+            ]
         return []
 
     @property
-    def positions(self) -> list[Shown]:
+    def positions(self) -> list[ReadmeExample]:
         """Conversion of a position, and its count after a wrap-around."""
         variant = self.device.variants[0]
         measurement = self.device.measurement_of(variant.interface)
@@ -229,16 +231,16 @@ class Readme:
         size = prod(factors) if factors else 0
         if size < 8:
             return []
-        examples = [Shown(variant.code, f"encoder.unwrap({size - 2}, 3)", "", str(size + 3))]
+        examples = [ReadmeExample(variant.code, f"encoder.unwrap({size - 2}, 3)", "", str(size + 3))]
         if measurement.counts_per_turn is not None:
             quarter = measurement.counts_per_turn.value(variant.parameters) // 4
-            examples.insert(0, Shown(variant.code, f"encoder.degrees({quarter})", "", "90.0"))
+            examples.insert(0, ReadmeExample(variant.code, f"encoder.degrees({quarter})", "", "90.0"))
         elif (step := measurement.micrometres(variant.parameters)) is not None:
-            examples.insert(0, Shown(variant.code, "encoder.millimetres(1000)", "", repr(float(step))))
+            examples.insert(0, ReadmeExample(variant.code, "encoder.millimetres(1000)", "", repr(float(step))))
         return examples
 
     @property
-    def identified(self) -> list[Shown]:
+    def identified(self) -> list[ReadmeExample]:
         """Worked examples of registers that identify an encoder."""
         identity_registers = {register.name for register, _ in self.device.identity}
         register_examples: dict[str, RegisterExample] = {}
@@ -250,7 +252,7 @@ class Readme:
             return []
         same_encoder = (example for example in register_examples.values() if example.order_code == code)
         contents = ", ".join(f'"{example.register}": {_bytes(example.bytes)}' for example in same_encoder)
-        return [Shown(code=code, text=contents, shown="", result="True")]
+        return [ReadmeExample(code=code, text=contents, shown="", result="True")]
 
 
 def _is_number_of(coder: Coder, name: str) -> bool:
@@ -279,7 +281,7 @@ def _bytes(data: bytes) -> str:
     return f'bytes.fromhex("{data.hex(" ").upper()}")'
 
 
-def _register(example: RegisterExample, coder: Coder) -> Shown:
+def _register(example: RegisterExample, coder: Coder) -> ReadmeExample:
     variant = f', lookup("{example.order_code}")' if coder.takes_variant else ""
     types = {attribute.name: attribute.type for attribute in coder.attributes}
     expressions, values = [], []
@@ -291,7 +293,7 @@ def _register(example: RegisterExample, coder: Coder) -> Shown:
         else:
             expressions.append(f"register.{attribute}")
             values.append(repr(value))
-    return Shown(
+    return ReadmeExample(
         code=f"{coder.name}.decode({_bytes(example.bytes)}{variant})",
         text="",
         shown=_tuple(expressions),

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from ...model import Field, Flag, Verdict
+from ...model import Field, Flag, Verdict, first_of
 from ...plan.codec import Codec, Part, Reserved
-from ...plan.reports import Reporting, Told
-from ...plan.verdicts import Match, Only, Speaks
+from ...plan.reports import ReportCause, Reporting
+from ...plan.verdicts import Match, Only, VerdictCause
 from .expr import Atom, Expr, Not, Operation, coded, joined, mask
 from .names import ClassNames
 
@@ -26,7 +26,7 @@ class FrameReports:
         parameters: Mapping[str, str],
         attribute_of: Callable[[str], str] = "self.{}".format,
     ) -> None:
-        self._told = reporting.told if reporting is not None else ()
+        self._told = reporting.causes if reporting is not None else ()
         self._judgement = reporting.judgement if reporting is not None else None
         self._reserved, self._names, self._parameters, self._own = codec.reserved, names, parameters, attribute_of
 
@@ -34,7 +34,10 @@ class FrameReports:
     def depends(self) -> bool:
         """True if any condition depends on the order code."""
         judged = self._judgement.worst_first if self._judgement is not None else ()
-        causes: list[Told | Speaks] = [*self._told, *(cause for _, speakers in judged for cause in speakers)]
+        causes: list[ReportCause | VerdictCause] = [
+            *self._told,
+            *(cause for _, speakers in judged for cause in speakers),
+        ]
         return any(cause.conditions for cause in causes)
 
     def _holds(self, only: Only) -> Expr:
@@ -42,7 +45,7 @@ class FrameReports:
         return holding(only, f"{self._own('variant')}.{self._parameters[only.parameter]}")
 
     @property
-    def worth(self) -> list[tuple[str, list[str]]]:
+    def verdict_conditions(self) -> list[tuple[str, list[str]]]:
         """Verdicts that flags or bits of the frame lead to, worst first. Any of a verdict's conditions is enough."""
         if self._judgement is None:
             return []
@@ -61,25 +64,30 @@ class FrameReports:
 
     def name_of(self, field: Field) -> str:
         """Return the name of a field's report."""
-        return next(report_cause.report.name for report_cause in self._told if report_cause.by.field.name == field.name)
+        causes = (cause for cause in self._told if cause.by.field.name == field.name)
+        return first_of(causes, f"report about '{field.name}'").report.name
 
     def _flag(self, part: Part) -> Expr:
         return Atom(self._own(self._names.attribute(part.field.name)))
 
     def _differ(self, reserved: Sequence[Reserved]) -> Expr:
         """Return the condition that any of these unused bits differs from the manual."""
-        unused, ones = Atom(self._own("unused")), sum(bits.mask for bits in reserved)
-        return unused if ones == sum(bits.mask for bits in self._reserved) else Operation(unused, "&", mask(ones))
+        unused = Atom(self._own("unused"))
+        all_bits = sum(bits.mask for bits in self._reserved)
+        reserved_bits = sum(bits.mask for bits in reserved)
+        return unused if reserved_bits == all_bits else Operation(unused, "&", mask(reserved_bits))
 
-    def _conditions(self, causes: Sequence[Speaks]) -> list[str]:
+    def _conditions(self, causes: Sequence[VerdictCause]) -> list[str]:
         """Return a condition for each flag and each match of values, and one for all unused bits."""
-        flags = [
-            self._speaks(cause.by, [*map(self._flag, cause.unless)], cause.conditions)
-            for cause in causes
-            if not isinstance(cause.by, Reserved)
-        ]
-        reserved = [cause.by for cause in causes if isinstance(cause.by, Reserved)]
-        return [*flags, *([str(self._differ(reserved))] if reserved else [])]
+        conditions, reserved = [], []
+        for cause in causes:
+            if isinstance(cause.by, Reserved):
+                reserved.append(cause.by)
+            else:
+                conditions.append(self._speaks(cause.by, [*map(self._flag, cause.unless)], cause.conditions))
+        if reserved:
+            conditions.append(str(self._differ(reserved)))
+        return conditions
 
     def _match(self, match: Match) -> list[Expr]:
         """Return a condition for each value of a match."""

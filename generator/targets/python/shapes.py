@@ -19,7 +19,7 @@ from .bits import others
 from .codec import Coder
 from .context import byte_order
 from .expr import joined
-from .literals import Call, Code, Literal, Member, Sometimes, call, literal, record
+from .literals import Call, Code, ConditionalItem, Literal, Member, call, literal, record
 from .reports import holding
 
 #: Number of members that are printed without their names, by class.
@@ -57,7 +57,9 @@ class Shape:
             bits = literal(self._shown((described.gray.low, described.gray.width)))
             yield "gray", Code(f"{bits} if variant.{coder.gray_when} else None" if coder.gray_when else str(bits))
         terms = [f"{value:#x} << {coder.number(place.low)}" for place, value in described.fixed]
-        yield "fixed", Code(" | ".join(f"({term})" if len(terms) > 1 else term for term in terms)) if terms else None
+        if len(terms) > 1:
+            terms = [f"({term})" for term in terms]
+        yield "fixed", Code(" | ".join(terms)) if terms else None
         yield "position", coder.measured
         if self.plan.keeps_others:
             yield "others", Code(str(others(coder.context.scope, self.plan)))
@@ -73,7 +75,8 @@ class Shape:
             return ""
         interface = coder.context.device.interface(coder.layout_interface)
         ranges = position_ranges(coder.context.device, interface)
-        return coder.layout.name if len(ranges) > 1 or any(range_.never_wraps for range_ in ranges) else ""
+        is_special = len(ranges) > 1 or any(position_range.never_wraps for position_range in ranges)
+        return coder.layout.name if is_special else ""
 
     def _column(self, shape_column: Column) -> Call:
         """Return a column with its name in messages, if that differs, and the only values of its field."""
@@ -124,7 +127,7 @@ class Shape:
                 return Code(f"Verdict.{verdict.name} if {self._member(parameter)} else None")
         conditions: list[Only | None] = [getattr(value, name, None) for name in _CONDITIONS]
         holds = [holding(only, self._member(only.parameter)) for only in conditions if only is not None]
-        return Sometimes(self._record(value), str(joined("and", holds))) if holds else self._record(value)
+        return ConditionalItem(self._record(value), str(joined("and", holds))) if holds else self._record(value)
 
     def _member(self, parameter: str) -> str:
         return f"variant.{self.coder.context.parameters[parameter]}"
@@ -137,6 +140,5 @@ class Shape:
         members = [(member, getattr(part, member.name)) for member in fields(part) if member.name not in omitted]
         arguments = [(member.name, self._shown(value)) for member, value in members if value != member.default]
         count = _POSITIONAL.get(kind, 0)
-        return Call(
-            kind, tuple(("" if place < count else name, value) for place, (name, value) in enumerate(arguments))
-        )
+        positional = [("", value) for _, value in arguments[:count]]
+        return Call(kind, (*positional, *arguments[count:]))

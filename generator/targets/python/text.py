@@ -26,10 +26,10 @@ from ...say.erratum import errata, erratum
 from ...say.evidence import grade
 from ...say.lines import plain
 from ...say.name import full_title, heading, title
-from ...say.origin import origin, other_editions, taken_away
+from ...say.origin import origin, other_editions, removals
 from ...say.parameter import parameter
 from ...say.text import AS_LITERAL as S
-from ...say.text import Said, said, told
+from ...say.text import Statement, spec_text, statement
 from ...say.words import counted, sentence
 from .context import is_one_choice
 from .docstrings import Block, docstring
@@ -55,7 +55,7 @@ def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iter
         " that language. A source that starts with any other key refers to that entry of DOCUMENTS.",
         S.sentence(grade(device)),
         S.paragraph([*origin(device), *other_editions(device)]),
-        *_in_full(taken_away(device)),
+        *_in_full(removals(device)),
         " ".join(device.manufacturer.trademarks),
     )
 
@@ -65,25 +65,27 @@ def of_errata(device: Device, *paths: str) -> list[Block]:
     return paragraphs(map(erratum, errata(device, *paths)))
 
 
-def paragraphs(statements: Iterable[Said]) -> list[Block]:
+def paragraphs(statements: Iterable[Statement]) -> list[Block]:
     """Return a paragraph for each statement, and one list of the errata among them."""
     listed = [*statements]
-    errata_in_short = [_short(statement) for statement in listed if statement.below]
+    errata_in_short = [_short_erratum(statement) for statement in listed if statement.below]
     return [
         *(S.sentence(statement) for statement in listed if not statement.below),
         ("Errata (full text in ERRATA)", errata_in_short),
     ]
 
 
-def _in_full(statements: Iterable[Said]) -> list[Block]:
+def _in_full(statements: Iterable[Statement]) -> list[Block]:
     """Return a heading with labelled statements below it for each statement."""
-    return [
-        (S.head(statement), [(part.label, S.sentence(replace(part, label=""))) for part in statement.below])
-        for statement in statements
-    ]
+    return [(S.head(statement), list(map(_labelled, statement.below))) for statement in statements]
 
 
-def _short(statement: Said) -> tuple[str, str]:
+def _labelled(statement: Statement) -> tuple[str, str]:
+    """Return the label of a statement and its sentence without it."""
+    return statement.label, S.sentence(replace(statement, label=""))
+
+
+def _short_erratum(statement: Statement) -> tuple[str, str]:
     """Return the name of an erratum and the first sentence of its correction, or all of it if a user must choose."""
     parts = {part.label: S.phrase(part) for part in statement.below}
     corrected = parts.get("Used") or f"{statement.below[0].label}: {S.phrase(statement.below[0])}"
@@ -133,7 +135,7 @@ def of_variant(device: Device, names: dict[str, str]) -> str:
 
 def of_alternative(device: Device, alternative: Alternative) -> str:
     """Return the docstring of a question that the manual leaves open."""
-    head = S.sentence(said(alternative.meaning, source=alternative.source))
+    head = S.sentence(statement(alternative.meaning, source=alternative.source))
     decide = "The manual leaves this open, or other evidence contradicts it."
     if alternative.default:
         decide += f" The default is {alternative.default.upper()}. Variant.with_answers() chooses another answer."
@@ -144,7 +146,7 @@ def of_alternative(device: Device, alternative: Alternative) -> str:
 
 def of_answer(answer: Answer) -> str:
     """Return the meaning of an answer to a question that the manual leaves open."""
-    return S.sentence(said(answer.meaning, source=answer.source))
+    return S.sentence(statement(answer.meaning, source=answer.source))
 
 
 def of_parameter(device: Device, quantity: Parameter) -> str:
@@ -156,7 +158,8 @@ def of_parameter(device: Device, quantity: Parameter) -> str:
 
 def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str, list[Block]]:
     summary = S.sentence(layout.head(interface, frame, heading(frame.name), device.alternatives))
-    groups = [f"field_groups.{name}" for name in dict.fromkeys(member.group for member in frame.fields if member.group)]
+    names_of_groups = dict.fromkeys(member.group for member in frame.fields if member.group)
+    groups = [f"field_groups.{name}" for name in names_of_groups]
     frame_errata = errata(device, f"interfaces.{interface.name}.{frame.name}")
     shared = ", ".join(erratum.name for erratum in errata(device, *groups) if erratum not in frame_errata)
     more = f"See also in ERRATA: {shared}." if shared else ""
@@ -195,7 +198,10 @@ def of_crc(device: Device, device_crc: Crc) -> list[Block]:
 
 def of_procedure(device: Device, device_procedure: Procedure) -> list[Block]:
     return paragraphs(
-        [said(device_procedure.title, source=device_procedure.source), *procedure.procedure(device, device_procedure)]
+        [
+            statement(device_procedure.title, source=device_procedure.source),
+            *procedure.procedure(device, device_procedure),
+        ]
     )
 
 
@@ -207,12 +213,12 @@ def of_argument(device: Device, argument: Argument) -> str:
 
 
 def of_field(device: Device, data_field: Field, may_be_missing: bool) -> str:
-    missing = [said("0 if the encoder does not have this field")] if may_be_missing else []
+    missing = [statement("0 if the encoder does not have this field")] if may_be_missing else []
     about = [
         *field.meaning(data_field, data_field.meaning),
         *missing,
         *field.rules(device, data_field),
-        *told(data_field.note),
+        *spec_text(data_field.note),
     ]
     return S.paragraph(about) or sentence(title(data_field))
 

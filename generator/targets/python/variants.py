@@ -6,25 +6,25 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 
-from ...model import Interface, Layout, Measurement, Register, Spi, Variant
+from ...model import Interface, Layout, Measurement, Register, Spi, Variant, first_of
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.labels import beginnings
 from ...plan.measurement import (
     Cases,
     PositionRange,
-    also_measured,
     by_interface,
     counts,
+    parameters_in_measurement,
     position_ranges,
 )
 from ...plan.replies import Exchanged, exchanges
-from ...plan.run_time_parameters import Held, held_parameters
+from ...plan.run_time_parameters import HeldParameter, held_parameters
 from ...plan.values import meaning_of
 from ...say.parameter import initial
 from . import text
 from .codec import Coder
-from .context import Asked, Context, byte_order
+from .context import Context, OpenQuestion, byte_order
 from .expr import Atom, Expr, Operation, joined, number
 from .literals import Call, Code, Literal, record
 from .meanings import of_number
@@ -39,7 +39,7 @@ class FrameKind:
     coder: Coder
     dispatch: str
     union: str
-    asked: Sequence[Asked] = ()
+    questions: Sequence[OpenQuestion] = ()
     members: tuple[Coder, ...] = ()
 
     @property
@@ -54,13 +54,13 @@ class FrameKind:
     @property
     def has_open_length(self) -> bool:
         """True if the length of the frame depends on a question that the manual leaves open."""
-        answered = {name for question in self.asked for name, _ in question.members}
+        answered = {name for question in self.questions for name, _ in question.members}
         return not answered.isdisjoint(self.coder.layout.bits.parameters)
 
     @property
     def listed(self) -> list[tuple[str, str]]:
         """Arguments for questions that the manual leaves open, with their descriptions."""
-        return [(question.name, question.about) for question in self.asked]
+        return [(question.name, question.about) for question in self.questions]
 
     @property
     def arguments(self) -> list[tuple[str, str]]:
@@ -74,16 +74,16 @@ class FrameKind:
     @property
     def returned(self) -> str:
         """Description of the value that ``decode`` returns."""
-        return "The frame. Check its ``verdict`` before you use the position." if self.judged else "The frame."
+        return "The frame. Check its ``verdict`` before you use the position." if self.has_verdict else "The frame."
 
     @property
-    def judged(self) -> bool:
+    def has_verdict(self) -> bool:
         """True if any of the frames has a verdict."""
         return self.coder.reports is not None and bool(self.coder.reports.otherwise)
 
 
 @dataclass(frozen=True)
-class Listed:
+class ListedCodes:
     """Listed order codes of one interface: the name of their type, the class of the encoder, and the codes."""
 
     literal: str
@@ -99,18 +99,16 @@ class Variants:
         self.frame_kinds = frame_kinds
         self.sent = [coder for coder in coders if coder.layout.sender == "encoder"]
         #: True if any frame has a verdict.
-        self.judged = any(coder.reports is not None and coder.reports.otherwise for coder in coders)
+        self.has_verdict = any(coder.reports is not None and coder.reports.otherwise for coder in coders)
         self._scope = context.scope_of("self")
         self.rows = [self._row(variant) for variant in self.device.variants]
 
     def _row(self, variant: Variant) -> Call:
         parts = tuple(variant.parts[part.name] for part in self.device.order_code.parts)
         positional: tuple[Literal, ...] = (variant.code, parts)
-        set_here = (
-            (self.context.parameters[parameter.name], variant.parameters[parameter.name])
-            for parameter in self.device.set_parameters
-        )
-        return Call(encoder_name(variant.interface), (*(("", argument) for argument in positional), *set_here))
+        names, values = self.context.parameters, variant.parameters
+        keywords = [(names[parameter.name], values[parameter.name]) for parameter in self.device.set_parameters]
+        return Call(encoder_name(variant.interface), (*(("", argument) for argument in positional), *keywords))
 
     # -- the class of the variants
 
@@ -122,9 +120,8 @@ class Variants:
     @property
     def with_requests(self) -> list[str]:
         """Names of the interfaces over which requests and replies form a pipeline of words."""
-        return [
-            interface.name for interface in self.device.interfaces if isinstance(interface, Spi) and interface.exchanges
-        ]
+        spi_interfaces = (interface for interface in self.device.interfaces if isinstance(interface, Spi))
+        return [interface.name for interface in spi_interfaces if interface.exchanges]
 
     def exchanged(self, interface: Interface) -> tuple[Exchanged, ...]:
         """Return the requests over an interface with their replies, unless they form a pipeline of words."""
@@ -140,14 +137,14 @@ class Variants:
         return beginnings(self.device.order_code)
 
     @cached_property
-    def listed_by_interface(self) -> list[Listed]:
+    def listed_by_interface(self) -> list[ListedCodes]:
         """Listed order codes of each interface, for type checkers."""
         listed_codes = []
         for interface in self.device.interfaces:
             codes = tuple(variant.code for variant in self.device.variants_over(interface.name))
             literal = f"{camel(self.context.module)}{interface.name.capitalize()}"
             if codes:
-                listed_codes.append(Listed(literal, encoder_name(interface.name), codes))
+                listed_codes.append(ListedCodes(literal, encoder_name(interface.name), codes))
         return listed_codes
 
     @property
@@ -157,15 +154,12 @@ class Variants:
     @property
     def derived(self) -> list[tuple[str, str, Expr]]:
         """Name, meaning and value of the parameters that are derived from others, except those for measurements."""
-        return [
-            (
-                self.context.parameters[parameter.name],
-                text.of_parameter(self.device, parameter),
-                self._scope.of(parameter.equals),
-            )
-            for parameter in self.device.parameters
-            if parameter.equals is not None and parameter.name not in also_measured(self.device)
-        ]
+        derived, measured = [], parameters_in_measurement(self.device)
+        for parameter in self.device.parameters:
+            if parameter.equals is not None and parameter.name not in measured:
+                meaning = text.of_parameter(self.device, parameter)
+                derived.append((self.context.parameters[parameter.name], meaning, self._scope.of(parameter.equals)))
+        return derived
 
     # -- units of positions
 
@@ -213,7 +207,8 @@ class Variants:
         cases = self._cases(
             lambda measurement: self._of(measurement.per_counts or Expression(1)) if measurement.step_nm else None
         )
-        return cases if any(value != number(1) for value, _ in cases.cases) else replace(cases, cases=())
+        is_one_everywhere = all(value == number(1) for value, _ in cases.cases)
+        return replace(cases, cases=()) if is_one_everywhere else cases
 
     @cached_property
     def modulus(self) -> Cases[Expr]:
@@ -237,20 +232,14 @@ class Variants:
     @cached_property
     def by_frame(self) -> list[str]:
         """Names of the interfaces over which frames have different ranges, or positions that never wrap around."""
-        return [
-            interface.name
-            for interface in self.device.interfaces
-            if self._only_range(interface) is None and position_ranges(self.device, interface)
-        ]
+        several = (interface for interface in self.device.interfaces if self._only_range(interface) is None)
+        return [interface.name for interface in several if position_ranges(self.device, interface)]
 
     @property
     def no_range(self) -> str:
         """Reason why an interface has no range that applies to all of its frames."""
-        unknown = any(
-            not self.modulus_of(interface) and interface.name not in self.by_frame
-            for interface in self.device.interfaces
-        )
-        reasons = ["the manual does not give it"] if unknown else []
+        unlimited = {interface.name for interface in self.device.interfaces if not self.modulus_of(interface)}
+        reasons = ["the manual does not give it"] if unlimited.difference(self.by_frame) else []
         reasons += ["it depends on the frame, see range_of()"] if self.by_frame else []
         return ", or ".join(reasons)
 
@@ -263,12 +252,12 @@ class Variants:
         """Return each frame with its lowest and highest position and modulus, if the frames differ."""
         if interface.name not in self.by_frame:
             return []
-        return [
-            (layout.name, self._range_values(position_range, layout))
-            for position_range in position_ranges(self.device, interface)
-            for layout in position_range.layouts
-            if position_range.has_difference
-        ]
+        ranges: list[tuple[str, Sequence[Expr | None]]] = []
+        for position_range in position_ranges(self.device, interface):
+            if position_range.has_difference:
+                layouts = position_range.layouts
+                ranges += [(layout.name, self._range_values(position_range, layout)) for layout in layouts]
+        return ranges
 
     def _range_values(self, position_range: PositionRange, layout: Layout) -> tuple[Expr | None, ...]:
         modulus, measurement = self._modulus(position_range.measurement), position_range.measurement
@@ -338,7 +327,8 @@ class Variants:
             return (value(only) or usual) if only is not None else None
 
         ends = by_interface(self.device, of)
-        return ends if self.by_frame or any(end != usual for end, _ in ends.cases) else None
+        is_usual = not self.by_frame and all(end == usual for end, _ in ends.cases)
+        return None if is_usual else ends
 
     @property
     def bases(self) -> list[str]:
@@ -361,42 +351,44 @@ class Variants:
     @property
     def no_frame_bits(self) -> str:
         """Reason why ``frame_bits`` is missing, for each interface without it."""
-        of_bytes = ["frames are made of bytes"] if any(kind.in_bytes for kind in self.frame_kinds) else []
-        is_open = (
-            ["the length depends on your choice"] if any(kind.has_open_length for kind in self.frame_kinds) else []
-        )
-        return ", or ".join([*of_bytes, *is_open])
+        reasons = []
+        if any(kind.in_bytes for kind in self.frame_kinds):
+            reasons.append("frames are made of bytes")
+        if any(kind.has_open_length for kind in self.frame_kinds):
+            reasons.append("the length depends on your choice")
+        return ", or ".join(reasons)
 
     # -- answers with a default
 
     @property
-    def answers(self) -> list[Asked]:
+    def answers(self) -> list[OpenQuestion]:
         """Questions whose default applies unless the user chooses another answer."""
         optional = self.device.optional_alternatives
-        return [self.context.asked[alternative.name] for alternative in optional]
+        return [self.context.questions[alternative.name] for alternative in optional]
 
     @property
     def some_code(self) -> str:
         """Last order code with a frame whose verdict such an answer decides."""
-        interfaces = {
-            interface.name for interface, layout in self.device.layouts() if self.device.verdict_alternatives(layout)
-        }
-        return next(variant.code for variant in reversed(self.device.variants) if variant.interface in interfaces)
+        layouts = self.device.layouts()
+        interfaces = {interface.name for interface, layout in layouts if self.device.verdict_alternatives(layout)}
+        variants = (variant for variant in reversed(self.device.variants) if variant.interface in interfaces)
+        return first_of(variants, "order code with a frame whose verdict an answer decides").code
 
-    def answered(self, question: Asked) -> list[tuple[str, str]]:
+    def answered(self, question: OpenQuestion) -> list[tuple[str, str]]:
         """Return the parameters that an answer sets, with the names of their values in its Enum."""
         return [(self.context.parameters[name], member) for name, member in question.members]
 
     # -- parameters in registers
 
     @cached_property
-    def held(self) -> list[tuple[str, Call]]:
+    def held_records(self) -> list[tuple[str, Call]]:
         """Parameters that registers hold at run time: name and record."""
-        return [
-            (self.context.parameters[held_parameter.parameter.name], self._held(group.register, held_parameter))
-            for group in held_parameters(self.device)
-            for held_parameter in group.parameters
-        ]
+        names = self.context.parameters
+        records: list[tuple[str, Call]] = []
+        for group in held_parameters(self.device):
+            members = group.parameters
+            records += [(names[member.parameter.name], self._held_record(group.register, member)) for member in members]
+        return records
 
     @property
     def initial(self) -> str:
@@ -409,7 +401,7 @@ class Variants:
         registers = (group.register for group in held_parameters(self.device))
         return ", ".join(f"{register.name} at {register.address:02X}h" for register in registers)
 
-    def _held(self, register: Register, held_parameter: Held) -> Call:
+    def _held_record(self, register: Register, held_parameter: HeldParameter) -> Call:
         parameter, width = held_parameter.parameter, held_parameter.field.widest
         needed: dict[str, Literal] = {
             "parameter": self.context.parameters[parameter.name],
@@ -420,7 +412,7 @@ class Variants:
             "low": held_parameter.field.low.constant,
             "width": width,
             "min": parameter.min or 0,
-            "max": parameter.max if parameter.max is not None else held_parameter.most,
+            "max": parameter.max if parameter.max is not None else held_parameter.highest_value,
         }
         if parameter.by_code:
             needed["codes"] = tuple((by_code.code, by_code.value) for by_code in parameter.by_code)

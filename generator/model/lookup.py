@@ -1,0 +1,30 @@
+"""Lookups whose error names what is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Protocol, TypeVar
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+_N = TypeVar("_N", bound=_Named)
+_T = TypeVar("_T")
+
+
+def member_named(members: Iterable[_N], name: str, kind: str) -> _N:
+    """Return the first member with this name, or raise a ``LookupError`` with the name and the ``kind`` of member."""
+    for member in members:
+        if member.name == name:
+            return member
+    raise LookupError(f"there is no {kind} called '{name}'")
+
+
+def first_of(values: Iterable[_T], kind: str) -> _T:
+    """Return the first value, or raise a ``LookupError`` with the ``kind`` of value if there is none."""
+    for value in values:
+        return value
+    raise LookupError(f"there is no {kind}")
