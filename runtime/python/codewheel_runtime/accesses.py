@@ -39,9 +39,11 @@ class Access(NamedTuple):
 
     def __str__(self) -> str:
         name = "write" if self.is_write else "read"
-        value = "" if self.value is None else f" {'=' if self.is_write else '->'} {self.value:#04x}"
+        sign = "=" if self.is_write else "->"
+        value = "" if self.value is None else f" {sign} {self.value:#04x}"
         slave = f" of slave {self.slave_id}" if self.slave_id else ""
-        return f"{name} {self.address:02X}h{slave}{value}" + ("" if self.done else f": {self.result}")
+        result = "" if self.done else f": {self.result}"
+        return f"{name} {self.address:02X}h{slave}{value}{result}"
 
 
 class Accesses:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Final, NamedTuple
 
@@ -16,6 +17,23 @@ from .table import ErrorKind
 _HELP: Final = "expected fields in the order of transmission, such as position=32,error,warning,crc=6:0x43"
 #: Flags of BiSS frames, which are active at level 0, and the resulting verdict on the position.
 _FLAGS: Final = {"error": Verdict.NOT_USABLE, "warning": Verdict.USABLE_WITH_WARNING}
+
+#: Names of bits that are in no column.
+_FILLERS: Final = ("zero", "unused")
+
+
+class _Field(NamedTuple):
+    """Field of a layout. The polynomial and the start value are those of a CRC."""
+
+    name: str
+    width: int
+    poly: int = 0
+    init: int = 0
+
+    def crc(self) -> Callable[[int, int], int]:
+        """Return the function that computes the inverted CRC."""
+        xorout = (1 << self.width) - 1
+        return partial(crc_of_bits, width=self.width, poly=self.poly, init=self.init, refout=False, xorout=xorout)
 
 
 class BissLayout(NamedTuple):
@@ -90,42 +108,55 @@ def biss_layout(text: str) -> BissLayout:
     Raises:
         UsageError: The text is not a layout.
     """
-    fields = [_field(part) for part in text.split(",")]
-    bits = sum(width for _, width, _ in fields)
-    names = [name for name, _, _ in fields if name not in ("zero", "unused")]
+    fields = [_field(field_text) for field_text in text.split(",")]
+    _check_fields(fields)
+    widths = {field.name: field.width for field in fields if field.name not in ("crc", *_FILLERS)}
+    joins: tuple[Join, ...] = ()
+    if "singleturn" in widths and "position" not in widths:
+        turns = (("multiturn", widths["singleturn"]),) if "multiturn" in widths else ()
+        joins = (Join("position", (("singleturn", 0), *turns)),)
+        widths["position"] = widths["singleturn"] + widths.get("multiturn", 0)
+    return BissLayout(
+        text=text,
+        shape=_shape(fields, widths, joins),
+        modulus=1 << widths.get("position", 0),
+        counts_per_turn=1 << widths["singleturn"] if "singleturn" in widths else 0,
+    )
+
+
+def _check_fields(fields: Sequence[_Field]) -> None:
+    """Raise UsageError if the fields together are not a frame."""
+    bits = sum(field.width for field in fields)
+    names = [field.name for field in fields if field.name not in _FILLERS]
     if not 0 < bits <= 64:
         raise UsageError(f"frames of {bits} bits are not supported: expected 1 to 64")
     if len({*names}) < len(names):
         raise UsageError(f"two fields have the same name; {_HELP}")
     if {"verdict", "fault", "time"} & {*names}:
         raise UsageError("verdict, fault and time are names of columns that every table has")
-    if "crc" in names and fields[-1][0] != "crc":
+    if "crc" in names and fields[-1].name != "crc":
         raise UsageError("the CRC must be the last field")
+
+
+def _shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Join, ...]) -> Shape:
+    """Return the description of a frame. ``widths`` are those of its columns, by name."""
     columns: list[Column] = []
     checks: list[Check] = []
     unused: list[Unused] = []
-    crc, low = None, bits
-    for name, width, more in fields:
+    crc = None
+    low = bits = sum(field.width for field in fields)
+    for field in fields:
+        name, width = field.name, field.width
         low -= width
         if name == "crc":
-            checks_of = partial(
-                crc_of_bits, width=width, poly=more[0], init=more[1], refout=False, xorout=(1 << width) - 1
-            )
-            crc = CrcOf(low, width, of_bits(checks_of, bits - width, width))
+            crc = CrcOf(low, width, of_bits(field.crc(), bits - width, width))
         elif name == "zero":
             checks.append(Check(low, width, ErrorKind.CONSTANT, (0,)))
         elif name == "unused":
-            unused.append(Unused(low, width, 0, sum(item.width for item in unused)))
+            unused.append(Unused(low, width, value=0, place=sum(earlier.width for earlier in unused)))
         else:
             columns.append(Column(name, low, width, "not_flag" if name in _FLAGS else "number"))
-    widths = {item.name: item.width for item in columns}
-    joins: tuple[Join, ...] = ()
-    if "singleturn" in widths and "position" not in widths:
-        turns = (("multiturn", widths["singleturn"]),) if "multiturn" in widths else ()
-        joins = (Join("position", (("singleturn", 0), *turns)),)
-        widths["position"] = widths["singleturn"] + widths.get("multiturn", 0)
-    speaks = tuple(Speaks(verdict, flag) for flag, verdict in _FLAGS.items() if flag in widths)
-    shape = Shape(
+    return Shape(
         bits,
         columns=tuple(columns),
         joins=joins,
@@ -134,35 +165,40 @@ def biss_layout(text: str) -> BissLayout:
         crc=crc,
         position="position" if "position" in widths else "",
         otherwise=Verdict.USABLE if "error" in widths else Verdict.UNKNOWN,
-        speaks=speaks,
+        speaks=tuple(Speaks(verdict, flag) for flag, verdict in _FLAGS.items() if flag in widths),
     )
-    per_turn = 1 << widths["singleturn"] if "singleturn" in widths else 0
-    return BissLayout(text, shape, 1 << widths.get("position", 0), per_turn)
 
 
-def _field(part: str) -> tuple[str, int, tuple[int, ...]]:
-    """Return the name, the width and further numbers of a field."""
-    name, equals, rest = part.strip().partition("=")
+def _field(text: str) -> _Field:
+    """Return the field that a part of a layout describes."""
+    name, equals, numbers_text = text.strip().partition("=")
     try:
-        width, *more = [_number(item) for item in rest.split(":")] if equals else [1]
+        numbers = list(map(_number, numbers_text.split(":"))) if equals else [1]
     except ValueError:
-        raise UsageError(f"{short(part)} is not a field; {_HELP}") from None
+        raise UsageError(f"{short(text)} is not a field; {_HELP}") from None
+    width, *crc_numbers = numbers
     if not name.isidentifier() or not name.isascii() or not 0 < width <= 64 or (not equals and name not in _FLAGS):
-        raise UsageError(f"{short(part)} is not a field; {_HELP}")
+        raise UsageError(f"{short(text)} is not a field; {_HELP}")
     if name in _FLAGS and width != 1:
         raise UsageError(f"{name} is one bit, not {width}")
-    if name != "crc":
-        if more:
-            raise UsageError(f"{short(part)} is not a field; {_HELP}")
-        return name, width, ()
+    if name == "crc":
+        return _crc_field(text, width, crc_numbers)
+    if crc_numbers:
+        raise UsageError(f"{short(text)} is not a field; {_HELP}")
+    return _Field(name, width)
+
+
+def _crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
+    """Return the CRC. ``numbers`` are its polynomial and, if it is not 0, its start value."""
     top = 1 << width
-    poly, init = more[0] if more else 0, more[1] if len(more) > 1 else 0
-    if more and width <= 32 and not poly & 1:
-        said = f"{short(part)} is not a CRC: the last term of its polynomial must be 1, so {poly:#x} needs bit 0 set"
-        raise UsageError(said)
-    if width > 32 or len(more) > 2 or not poly & 1 or poly >= 2 * top or init >= top:
-        raise UsageError(f"{short(part)} is not a CRC: expected crc=BITS:POLYNOMIAL, such as crc=6:0x43")
-    return name, width, (poly & top - 1, init)
+    poly = numbers[0] if numbers else 0
+    init = numbers[1] if len(numbers) > 1 else 0
+    if numbers and width <= 32 and not poly & 1:
+        reason = f"the last term of its polynomial must be 1, so {poly:#x} needs bit 0 set"
+        raise UsageError(f"{short(text)} is not a CRC: {reason}")
+    if width > 32 or len(numbers) > 2 or not poly & 1 or poly >= 2 * top or init >= top:
+        raise UsageError(f"{short(text)} is not a CRC: expected crc=BITS:POLYNOMIAL, such as crc=6:0x43")
+    return _Field("crc", width, poly & top - 1, init)
 
 
 def _number(text: str) -> int:

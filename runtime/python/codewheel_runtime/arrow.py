@@ -28,20 +28,24 @@ def parquet(file: BinaryIO, name: str, stored: Stored, shape: Shape) -> Source:
         schema = opened_file.schema_arrow
         column = column_of(list(schema.names), stored.column, name)
         total = int(opened_file.metadata.num_rows)
-    others = tuple(item for item in schema.names if item != column)
+    other_names = tuple(column_name for column_name in schema.names if column_name != column)
     pa: Any = import_module("pyarrow")
-    kept = kept_columns(others, stored, lambda item: pa.array([], schema.field(item).type), name)
-    return Source(_batches(opened_file, column, tuple(kept), name, stored, shape), total, others, kept)
+    empty_columns = kept_columns(
+        other_names, stored, lambda column_name: pa.array([], schema.field(column_name).type), name
+    )
+    return Source(
+        _batches(opened_file, column, tuple(empty_columns), name, stored, shape), total, other_names, empty_columns
+    )
 
 
 def _batches(
-    file: Any, column: str, kept: tuple[str, ...], name: str, stored: Stored, shape: Shape
+    file: Any, column: str, kept_names: tuple[str, ...], name: str, stored: Stored, shape: Shape
 ) -> Generator[Part, None, None]:
     done = 0
     with _told(name):
         # More columns mean fewer rows at once.
-        rows = max(inputs.CHUNK // (1 + len(kept)), 1)
-        batches = file.iter_batches(batch_size=rows, columns=[column, *kept])
+        rows = max(inputs.CHUNK // (1 + len(kept_names)), 1)
+        batches = file.iter_batches(batch_size=rows, columns=[column, *kept_names])
     while True:
         with _told(name):
             batch = next(batches, None)
@@ -54,7 +58,7 @@ def _batches(
         except TypeError as error:
             raise InputError(name, f"column {short(column)}", str(error)) from None
         done += len(batch)
-        yield Part(frames, done, {item: batch.column(item) for item in kept})
+        yield Part(frames, done, {column_name: batch.column(column_name) for column_name in kept_names})
 
 
 @contextmanager
@@ -66,8 +70,8 @@ def _told(name: str) -> Generator[None, None, None]:
     except InputError:
         raise
     except (error, OSError, ValueError, MemoryError) as fault:
-        said = next(iter(str(fault).splitlines()), type(fault).__name__)
-        raise InputError(name, "", f"this is not a valid Parquet file: {said}") from None
+        reason = next(iter(str(fault).splitlines()), type(fault).__name__)
+        raise InputError(name, "", f"this is not a valid Parquet file: {reason}") from None
 
 
 class _NoFrame(ValueError):
@@ -86,8 +90,8 @@ def of_column(column: Any, shape: Shape) -> Any:
     try:
         return of_arrow(column, shape)
     except _NoFrame as error:
-        said = "frames as text need 0x in front: convert the column to integers"
-        raise InputError("the frames", f"row {error.row + 1}", said) from None
+        reason = "frames as text need 0x in front: convert the column to integers"
+        raise InputError("the frames", f"row {error.row + 1}", reason) from None
 
 
 def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: int = 0) -> Any:
@@ -109,12 +113,7 @@ def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: in
     if kinds.is_null(kind):
         return [None] * len(array)
     if kinds.is_integer(kind):
-        if shape.length:
-            raise TypeError(f"expected rows of {shape.length} bytes, got numbers")
-        if not array.null_count:
-            return array.to_numpy(zero_copy_only=False)
-        missing = array.is_null().to_numpy(zero_copy_only=False)
-        return np.ma.masked_array(array.fill_null(0).to_numpy(zero_copy_only=False), missing)
+        return _integers(array, shape)
     if kinds.is_float64(kind) and not shape.length:
         return of_floats(array.to_numpy(zero_copy_only=False), shape.bits, done)
     if kinds.is_string(kind) or kinds.is_large_string(kind):
@@ -126,6 +125,16 @@ def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: in
     if rows is not None:
         return rows if shape.length else numbers(rows)
     return of_bytes(array.to_pylist(), shape)
+
+
+def _integers(array: Any, shape: Shape) -> Any:
+    """Return integers as an array. Missing ones are masked."""
+    if shape.length:
+        raise TypeError(f"expected rows of {shape.length} bytes, got numbers")
+    if not array.null_count:
+        return array.to_numpy(zero_copy_only=False)
+    missing = array.is_null().to_numpy(zero_copy_only=False)
+    return np.ma.masked_array(array.fill_null(0).to_numpy(zero_copy_only=False), missing)
 
 
 def _rows_of(array: Any, length: int) -> Any:
@@ -160,7 +169,7 @@ def of_bytes(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
 def _each(items: Iterable[str | None], shape: Shape, digits: DigitKind | None, is_first: bool) -> list[Any]:
     """Return the frame in each text cell, or None for a cell without a frame."""
     cells = Cells(shape, digits)
-    found = [cells.read(item or "", row) for row, item in enumerate(items)]
-    if is_first and cells.are_others:
-        raise _NoFrame(cells.place, cells.said)
-    return found
+    frames = [cells.read(cell or "", row) for row, cell in enumerate(items)]
+    if is_first and cells.are_mostly_unread:
+        raise _NoFrame(cells.place, cells.error)
+    return frames

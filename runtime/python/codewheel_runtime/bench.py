@@ -17,9 +17,10 @@ from .capture import Captures, CaptureSummary, Lost
 from .command import USAGE, Failed, encoder_of, missing, working
 from .encoder import Encoder
 from .inputs import InputError, Stored, UsageError
+from .layouts import shape_for
 from .reports import Interface
 from .sources import kind_of, opened
-from .stream import seconds_of, shape_for
+from .stream import seconds_of
 from .table import Table
 
 np: Any = import_module("numpy")
@@ -84,17 +85,20 @@ def _frames(encoder: Encoder | BissLayout, chosen: argparse.Namespace) -> Table:
     frames: list[Any] = []
     times: list[Any] = []
     with opened(path, Stored(digits=chosen.digits, wanted=("time",)), shape, lambda frames: 1.0) as read:
-        if "time" not in read.kept:
+        if "time" not in read.empty_columns:
             raise InputError(path, "", "no column 'time'; a plot needs the time of each frame in seconds")
         for part in read.parts:
-            times.append(seconds_of(part.others["time"], path))
-            frames += (
-                [row if row is None else bytes(row) for row in part.frames] if shape.length else _listed(part.frames)
-            )
+            times.append(seconds_of(part.other_columns["time"], path))
+            frames += _listed_rows(part.frames) if shape.length else _listed_numbers(part.frames)
     return decode_many(frames, shape, cast(Encoder, encoder)).with_columns(time=np.concatenate([np.zeros(0), *times]))
 
 
-def _listed(frames: Any) -> Any:
+def _listed_rows(frames: Any) -> list[bytes | None]:
+    """Return rows of bytes as a list. A missing frame is None."""
+    return [None if row is None else bytes(row) for row in frames]
+
+
+def _listed_numbers(frames: Any) -> Any:
     """Return numbers as a list. A missing frame is None."""
     return frames.tolist() if hasattr(frames, "tolist") else frames
 
@@ -107,8 +111,8 @@ def monitor(package: str, chosen: argparse.Namespace) -> None:
     if encoder.interface is not Interface.RS485:
         is_spi = encoder.interface is Interface.SPI
         how = "export the words that it finds, and use 'decode'" if is_spi else "use 'capture'"
-        said = f"{encoder.code} has the interface {encoder.interface.title}, and a serial port cannot send its clock"
-        raise Failed(f"{said}: record it with a logic analyser, and {how}", USAGE)
+        problem = f"{encoder.code} has the interface {encoder.interface.title}, and a serial port cannot send its clock"
+        raise Failed(f"{problem}: record it with a logic analyser, and {how}", USAGE)
     try:
         link: Any = import_module(f"{__package__}.link")
     except ImportError as error:
@@ -133,8 +137,8 @@ def _encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:
         encoder = encoder_of(package, chosen)
     except Failed:
         if os.path.isfile(chosen.order_code):
-            said = f"{chosen.order_code} is a file: give the order code in front of it, or --biss"
-            raise Failed(said, USAGE) from None
+            problem = f"{chosen.order_code} is a file: give the order code in front of it, or --biss"
+            raise Failed(problem, USAGE) from None
         raise
     if not chosen.files:
         raise Failed("give the order code and the file of the capture, or --biss and the file", USAGE)
@@ -164,8 +168,8 @@ def _report(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
     if not summary.frames.frames:
         raise Failed(_nothing(summary.first_lost, chosen))
     if 100 * summary.error_rate > chosen.max_errors:
-        said = f"{summary.error_rate:.0%} of the cycles have no valid frame"
-        raise Failed(f"{said}; check {_described(chosen)} and the channels (--max-errors is {chosen.max_errors:g})")
+        problem = f"{summary.error_rate:.0%} of the cycles have no valid frame"
+        raise Failed(f"{problem}; check {_described(chosen)} and the channels (--max-errors is {chosen.max_errors:g})")
 
 
 def _described(chosen: argparse.Namespace) -> str:
@@ -176,5 +180,5 @@ def _described(chosen: argparse.Namespace) -> str:
 def _nothing(lost: Any, chosen: argparse.Namespace) -> str:
     """Return the message for a capture without a frame."""
     first: Lost | None = next(iter(lost), None)
-    said = f": {first.reason}" if first else ""
-    return f"the capture contains no frame{said}; check the channels (--clock, --data) and {_described(chosen)}"
+    reason = f": {first.reason}" if first else ""
+    return f"the capture contains no frame{reason}; check the channels (--clock, --data) and {_described(chosen)}"

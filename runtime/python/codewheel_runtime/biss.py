@@ -112,8 +112,8 @@ def crc(value: int, bits: int) -> int:
         The CRC, 4 bits.
     """
     value, register = index(value), 0
-    for left in range(bits - 1, -1, -1):
-        out = (register >> 3 ^ value >> left) & 1
+    for place in range(bits - 1, -1, -1):
+        out = (register >> 3 ^ value >> place) & 1
         register = register << 1 & 0xF ^ out * 0x3
     return register ^ 0xF
 
@@ -210,15 +210,15 @@ class Request:
             raise ConstantError("CTS", 0, 1)
         if access not in (_READS, _WRITES):
             raise ConstantError("R W S", access >> 14, _READS >> 14)
-        rest = word & (0x3FFF if value is None else 0x3)
-        if rest:
-            raise ConstantError("the zeros at the end", rest, 0)
+        trailing_bits = word & (0x3FFF if value is None else 0x3)
+        if trailing_bits:
+            raise ConstantError("the zeros at the end", trailing_bits, 0)
         return cls(head >> 7 & 0x7, head & 0x7F, value)
 
     def bits(self) -> tuple[int, ...]:
         """Return the CDM bits of the whole access, one for each BiSS frame, for a slave that is never busy."""
         word = self.encode()
-        return (0,) * ZEROS + (1,) + tuple(word >> left & 1 for left in range(31, -1, -1))
+        return (0,) * ZEROS + (1,) + tuple(word >> place & 1 for place in range(31, -1, -1))
 
     def _echo(self, answers: int) -> Outcome:
         """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave participates."""
@@ -366,9 +366,9 @@ class Master:
     def _begin(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
         slave_id, address = whole_number("slave_id", slave_id), whole_number("address", address)
         head = Request(slave_id, address, values[0] if values else None).encode()
-        most = REGISTERS - (address & 0x3F)
-        if not 0 < len(values) <= most:
-            raise RangeError("the number of registers", len(values), f"1 to {most} from address {address:02X}h")
+        count_limit = REGISTERS - (address & 0x3F)
+        if not 0 < len(values) <= count_limit:
+            raise RangeError("the number of registers", len(values), f"1 to {count_limit} from address {address:02X}h")
         self.outcome = Outcome.RUNNING
         self.slaves = self.done = self._at = self._answers = 0
         self.data = b""

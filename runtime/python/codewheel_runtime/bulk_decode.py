@@ -19,9 +19,9 @@ from .shape import (
     kinds,
     late_fields,
     measured,
+    quick_checks,
     scales,
     smallest,
-    sound,
     unused_bits,
     unused_groups,
     width_of,
@@ -51,16 +51,16 @@ class Chunk:
 
     def small(self, low: int, mask: int) -> Any:
         """Return the bits that start at ``low``, limited to ``mask``. All of them are in one byte."""
-        found = self.byte(low // 8)
-        found = found >> np.uint8(low % 8) if low % 8 else found
-        return found if mask == 0xFF >> low % 8 else found & np.uint8(mask)
+        bits = self.byte(low // 8)
+        bits = bits >> np.uint8(low % 8) if low % 8 else bits
+        return bits if mask == 0xFF >> low % 8 else bits & np.uint8(mask)
 
     def take(self, low: int, width: int, out: Any = None) -> Any:
         """Return the ``width`` bits that start at ``low``, as 64-bit numbers in ``out`` if it is given."""
         if width == 0 or low % 8 + width <= 8:
             count = len(self.limbs[0])
-            found = self.small(low, (1 << width) - 1) if width else np.zeros(count, np.uint8)
-            return found if out is None else np.copyto(out, found)
+            bits = self.small(low, (1 << width) - 1) if width else np.zeros(count, np.uint8)
+            return bits if out is None else np.copyto(out, bits)
         at, shift = divmod(low, 64)
         whole = shift + width in (64, self.bits - 64 * at)
         number = np.right_shift(self.limbs[at], np.uint64(shift), out=out)
@@ -80,11 +80,11 @@ class Chunk:
         """Convert bits from Gray code to binary."""
         mask = np.uint64(((1 << width) - 1) << low)
         gray = self.limbs[0] & mask
-        found, shift = gray, 1
+        binary, shift = gray, 1
         while shift < width:
-            found = found ^ found >> np.uint64(shift) & mask
+            binary = binary ^ binary >> np.uint64(shift) & mask
             shift *= 2
-        self.limbs = [self.limbs[0] ^ gray ^ found]
+        self.limbs = [self.limbs[0] ^ gray ^ binary]
         self._bytes.clear()
 
 
@@ -92,22 +92,32 @@ def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
     """Decode ``frames`` into columns. For the arguments, see ``decode_many`` of the frame's class."""
     if _is_arrow(frames):
         frames = import_module(f"{__package__}.arrow").of_column(frames, shape)
-    source, wrong = rows_of(frames, shape.length) if shape.length else _words_of(frames, shape.bits)
+    source, wrong_rows = rows_of(frames, shape.length) if shape.length else _words_of(frames, shape.bits)
     count = len(source)
     out = _columns(count, {**kinds(shape), "fault": "u1"})
     fault = out.pop("fault")
     fault[:] = 0
     for start in range(0, count, CHUNK):
-        part = slice(start, start + CHUNK)
-        _decode(source[part], shape, {name: column[part] for name, column in out.items()}, fault[part])
-    if len(wrong):
-        fault[wrong] = ErrorKind.LENGTH
-    worth = out.pop("verdict", None)
-    if worth is not None and len(wrong):
-        worth[wrong] = 0
+        rows = slice(start, start + CHUNK)
+        _decode(source[rows], shape, {name: column[rows] for name, column in out.items()}, fault[rows])
+    if len(wrong_rows):
+        fault[wrong_rows] = ErrorKind.LENGTH
+    verdicts = out.pop("verdict", None)
+    if verdicts is not None and len(wrong_rows):
+        verdicts[wrong_rows] = 0
     parts = {name: (join.name, low, width) for join in shape.joins for name, low, width in late_fields(shape, join)}
-    own = (shape.position, parts, shape.tells, measured(shape), scales(shape))
-    return Table(encoder, out, fault, worth, *own, frame=shape.frame)
+    return Table(
+        encoder=encoder,
+        columns=out,
+        fault=fault,
+        verdict=verdicts,
+        position=shape.position,
+        parts=parts,
+        tells=shape.tells,
+        measured=measured(shape),
+        scales=scales(shape),
+        frame=shape.frame,
+    )
 
 
 def _is_arrow(frames: object) -> bool:
@@ -129,21 +139,21 @@ def _columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
 def rows_of(frames: Any, length: int) -> tuple[Any, Any]:
     """Return frames as rows of bytes, and the indices of those with the wrong length."""
     if isinstance(frames, (list, tuple)):
-        rows = [b"" if _is_missing(item) else as_bytes(item) for item in cast(Iterable[Any], frames)]
-        wrong = [place for place, row in enumerate(rows) if len(row) != length]
-        for place in wrong:
-            rows[place] = bytes(length)
-        return np.frombuffer(b"".join(rows), np.uint8).reshape(-1, length), np.array(wrong, np.intp)
+        rows = [b"" if _is_missing(frame) else as_bytes(frame) for frame in cast(Iterable[Any], frames)]
+        wrong_rows = [index for index, row in enumerate(rows) if len(row) != length]
+        for index in wrong_rows:
+            rows[index] = bytes(length)
+        return np.frombuffer(b"".join(rows), np.uint8).reshape(-1, length), np.array(wrong_rows, np.intp)
     if isinstance(frames, np.ndarray) and frames.dtype.kind == "O":
         return rows_of(frames.tolist(), length)
-    found: Any = np.frombuffer(frames, np.uint8) if isinstance(frames, (bytes, bytearray, memoryview)) else frames
-    if not isinstance(found, np.ndarray) or found.dtype != np.uint8:
-        raise TypeError(f"frames must be rows of {length} bytes, got {type(found).__name__} of other items")
-    if found.ndim == 1 and len(found) % length == 0:
-        found = found.reshape(-1, length)
-    if found.ndim != 2 or found.shape[1] != length:
-        raise ValueError(f"expected complete frames of {length} bytes, got an array of the shape {found.shape}")
-    return found, ()
+    array: Any = np.frombuffer(frames, np.uint8) if isinstance(frames, (bytes, bytearray, memoryview)) else frames
+    if not isinstance(array, np.ndarray) or array.dtype != np.uint8:
+        raise TypeError(f"frames must be rows of {length} bytes, got {type(array).__name__} of other items")
+    if array.ndim == 1 and len(array) % length == 0:
+        array = array.reshape(-1, length)
+    if array.ndim != 2 or array.shape[1] != length:
+        raise ValueError(f"expected complete frames of {length} bytes, got an array of the shape {array.shape}")
+    return array, ()
 
 
 def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
@@ -163,15 +173,14 @@ def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
         return frames.astype(np.uint64, copy=False), ()
     if not isinstance(frames, Iterable) or isinstance(frames, str):
         raise TypeError(f"frames must be numbers or packed bytes, got {type(frames).__name__}")
-    # A missing frame is replaced by -1, because both have a length error.
-    words = [
-        -1 if _is_missing(item) else whole_number(f"the frame in row {row}", item)
-        for row, item in enumerate(cast(list[Any], frames), 1)
-    ]
-    wrong = [place for place, word in enumerate(words) if not 0 <= word < 1 << 64]
-    for place in wrong:
-        words[place] = 0
-    return np.array(words, np.uint64), np.array(wrong, np.intp)
+    words: list[int] = []
+    for row, frame in enumerate(cast(list[Any], frames), 1):
+        # A missing frame is replaced by -1, because both have a length error.
+        words.append(-1 if _is_missing(frame) else whole_number(f"the frame in row {row}", frame))
+    wrong_rows = [index for index, word in enumerate(words) if not 0 <= word < 1 << 64]
+    for index in wrong_rows:
+        words[index] = 0
+    return np.array(words, np.uint64), np.array(wrong_rows, np.intp)
 
 
 def of_floats(frames: Any, bits: int, done: int = 0) -> Any:
@@ -186,17 +195,19 @@ def of_floats(frames: Any, bits: int, done: int = 0) -> Any:
         raise TypeError(f"{frames.dtype} cannot represent every frame of {bits} bits: use integers or text")
     is_frame = (frames >= 0) & (frames < 2.0**63)
     whole = np.where(is_frame, frames, 0)
-    wrong = np.flatnonzero(whole != np.floor(whole))
-    if len(wrong):
-        raise TypeError(f"the frame in row {done + wrong[0] + 1} is not an integer: {whole[wrong[0]]}")
+    fractional_rows = np.flatnonzero(whole != np.floor(whole))
+    if len(fractional_rows):
+        raise TypeError(
+            f"the frame in row {done + fractional_rows[0] + 1} is not an integer: {whole[fractional_rows[0]]}"
+        )
     return np.ma.masked_array(whole.astype(np.uint64), ~is_frame)
 
 
-def _is_missing(item: object) -> bool:
-    """Return True if the item is None, NaN or ``pandas.NA``."""
-    if type(item) is int or type(item) is bytes:
+def _is_missing(frame: object) -> bool:
+    """Return True if the frame is None, NaN or ``pandas.NA``."""
+    if type(frame) is int or type(frame) is bytes:
         return False
-    return item is None or type(item).__name__ == "NAType" or (isinstance(item, float) and item != item)
+    return frame is None or type(frame).__name__ == "NAType" or (isinstance(frame, float) and frame != frame)
 
 
 def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
@@ -211,48 +222,47 @@ def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> No
     if shape.gray is not None:
         chunk.ungray(*shape.gray)
     doubts += _doubts(chunk, shape)
-    doubtful = [item for item in doubts if item.any()]
+    doubtful = [doubt for doubt in doubts if doubt.any()]
     _write(chunk, shape, out)
     if shape.otherwise is not None:
         _judge(shape, out)
     if doubtful:
         where = np.flatnonzero(reduce(np.logical_or, doubtful))
-        _tell_faults(source.take(where, 0), [limb.take(where) for limb in limbs], where, shape, out, fault)
+        _write_faults(source.take(where, 0), [limb.take(where) for limb in limbs], where, shape, out, fault)
 
 
-def _tell_faults(source: Any, limbs: list[Any], where: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
+def _write_faults(source: Any, limbs: list[Any], where: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
     """Write the errors of the frames with the indexes ``where``. A frame with an error has no usable position."""
     fault[where] = _faults(source, limbs, shape)
     if shape.otherwise is not None:
-        worth: Any = out["verdict"]
-        worth *= fault == 0
+        verdicts: Any = out["verdict"]
+        verdicts *= fault == 0
 
 
 def _doubts(chunk: Chunk, shape: Shape) -> list[Any]:
     """Return arrays that are nonzero for frames that fail a check other than the CRC."""
-    look = sound(shape)
-    found = [
-        limb & np.uint64(mask) ^ np.uint64(value)
-        for limb, (mask, value) in zip(chunk.limbs, look.fixed, strict=False)
-        if mask
-    ]
-    for place, values in look.bytes:
+    checks = quick_checks(shape)
+    doubts: list[Any] = []
+    for limb, (mask, value) in zip(chunk.limbs, checks.fixed, strict=False):
+        if mask:
+            doubts.append(limb & np.uint64(mask) ^ np.uint64(value))
+    for place, values in checks.bytes:
         byte = chunk.byte(place)
-        found.append(~reduce(np.logical_or, (byte == np.uint8(value) for value in values)))
-    return [*found, *(~_holds(chunk, item) for item in look.others)]
+        doubts.append(~reduce(np.logical_or, (byte == np.uint8(value) for value in values)))
+    return [*doubts, *(~_holds(chunk, check) for check in checks.remaining)]
 
 
 def _faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
     """Return the error of each frame. If there are several, it is the one that ``decode`` checks first."""
     chunk = Chunk(limbs, shape.bits)
-    found = [(ErrorKind.CRC, crc_difference(chunk, shape.crc) != 0)] if shape.crc is not None else []
+    errors = [(ErrorKind.CRC, crc_difference(chunk, shape.crc) != 0)] if shape.crc is not None else []
     if shape.gray is not None:
         chunk.ungray(*shape.gray)
-    found += [(item.fault, np.logical_not(_holds(chunk, item))) for item in shape.checks]
+    errors += [(check.fault, np.logical_not(_holds(chunk, check))) for check in shape.checks]
     if not shape.length and shape.bits < 64:
-        found.append((ErrorKind.LENGTH, source >> np.uint64(shape.bits) != 0))
+        errors.append((ErrorKind.LENGTH, source >> np.uint64(shape.bits) != 0))
     fault = np.zeros(len(source), np.uint8)
-    for kind, where in sorted(found, key=lambda item: -item[0]):
+    for kind, where in sorted(errors, key=lambda error: -error[0]):
         fault *= np.logical_not(where)
         fault += where * np.uint8(kind)
     return fault
@@ -268,11 +278,11 @@ def _limbs(rows: Any, shape: Shape) -> list[Any]:
         return [_short(rows, kind, is_little)]
     limbs: list[Any] = []
     for low in range(0, length, 8):
-        over = max(low + 8 - length, 0)
-        offset = low - over if is_little else length - low - 8 + over
+        excess = max(low + 8 - length, 0)
+        offset = low - excess if is_little else length - low - 8 + excess
         limb = np.ndarray((count,), kind, rows, offset, (length,)).astype(np.uint64)
-        if over:
-            limb >>= np.uint64(8 * over)
+        if excess:
+            limb >>= np.uint64(8 * excess)
         limbs.append(limb)
     return limbs
 
@@ -280,13 +290,13 @@ def _limbs(rows: Any, shape: Shape) -> list[Any]:
 def _short(rows: Any, kind: str, is_little: bool) -> Any:
     """Return rows of fewer than eight bytes as numbers. Reads go past the end of all rows except the last eight."""
     count, length = rows.shape
-    most = max(count - 8, 0)
+    direct_count = max(count - 8, 0)
     limb = np.empty(count, np.uint64)
-    if most:
-        limb[:most] = np.ndarray((most,), kind, rows, 0, (length,))
-    padded = np.zeros((count - most, 8), np.uint8)
-    padded[:, :length] = rows[most:]
-    limb[most:] = padded.view(kind)[:, 0]
+    if direct_count:
+        limb[:direct_count] = np.ndarray((direct_count,), kind, rows, 0, (length,))
+    padded = np.zeros((count - direct_count, 8), np.uint8)
+    padded[:, :length] = rows[direct_count:]
+    limb[direct_count:] = padded.view(kind)[:, 0]
     if is_little:
         limb &= np.uint64((1 << 8 * length) - 1)
     else:
@@ -294,42 +304,44 @@ def _short(rows: Any, kind: str, is_little: bool) -> Any:
     return limb
 
 
-def _holds(chunk: Chunk, item: Check) -> Any:
-    bits = chunk.take(item.low, item.width)
-    if item.parity_of:
-        return bits == parity_bits(chunk, item)
-    if item.limit is not None:
-        return within(bits, item, item.limit)
-    values = [value for value in item.values if not value >> item.width]
+def _holds(chunk: Chunk, check: Check) -> Any:
+    bits = chunk.take(check.low, check.width)
+    if check.parity_of:
+        return bits == parity_bits(chunk, check)
+    if check.limit is not None:
+        return within(bits, check, check.limit)
+    values = [value for value in check.values if not value >> check.width]
     if len(values) > 16:
         return np.isin(bits, np.array(values, bits.dtype))
-    found = np.zeros(len(bits), bool)
+    is_allowed = np.zeros(len(bits), bool)
     for value in values:
-        found |= bits == bits.dtype.type(value)
-    return found
+        is_allowed |= bits == bits.dtype.type(value)
+    return is_allowed
 
 
-def within(bits: Any, item: Check, limit: int) -> Any:
+def within(bits: Any, check: Check, limit: int) -> Any:
     """Return whether each number is from ``lowest`` to ``limit``. Negative ones are in two's complement."""
-    kind, mask = bits.dtype.type, (1 << item.width) - 1
-    if item.lowest:
-        bits = bits - kind(item.lowest & mask) & kind(mask)
-    return bits <= kind(limit - item.lowest)
+    kind, mask = bits.dtype.type, (1 << check.width) - 1
+    if check.lowest:
+        bits = bits - kind(check.lowest & mask) & kind(mask)
+    return bits <= kind(limit - check.lowest)
 
 
-def parity_bits(chunk: Chunk, item: Check) -> Any:
+def parity_bits(chunk: Chunk, check: Check) -> Any:
     """Return the parity bit of each frame."""
     # The parity of several fields is the parity of their XOR.
-    parts = [chunk.take(*place) for place in item.parity_of]
-    of = parts[0] if len(parts) == 1 else np.bitwise_xor.reduce([part.astype(np.uint64) for part in parts])
-    width = max(width for _, width in item.parity_of)
-    kind, shift = of.dtype.type, 1 << max(width - 1, 0).bit_length() >> 1
-    if item.mask:
-        of = of & kind(item.mask & (1 << width) - 1)
+    fields = [chunk.take(low, width) for low, width in check.parity_of]
+    bits = fields[0]
+    if len(fields) > 1:
+        bits = np.bitwise_xor.reduce([field.astype(np.uint64) for field in fields])
+    width = max(width for _, width in check.parity_of)
+    kind, shift = bits.dtype.type, 1 << max(width - 1, 0).bit_length() >> 1
+    if check.mask:
+        bits = bits & kind(check.mask & (1 << width) - 1)
     while shift:
-        of = of ^ of >> kind(shift)
+        bits = bits ^ bits >> kind(shift)
         shift >>= 1
-    return of & kind(1) ^ kind(item.odd)
+    return bits & kind(1) ^ kind(check.odd)
 
 
 def crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
@@ -341,31 +353,31 @@ def crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
         half = (number ^ number >> np.uint64(32)).astype(np.uint32)
         half ^= half >> np.uint32(16)
         half ^= half >> np.uint32(8)
-        found = half.astype(np.uint8)
-        return found ^ np.uint8(crc.xorout) if crc.xorout else found
+        difference = half.astype(np.uint8)
+        return difference ^ np.uint8(crc.xorout) if crc.xorout else difference
     tables = _tables(crc.differs, chunk.bits)
-    found = tables[0][chunk.byte(0)]
+    difference = tables[0][chunk.byte(0)]
     for place, table in enumerate(tables[1:], 1):
-        found ^= table[chunk.byte(place)]
-    return found
+        difference ^= table[chunk.byte(place)]
+    return difference
 
 
 def _folded(number: Any, crc: CrcOf, bits: int) -> Any:
     """Return remainders. Each step folds high bits onto lower ones, in 32 bits as soon as the numbers fit."""
-    found, one = number ^ np.uint64(crc.xorout) if crc.xorout else number, np.uint64
+    remainder, word_type = number ^ np.uint64(crc.xorout) if crc.xorout else number, np.uint64
     for step in crc.steps:
         if bits <= step.shift:
             continue
-        high = found >> one(step.shift)
-        found = found & one(step.mask)
+        high = remainder >> word_type(step.shift)
+        remainder = remainder & word_type(step.mask)
         bits = max(step.shift, bits - step.shift + step.back)
-        if one is np.uint64 and bits <= 32:
-            found, high, one = found.astype(np.uint32), high.astype(np.uint32), np.uint32
-        found ^= high
+        if word_type is np.uint64 and bits <= 32:
+            remainder, high, word_type = remainder.astype(np.uint32), high.astype(np.uint32), np.uint32
+        remainder ^= high
         if step.back:
-            high <<= one(step.back)
-            found ^= high
-    return found
+            high <<= word_type(step.back)
+            remainder ^= high
+    return remainder
 
 
 @lru_cache(maxsize=64)
@@ -374,12 +386,12 @@ def _tables(differs: Callable[[int], int], bits: int) -> tuple[Any, ...]:
 
     The entries of the first table also include the difference of the number 0.
     """
-    none = differs(0)
+    zero_difference = differs(0)
     tables: list[Any] = []
     for low in range(0, bits, 8):
-        table = np.array([none if low == 0 else 0], np.uint64)
+        table = np.array([zero_difference if low == 0 else 0], np.uint64)
         for place in range(low, low + 8):
-            change = differs(1 << place) ^ none if place < bits else 0
+            change = differs(1 << place) ^ zero_difference if place < bits else 0
             table = np.concatenate([table, table ^ np.uint64(change)])
         tables.append(table)
     return tuple(tables)
@@ -387,19 +399,19 @@ def _tables(differs: Callable[[int], int], bits: int) -> tuple[Any, ...]:
 
 def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
     """Write the columns of the fields, of the joined numbers and of unused bits."""
-    by_name = {item.name: item for item in shape.columns}
-    for item in shape.columns:
-        if item.name in out or item.runs:
-            _write_column(chunk, item, out)
+    by_name = {column.name: column for column in shape.columns}
+    for column in shape.columns:
+        if column.name in out or column.runs:
+            _write_column(chunk, column, out)
     for join in shape.joins:
         fields = [(by_name[name], low) for name, low in join.fields]
         low, number = fields[0][0].low, out[join.name].view(np.uint64)
-        if all(item.low == low + place for item, place in fields):
+        if all(column.low == low + place for column, place in fields):
             chunk.take(low, width_of(shape, join), number)
             continue
         chunk.take(low, fields[0][0].width, number)
-        for item, place in fields[1:]:
-            part = chunk.take(item.low, item.width).astype(np.uint64, copy=False)
+        for column, place in fields[1:]:
+            part = chunk.take(column.low, column.width).astype(np.uint64, copy=False)
             number |= part << np.uint64(place)
     if shape.unused:
         _write_unused(chunk, shape, out["unused"])
@@ -420,36 +432,41 @@ def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
     out[:] = number
 
 
-def _write_column(chunk: Chunk, item: Column, out: Mapping[str, Any]) -> None:
-    match item.kind:
+def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
+    match column.kind:
         case "flag" | "not_flag":
-            chunk.flag(item.low, item.kind == "flag", out[item.name])
+            chunk.flag(column.low, column.kind == "flag", out[column.name])
         case "choice":
-            out[item.name][:] = chunk.take(item.low, item.width)
+            out[column.name][:] = chunk.take(column.low, column.width)
         case "digits":
-            bits = chunk.take(item.low, item.width).astype(np.uint64, copy=False)
-            for name, divisor, modulus in item.runs:
+            bits = chunk.take(column.low, column.width).astype(np.uint64, copy=False)
+            for name, divisor, modulus in column.runs:
                 out[name][:] = bits // np.uint64(divisor) % np.uint64(modulus)
         case "text":
-            length = item.width // 8
-            rows = np.empty((len(chunk.limbs[0]), length), np.uint8)
-            for place in range(length):
-                rows[:, place] = chunk.take(item.low + 8 * (length - 1 - place), 8)
-            out[item.name][:] = rows.view(f"S{length}")[:, 0]
+            out[column.name][:] = _text(chunk, column)
         case "number":
-            number = out[item.name].view(np.uint64)
-            chunk.take(item.low, item.width, number)
-            if item.zero_means:
-                number[number == 0] = item.zero_means
+            number = out[column.name].view(np.uint64)
+            chunk.take(column.low, column.width, number)
+            if column.zero_means:
+                number[number == 0] = column.zero_means
         case "signed":
-            number = out[item.name].view(np.uint64)
-            chunk.take(item.low, item.width, number)
-            if item.width:
-                top = np.uint64(1 << item.width - 1)
+            number = out[column.name].view(np.uint64)
+            chunk.take(column.low, column.width, number)
+            if column.width:
+                top = np.uint64(1 << column.width - 1)
                 number ^= top
                 number -= top
         case _:
-            assert_never(item.kind)
+            assert_never(column.kind)
+
+
+def _text(chunk: Chunk, column: Column) -> Any:
+    """Return the strings of a field, whose first character is the most significant."""
+    length = column.width // 8
+    rows = np.empty((len(chunk.limbs[0]), length), np.uint8)
+    for place in range(length):
+        rows[:, place] = chunk.take(column.low + 8 * (length - 1 - place), 8)
+    return rows.view(f"S{length}")[:, 0]
 
 
 def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
@@ -457,28 +474,28 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
 
     The computation has no branches, so the time does not depend on the frames.
     """
-    otherwise, worth = VERDICTS.index(shape.otherwise), out["verdict"]
-    spare: Any = out.get("unused")
-    turned = bool(shape.unused) and spare.any()
+    otherwise, verdicts = VERDICTS.index(shape.otherwise), out["verdict"]
+    unused: Any = out.get("unused")
+    any_unused_differs = bool(shape.unused) and unused.any()
     speaking: dict[Verdict, list[Any]] = {}
-    for item in shape.speaks:
-        if item.when:
-            where = all_match(out, item.when)
-        elif item.flag:
-            where = out[item.flag]
-            for name in item.unless:
+    for condition in shape.speaks:
+        if condition.when:
+            where = all_match(out, condition.when)
+        elif condition.flag:
+            where = out[condition.flag]
+            for name in condition.unless:
                 where = np.greater(where, out[name])
-        elif turned:
-            where = spare & spare.dtype.type(item.mask & (1 << 8 * spare.itemsize) - 1) != 0
+        elif any_unused_differs:
+            where = unused & unused.dtype.type(condition.mask & (1 << 8 * unused.itemsize) - 1) != 0
         else:
             continue
-        speaking.setdefault(item.verdict, []).append(where)
-    worth[:] = otherwise
+        speaking.setdefault(condition.verdict, []).append(where)
+    verdicts[:] = otherwise
     if Verdict.USABLE_WITH_WARNING in speaking:
         less = np.uint8((otherwise - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
-        worth -= reduce(np.logical_or, speaking[Verdict.USABLE_WITH_WARNING]).view(np.uint8) * less
+        verdicts -= reduce(np.logical_or, speaking[Verdict.USABLE_WITH_WARNING]).view(np.uint8) * less
     if Verdict.NOT_USABLE in speaking:
-        worth *= np.logical_not(reduce(np.logical_or, speaking[Verdict.NOT_USABLE])).view(np.uint8)
+        verdicts *= np.logical_not(reduce(np.logical_or, speaking[Verdict.NOT_USABLE])).view(np.uint8)
 
 
 #: Verdicts in the order of their numbers in a column. The worst is 0.

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Generator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from enum import Enum
 from importlib import import_module
 from types import MappingProxyType
@@ -14,15 +14,16 @@ from typing import Any, Final, NamedTuple, cast
 from .accesses import Access, Accesses
 from .any_biss import BissLayout
 from .bulk_decode import decode_many
-from .clocked import Found, Lost, clocked
+from .clocked import CapturedFrames, Lost, clocked
 from .encoder import Encoder
 from .inputs import InputError, Part, Source, UsageError
+from .layouts import layout_of, layouts_of, shape_for
 from .reports import Interface
 from .shape import Shape
 from .signal_files import opened_signals
 from .signals import Names, Signals, of_array
-from .sinks import SINKS, TargetKind, target_kind
-from .stream import Derived, Summary, counted, decoded, layout_of, layouts_of, plan_of, shape_for, written
+from .sinks import SINKS, TargetKind
+from .stream import Derived, Output, Summary, counted, decoded, plan_of, target_format, written
 from .table import Table
 from .uart import Kinds, replies
 
@@ -101,8 +102,8 @@ class CaptureSummary(NamedTuple):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the counts as plain values for JSON."""
-        accesses = [item._asdict() for item in self.accesses]
-        lost = [item._asdict() for item in self.first_lost]
+        accesses = [access._asdict() for access in self.accesses]
+        lost = [cycle._asdict() for cycle in self.first_lost]
         counts = {"lost": dict(self.lost), "first_lost": lost, "accesses": accesses, "others": dict(self.others)}
         return self.frames.to_dict() | counts
 
@@ -127,31 +128,32 @@ class _Log:
         self.others: dict[str, int] = {}
         self._finder = Accesses()
 
-    def add(self, found: Found) -> None:
-        for item in found.lost:
+    def add(self, stretch: CapturedFrames) -> None:
+        for cycle in stretch.lost:
             # After the colon, a reason quotes the received bytes, which differ each time.
-            reason = item.reason.partition(":")[0]
+            reason = cycle.reason.partition(":")[0]
             self.reasons[reason] = self.reasons.get(reason, 0) + 1
-        self.lost += found.lost[: None if self._limit is None else max(self._limit - len(self.lost), 0)]
-        for name, count in found.others.items():
+        free = None if self._limit is None else max(self._limit - len(self.lost), 0)
+        self.lost += stretch.lost[:free]
+        for name, count in stretch.others.items():
             self.others[name] = self.others.get(name, 0) + count
-        if found.control is not None:
-            self._add_accesses(self._finder.feed(*found.control))
+        if stretch.control is not None:
+            self._add_accesses(self._finder.feed(*stretch.control))
 
     def finish(self) -> None:
         self._add_accesses(self._finder.finish())
 
-    def _add_accesses(self, found: Any) -> None:
-        for item in found:
+    def _add_accesses(self, accesses: Any) -> None:
+        for access in accesses:
             self.access_count += 1
             if self._limit is None or len(self.accesses) < self._limit:
-                self.accesses.append(item)
+                self.accesses.append(access)
 
 
 class _Opened(NamedTuple):
     """Frames of a capture, their description, and the name of the column of times."""
 
-    found: Generator[Found, None, None]
+    stretches: Generator[CapturedFrames, None, None]
     shape: Shape
     time: str
     total: int | None
@@ -191,35 +193,39 @@ def _frames(
     time = "sample" if signals.seconds is None else "time"
     if isinstance(encoder, Encoder) and encoder.interface is Interface.RS485:
         kinds = _kinds(encoder, layout, answers)
-        found = replies(signals, name, _baud(encoder, probes), kinds)
-        first = next(found)
+        stretches = replies(signals, name, _baud(encoder, probes), kinds)
+        first = next(stretches)
         if not first.kind:
             raise InputError(
                 name, "", f"no valid reply of {encoder.code}: check the channel, the baud rate and the code"
             )
-        return _Opened(_chained(first, found), kinds.replies[first.kind], time, signals.total)
+        return _Opened(_chained(first, stretches), kinds.replies[first.kind], time, signals.total)
     if isinstance(encoder, Encoder):
         shape, is_biss = shape_for(encoder, layout, answers), encoder.interface is Interface.BISS
     else:
         shape, is_biss = encoder.shape, True
     if shape.bits > 64:
         raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
-    found = clocked(signals, name, "biss" if is_biss else "ssi", shape.bits, probes.rest)
-    return _Opened(found, shape, time, signals.total)
+    stretches = clocked(signals, name, "biss" if is_biss else "ssi", shape.bits, probes.rest)
+    return _Opened(stretches, shape, time, signals.total)
 
 
-def _chained(first: Found, others: Generator[Found, None, None]) -> Generator[Found, None, None]:
+def _chained(
+    first: CapturedFrames, following: Generator[CapturedFrames, None, None]
+) -> Generator[CapturedFrames, None, None]:
     yield first
-    yield from others
+    yield from following
 
 
 def _kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Kinds:
     """Return all kinds of frames on a serial line. Those with unanswered questions are left out, unless requested."""
     wanted = layout_of(encoder, layout).name if layout else ""
     shapes: dict[str, dict[str, Shape]] = {"encoder": {}, "master": {}}
-    for item in layouts_of(encoder):
-        if item.name == wanted or not item.answers:
-            shapes[item.sender][item.name] = shape_for(encoder, item.name, answers if item.name == wanted else {})
+    for frame_layout in layouts_of(encoder):
+        if frame_layout.name == wanted or not frame_layout.answers:
+            shapes[frame_layout.sender][frame_layout.name] = shape_for(
+                encoder, frame_layout.name, answers if frame_layout.name == wanted else {}
+            )
     return Kinds(shapes["encoder"], shapes["master"], wanted)
 
 
@@ -264,8 +270,7 @@ class Captures(NamedTuple):
             rate: Sample rate in Hz, needed if the source does not specify it.
             rest: Shortest pause of the clock between two cycles, in seconds. The default is 1.4 periods of the clock.
             baud: Bits per second on a serial line, if they differ from the manual.
-            layout: Kind of the replies, if the encoder sends several kinds. The default is the most frequent one with a
-                position.
+            layout: Kind of the replies, if there are several. The default is the most frequent one with a position.
             answers: Answers to the questions that the manual leaves open, by name.
 
         Returns:
@@ -276,19 +281,7 @@ class Captures(NamedTuple):
             UsageError: The arguments are wrong or incompatible with each other.
             OSError: A file cannot be read.
         """
-        chosen = self._encoder(encoder)
-        log = _Log(None)
-        frames: list[Any] = []
-        times: list[Any] = []
-        with _opened(chosen, source, Probes(clock, data, rate, rest, baud), layout, answers) as opened:
-            for found in opened.found:
-                log.add(found)
-                frames.append(found.frames)
-                times.append(found.times)
-        log.finish()
-        table = decode_many(np.concatenate(frames), opened.shape, cast(Encoder, chosen))
-        table = table.with_columns(**{opened.time: np.concatenate(times)})
-        return Capture(table, tuple(log.lost), tuple(log.accesses), log.others)
+        return _read_capture(self._encoder(encoder), source, Probes(clock, data, rate, rest, baud), layout, answers)
 
     def decode_capture(
         self,
@@ -326,37 +319,69 @@ class Captures(NamedTuple):
             InputError, UsageError, OSError: See ``read_capture``.
         """
         chosen = self._encoder(encoder)
-        to = to or target_kind(os.fspath(target))
-        if os.fspath(target) == "-" and to != "csv":
-            raise UsageError("only CSV can be written to standard output")
-        log = _Log(_SHOWN)
+        output = Output(os.fspath(target), target_format(target, to), columns, raw, force, si)
         sources = _paths(source)
-        stand_in = cast(Encoder, chosen)
-        with (
-            _opened(chosen, source, Probes(clock, data, rate, rest, baud), layout, answers) as opened,
-            written(os.fspath(target), sources, force) as file,
-        ):
-            time = opened.time
-            kept = {time: np.zeros(0)}
-            empty = decode_many([], opened.shape, stand_in)
-            if time in empty:
-                raise UsageError(f"the frames have a field '{time}', but this is the column of times")
-            empty = empty.with_columns(**kept)
-            derived = Derived(time, sources[0]) if si else None
-            if derived is not None:
-                empty = derived.check(empty)
-            read = Source(_parts(opened, log), opened.total, (time,), kept)
-            plan = plan_of(empty, read, columns, sources[0], raw)
-            with SINKS[to](file, plan) as sink:
-                frames = decoded(read, opened.shape, stand_in, sink, limit, progress, derived)
-        log.finish()
-        return CaptureSummary(frames, log.reasons, tuple(log.lost), tuple(log.accesses), log.access_count, log.others)
+        opening = _opened(chosen, source, Probes(clock, data, rate, rest, baud), layout, answers)
+        return _decode_capture(opening, chosen, sources, output, limit, progress)
 
     def _encoder(self, encoder: Encoder | BissLayout | str) -> Encoder | BissLayout:
         if not isinstance(encoder, str):
             return encoder
-        found: Encoder = import_module(self.package).lookup(encoder)
-        return found
+        variant: Encoder = import_module(self.package).lookup(encoder)
+        return variant
+
+
+def _read_capture(
+    encoder: Encoder | BissLayout, source: Captured, probes: Probes, layout: str, answers: Mapping[str, Enum | str]
+) -> Capture:
+    log = _Log(None)
+    frames: list[Any] = []
+    times: list[Any] = []
+    with _opened(encoder, source, probes, layout, answers) as opened:
+        for stretch in opened.stretches:
+            log.add(stretch)
+            frames.append(stretch.frames)
+            times.append(stretch.times)
+    log.finish()
+    table = decode_many(np.concatenate(frames), opened.shape, cast(Encoder, encoder))
+    table = table.with_columns(**{opened.time: np.concatenate(times)})
+    return Capture(table, tuple(log.lost), tuple(log.accesses), log.others)
+
+
+def _decode_capture(
+    opening: AbstractContextManager[_Opened],
+    encoder: Encoder | BissLayout,
+    sources: list[str],
+    output: Output,
+    limit: int | None,
+    progress: Callable[[int, int | None, int], None] | None,
+) -> CaptureSummary:
+    log = _Log(_SHOWN)
+    # A layout has those members of an encoder that a table uses.
+    stand_in = cast(Encoder, encoder)
+    with opening as opened, written(output.target, sources, output.force) as file:
+        time = opened.time
+        time_columns = {time: np.zeros(0)}
+        empty = decode_many([], opened.shape, stand_in)
+        if time in empty:
+            raise UsageError(f"the frames have a field '{time}', but this is the column of times")
+        empty = empty.with_columns(**time_columns)
+        derived = Derived(time, sources[0]) if output.si else None
+        if derived is not None:
+            empty = derived.check(empty)
+        read = Source(_parts(opened, log), opened.total, (time,), time_columns)
+        plan = plan_of(empty, read, output.columns, sources[0], output.raw)
+        with SINKS[output.kind](file, plan) as sink:
+            frames = decoded(read, opened.shape, stand_in, sink, limit, progress, derived)
+    log.finish()
+    return CaptureSummary(
+        frames=frames,
+        lost=log.reasons,
+        first_lost=tuple(log.lost),
+        accesses=tuple(log.accesses),
+        access_count=log.access_count,
+        others=log.others,
+    )
 
 
 def _paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
@@ -369,6 +394,6 @@ def _paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
 
 
 def _parts(opened: _Opened, log: _Log) -> Generator[Part, None, None]:
-    for found in opened.found:
-        log.add(found)
-        yield Part(found.frames, found.done, {opened.time: found.times})
+    for stretch in opened.stretches:
+        log.add(stretch)
+        yield Part(stretch.frames, stretch.done, {opened.time: stretch.times})

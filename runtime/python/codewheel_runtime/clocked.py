@@ -50,7 +50,7 @@ class Lost(NamedTuple):
     reason: str
 
 
-class Found(NamedTuple):
+class CapturedFrames(NamedTuple):
     """Frames in a stretch of a capture.
 
     Attributes:
@@ -74,8 +74,8 @@ class Found(NamedTuple):
 
 
 def clocked(
-    signals: Signals, name: str, kind: Literal["biss", "ssi"], bits: int, rest: float | None = None
-) -> Generator[Found, None, None]:
+    signals: Signals, name: str, kind: Literal["biss", "ssi"], bits: int, pause: float | None = None
+) -> Generator[CapturedFrames, None, None]:
     """Yield the frames of ``bits`` bits.
 
     Args:
@@ -83,34 +83,78 @@ def clocked(
         name: Name of the file, for errors.
         kind: Interface of the encoder.
         bits: Number of bits in a frame.
-        rest: Shortest pause between two cycles in seconds, or in samples if the sample rate is unknown. By default, 1.4
-            periods of the clock.
+        pause: Shortest pause between two cycles in seconds, or in samples if the sample rate is unknown. By default,
+            1.4 periods of the clock.
 
     Raises:
         InputError: The clock never changes, or never pauses.
     """
     unit = signals.seconds or 1.0
-    finder = _Cycles(kind, bits, rest / unit if rest else None, 0.5 if signals.is_sampled else 0.0, unit)
+    finder = _CycleFinder(
+        kind=kind,
+        bits=bits,
+        pause=pause / unit if pause else None,
+        early=0.5 if signals.is_sampled else 0.0,
+        unit=unit,
+    )
     for part in signals.edges:
-        found = finder.feed(part, name)
-        if found is not None:
-            yield found
+        stretch = finder.feed(part, name)
+        if stretch is not None:
+            yield stretch
     if not finder.is_clocked:
         raise InputError(name, "", "the clock never changes: choose another channel with --clock")
     yield finder.finish()
 
 
-class _Cycles:
+class _Cycles(NamedTuple):
+    """Cycles of the clock: arrays with an element for each cycle.
+
+    Attributes:
+        falls: Index of the first falling edge.
+        ends: Index after the last edge.
+        rises: Number of rising edges.
+        begin: Time of the first falling edge.
+        last: Time of the last edge.
+        after: Time of the first edge of the next cycle.
+        period: Period of the clock.
+    """
+
+    falls: Any
+    ends: Any
+    rises: Any
+    begin: Any
+    last: Any
+    after: Any
+    period: Any
+
+
+class _Bits(NamedTuple):
+    """Bits of each cycle: arrays with an element for each cycle.
+
+    Attributes:
+        reasons: Reason why the cycle has no frame, or 0.
+        skipped: Number of rising edges before the first bit.
+        delay: Delay of the data line.
+        sent: Number of bits that were sent.
+    """
+
+    reasons: Any
+    skipped: Any
+    delay: Any
+    sent: Any
+
+
+class _CycleFinder:
     """Finder of cycles. It keeps the edges of the last cycle until the next stretch of the capture arrives."""
 
-    def __init__(self, kind: Literal["biss", "ssi"], bits: int, rest: float | None, early: float, unit: float) -> None:
-        self._is_biss, self._bits, self._given, self._early = kind == "biss", bits, rest, early
+    def __init__(self, kind: Literal["biss", "ssi"], bits: int, pause: float | None, early: float, unit: float) -> None:
+        self._is_biss, self._bits, self._chosen_pause, self._early = kind == "biss", bits, pause, early
         self._begin, self._unit = -np.inf, unit
         self._clock, self._data, self._levels = np.zeros(0), np.zeros(0), (1, 1)
         self._rest = 0.0
         self._end, self._done, self.is_clocked, self._is_new = 0.0, 0, False, True
 
-    def feed(self, part: Edges, name: str) -> Found | None:
+    def feed(self, part: Edges, name: str) -> CapturedFrames | None:
         """Return the frames that the next stretch of the capture completes."""
         if self._is_new:
             self._levels, self._begin, self._is_new = (part.levels[0], part.levels[1]), part.begin, False
@@ -133,12 +177,12 @@ class _Cycles:
             return None
         return self._cut(ends)
 
-    def finish(self) -> Found:
+    def finish(self) -> CapturedFrames:
         """Return the frames at the end of the capture."""
         if not self._rest and len(self._clock) > 2:
             self._set_rest()
         # Two edges have no period.
-        self._rest = self._rest or self._given or max(self._end - float(self._clock[:1].sum()), _LEAST)
+        self._rest = self._rest or self._chosen_pause or max(self._end - float(self._clock[:1].sum()), _LEAST)
         return self._cut(self._ends() if len(self._clock) else np.zeros(0, np.int64), True)
 
     def _set_rest(self) -> None:
@@ -146,31 +190,59 @@ class _Cycles:
         spans = self._clock[2:] - self._clock[:-2]
         usual = spans[spans <= 2 * np.median(spans)]
         # Damaged files can have edges at the same time.
-        self._rest = max(self._given or _REST * float(usual.mean()), _LEAST)
+        self._rest = max(self._chosen_pause or _REST * float(usual.mean()), _LEAST)
 
     def _ends(self) -> Any:
         """Return the index after the last edge of each cycle."""
         gaps = np.flatnonzero(np.diff(self._clock) > self._rest) + 1
         return np.append(gaps, len(self._clock)) if len(self._clock) else gaps
 
-    def _cut(self, ends: Any, is_last: bool = False) -> Found:
+    def _cut(self, ends: Any, is_last: bool = False) -> CapturedFrames:
         """Return the frames in the cycles that end at ``ends``, and forget their edges."""
         clock, levels = self._clock, self._levels
         if not len(ends):
-            return Found(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
+            return CapturedFrames(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
         starts = np.concatenate([[0], ends[:-1]])
-        found = self._frames(starts, ends, is_last)
-        kept = int(ends[-1])
+        frames = self._frames(starts, ends, is_last)
+        cycle_end = int(ends[-1])
         # The data line may change after the clock rests, so its edges are kept up to the next cycle.
-        until = clock[kept] if kept < len(clock) else np.inf if is_last else clock[kept - 1] + self._rest
+        until = np.inf if is_last else clock[cycle_end - 1] + self._rest
+        if cycle_end < len(clock):
+            until = clock[cycle_end]
         gone = int(np.searchsorted(self._data, until, "left"))
-        self._levels = (levels[0] ^ (kept & 1), levels[1] ^ (gone & 1))
-        self._clock, self._data = clock[kept:], self._data[gone:]
+        self._levels = (levels[0] ^ (cycle_end & 1), levels[1] ^ (gone & 1))
+        self._clock, self._data = clock[cycle_end:], self._data[gone:]
         self._begin = -np.inf
-        return found
+        return frames
 
-    def _frames(self, starts: Any, ends: Any, is_last: bool) -> Found:
-        clock, data, unit = self._clock, self._data, self._unit
+    def _frames(self, starts: Any, ends: Any, is_last: bool) -> CapturedFrames:
+        """Return the frames in cycles with edges from ``starts`` to ``ends``."""
+        cycles = self._cycles(starts, ends)
+        if not len(cycles.falls):
+            return CapturedFrames(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
+        bits = self._biss_bits(cycles) if self._is_biss else self._ssi_bits(cycles)
+        bits.reasons[self._shortest_gaps(cycles) < _SPIKE * cycles.period] = _SPIKED
+        good = np.flatnonzero(bits.reasons == 0)
+        # Over BiSS, CDS comes first.
+        count = self._bits + 1 if self._is_biss else self._bits
+        levels = self._levels_of(cycles, bits, good, count)
+        words = np.zeros(len(good), np.uint64)
+        for place in range(count - self._bits, count):
+            words = words << np.uint64(1) | levels[:, place].astype(np.uint64)
+        lost = self._lost(cycles, bits)
+        if lost and is_last and bits.reasons[-1] and self._end - cycles.last[-1] < self._rest:
+            lost[-1] = Lost(lost[-1].time, _MESSAGES[_CUT])
+        control = None
+        if self._is_biss:
+            cds = np.full(len(cycles.falls), -1, np.int64)
+            cds[good] = levels[:, 0]
+            cdm = self._levels[0] ^ (cycles.ends & 1) ^ 1
+            control = (cycles.begin * self._unit, cds, cdm)
+        return CapturedFrames(words, cycles.begin[good] * self._unit, lost, self._done, control)
+
+    def _cycles(self, starts: Any, ends: Any) -> _Cycles:
+        """Return the cycles with edges from ``starts`` to ``ends``."""
+        clock = self._clock
         # The first falling edge of each cycle. An edge with an even index starts from the first level.
         falls = starts + ((starts & 1) == self._levels[0])
         after = np.append(clock[ends[:-1]], np.inf) if len(ends) else np.zeros(0)
@@ -178,71 +250,70 @@ class _Cycles:
             after[-1] = clock[ends[-1]]
         # The end of a time-out is an edge without a cycle.
         real = falls < ends
-        starts, ends, falls, after = starts[real], ends[real], falls[real], after[real]
-        if not len(falls):
-            return Found(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
+        ends, falls, after = ends[real], falls[real], after[real]
         begin, last = clock[falls], clock[ends - 1]
         rises = (ends - falls) // 2
         period = np.where(rises > 1, 2 * (last - begin) / np.maximum(ends - 1 - falls, 1), self._rest / _REST)
         period = np.maximum(period, 1e-6 * self._rest)
-        reasons = np.zeros(len(falls), np.int64)
-        index = np.searchsorted(data, begin, "left")
-        level = self._levels[1] ^ (index & 1)
-        padded = np.append(data, [np.inf, np.inf])
-        if self._is_biss:
-            down, up = padded[index], padded[index + 1]
-            known = np.searchsorted(clock, up, "right")
-            first = (known - falls) // 2 - 1
-            at = falls + 1 + 2 * np.maximum(first, 0)
-            second = clock[np.minimum(falls + 3, ends - 1)]
-            late = np.maximum(np.floor((np.where(np.isfinite(down), down, 0) - second) / period), 0)
-            short = rises - 1 - (first - late) < self._bits + 1
-            reasons[short] = _SHORT
-            reasons[(up > last + period * (late + 2)) | (up >= after) | (first < 0)] = _NO_START
-            reasons[down > np.minimum(after, last + _DELAY * period)] = _HIGH
-            reasons[level == 0] = _LOW
-            delay = up - clock[np.minimum(at, len(clock) - 1)]
-            wanted, skipped = self._bits + 1, first + 1
-            sent = np.where(reasons == _SHORT, np.maximum(rises - 2 - (first - late), 0), rises)
-        else:
-            first_rise = clock[np.minimum(falls + 1, ends - 1)]
-            change = padded[np.searchsorted(data, first_rise, "left")]
-            known = np.searchsorted(clock, change, "right")
-            near = falls + 1 + 2 * np.maximum((known - falls) // 2 - 1, 0)
-            delay = np.where(change < last + period, change - clock[np.minimum(near, ends - 1)], 0.0)
-            delay = np.where(delay < period, delay, 0.0)
-            reasons[rises < self._bits] = _SHORT
-            wanted, skipped, sent = self._bits, np.zeros(len(falls), np.int64), rises
-        gaps = np.append(np.diff(clock), np.inf)
-        # A gap after the last edge of a cycle is a rest.
-        gaps[ends - 1] = np.inf
-        shortest = np.minimum.reduceat(gaps, falls)
-        reasons[shortest < _SPIKE * period] = _SPIKED
-        cut = np.zeros(len(falls), bool)
-        cut[0] = begin[0] - self._begin < self._rest
-        good = np.flatnonzero(reasons == 0)
-        values = self._bits_of(falls[good], rises[good], skipped[good], delay[good], period[good], wanted)
-        words = np.zeros(len(good), np.uint64)
-        for place in range(wanted - self._bits, wanted):
-            words = words << np.uint64(1) | values[:, place].astype(np.uint64)
-        lost = [
-            Lost(float(begin[place]) * unit, self._said(int(reasons[place]), int(sent[place]), bool(cut[place])))
-            for place in np.flatnonzero(reasons)
-        ]
-        if lost and is_last and reasons[-1] and self._end - last[-1] < self._rest:
-            lost[-1] = Lost(lost[-1].time, _MESSAGES[_CUT])
-        control = None
-        if self._is_biss:
-            cds = np.full(len(falls), -1, np.int64)
-            cds[good] = values[:, 0]
-            cdm = self._levels[0] ^ (ends & 1) ^ 1
-            control = (begin * unit, cds, cdm)
-        return Found(words, begin[good] * unit, lost, self._done, control)
+        return _Cycles(falls=falls, ends=ends, rises=rises, begin=begin, last=last, after=after, period=period)
 
-    def _bits_of(self, falls: Any, rises: Any, skipped: Any, delay: Any, period: Any, count: int) -> Any:
-        """Return the levels of the data line in the middle of each bit, as an array with a row for each cycle."""
+    def _biss_bits(self, cycles: _Cycles) -> _Bits:
+        """Return the bits after the start bit, which is the first rise of the data line after its first fall."""
+        clock, falls, ends, last, period = self._clock, cycles.falls, cycles.ends, cycles.last, cycles.period
+        index = np.searchsorted(self._data, cycles.begin, "left")
+        level = self._levels[1] ^ (index & 1)
+        padded = np.append(self._data, [np.inf, np.inf])
+        down, up = padded[index], padded[index + 1]
+        first = (np.searchsorted(clock, up, "right") - falls) // 2 - 1
+        start_bit = falls + 1 + 2 * np.maximum(first, 0)
+        second = clock[np.minimum(falls + 3, ends - 1)]
+        late = np.maximum(np.floor((np.where(np.isfinite(down), down, 0) - second) / period), 0)
+        short = cycles.rises - 1 - (first - late) < self._bits + 1
+        reasons = np.zeros(len(falls), np.int64)
+        reasons[short] = _SHORT
+        reasons[(up > last + period * (late + 2)) | (up >= cycles.after) | (first < 0)] = _NO_START
+        reasons[down > np.minimum(cycles.after, last + _DELAY * period)] = _HIGH
+        reasons[level == 0] = _LOW
+        delay = up - clock[np.minimum(start_bit, len(clock) - 1)]
+        sent = np.where(reasons == _SHORT, np.maximum(cycles.rises - 2 - (first - late), 0), cycles.rises)
+        return _Bits(reasons=reasons, skipped=first + 1, delay=delay, sent=sent)
+
+    def _ssi_bits(self, cycles: _Cycles) -> _Bits:
+        """Return the bits, one for each rising edge. The first change of the data line shows its delay."""
+        clock, falls, ends, period = self._clock, cycles.falls, cycles.ends, cycles.period
+        padded = np.append(self._data, [np.inf, np.inf])
+        first_rise = clock[np.minimum(falls + 1, ends - 1)]
+        change = padded[np.searchsorted(self._data, first_rise, "left")]
+        rises_before = (np.searchsorted(clock, change, "right") - falls) // 2
+        near = falls + 1 + 2 * np.maximum(rises_before - 1, 0)
+        delay = np.where(change < cycles.last + period, change - clock[np.minimum(near, ends - 1)], 0.0)
+        delay = np.where(delay < period, delay, 0.0)
+        reasons = np.zeros(len(falls), np.int64)
+        reasons[cycles.rises < self._bits] = _SHORT
+        return _Bits(reasons=reasons, skipped=np.zeros(len(falls), np.int64), delay=delay, sent=cycles.rises)
+
+    def _shortest_gaps(self, cycles: _Cycles) -> Any:
+        """Return the shortest time between two edges of each cycle."""
+        gaps = np.append(np.diff(self._clock), np.inf)
+        # A gap after the last edge of a cycle is a rest.
+        gaps[cycles.ends - 1] = np.inf
+        return np.minimum.reduceat(gaps, cycles.falls)
+
+    def _lost(self, cycles: _Cycles, bits: _Bits) -> list[Lost]:
+        """Return the cycles without a frame."""
+        lost: list[Lost] = []
+        is_first_cut = cycles.begin[0] - self._begin < self._rest
+        for index in np.flatnonzero(bits.reasons):
+            reason = self._message(int(bits.reasons[index]), int(bits.sent[index]), bool(index == 0 and is_first_cut))
+            lost.append(Lost(float(cycles.begin[index]) * self._unit, reason))
+        return lost
+
+    def _levels_of(self, cycles: _Cycles, bits: _Bits, good: Any, count: int) -> Any:
+        """Return the levels of the data line in the middle of each bit, as an array with a row for each good cycle."""
+        falls, rises, period = cycles.falls[good], cycles.rises[good], cycles.period[good]
+        delay = bits.delay[good]
         clock, data = self._clock, self._data
-        order = skipped[:, None] + np.arange(count)[None, :]
+        order = bits.skipped[good][:, None] + np.arange(count)[None, :]
         beyond = np.maximum(order - (rises - 1)[:, None], 0)
         places = falls[:, None] + 1 + 2 * (order - beyond)
         times = clock[places]
@@ -255,13 +326,13 @@ class _Cycles:
         times += (delay + half)[:, None]
         return (np.searchsorted(data, times.ravel(), "right").reshape(times.shape) & 1) ^ self._levels[1]
 
-    def _refined(self, times: Any, known: Any, delay: Any, period: Any) -> tuple[Any, Any, Any]:
+    def _refined(self, times: Any, has_edge: Any, delay: Any, period: Any) -> tuple[Any, Any, Any]:
         """Refine the times of the clock's edges, the delay, and half a bit, if there are few samples per period.
 
         A straight line through all edges of a cycle, and the mean of the delays of all bits, are exact to a fraction of
         a sample.
         """
-        x, weight = np.arange(times.shape[1], dtype=np.float64)[None, :], known.astype(np.float64)
+        x, weight = np.arange(times.shape[1], dtype=np.float64)[None, :], has_edge.astype(np.float64)
         count = np.maximum(weight.sum(axis=1), 1)
         mean_x, mean_y = (weight * x).sum(axis=1) / count, (weight * times).sum(axis=1) / count
         off = (x - mean_x[:, None]) * weight
@@ -271,9 +342,8 @@ class _Cycles:
         # The first edge of the data line near each bit.
         expected = line + delay[:, None]
         data = np.append(self._data, np.inf)
-        near = (
-            data[np.searchsorted(self._data, (expected - slope[:, None] / 2).ravel())].reshape(times.shape) - expected
-        )
+        next_edges = np.searchsorted(self._data, (expected - slope[:, None] / 2).ravel())
+        near = data[next_edges].reshape(times.shape) - expected
         is_near = near < slope[:, None] / 2
         late = np.where(is_near, near, 0.0).sum(axis=1) / np.maximum(is_near.sum(axis=1), 1)
         return (
@@ -282,11 +352,11 @@ class _Cycles:
             np.where(is_even, slope / 2, period / 2 - self._early),
         )
 
-    def _said(self, reason: int, sent: int, is_cut: bool) -> str:
+    def _message(self, reason: int, bits_sent: int, is_cut: bool) -> str:
         if is_cut and reason in (_SHORT, _NO_START, _LOW):
             return "the capture begins within this cycle"
         if reason == _SHORT:
-            return f"the clock stops after {sent} of {self._bits} bits"
+            return f"the clock stops after {bits_sent} of {self._bits} bits"
         return _MESSAGES[reason]
 
 

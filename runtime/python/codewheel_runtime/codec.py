@@ -102,42 +102,46 @@ _NONE: Final[Mapping[Interface, tuple[str, ...]]] = MappingProxyType({})
 
 
 def wrong_encoder(
-    found: object, kind: type[Encoder], interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
+    variant: object, kind: type[Encoder], interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
 ) -> Exception:
     """Return the error for an encoder that belongs to another family or does not have the interface ``interface``."""
-    if isinstance(found, kind):
-        own = found.interface
-        instead = f". Procedures over {own.title}: {', '.join(procedures[own])}" if own in procedures else ""
-        return InterfaceError(found.code, own, interface, instead)
-    if isinstance(found, Encoder):
-        return FamilyError(found.code, found.family.name, kind.family.name)
-    return TypeError(f"expected an encoder, got {shown(found)}; lookup() returns one for an order code")
+    if isinstance(variant, kind):
+        variant_interface = variant.interface
+        instead = (
+            f". Procedures over {variant_interface.title}: {', '.join(procedures[variant_interface])}"
+            if variant_interface in procedures
+            else ""
+        )
+        return InterfaceError(variant.code, variant_interface, interface, instead)
+    if isinstance(variant, Encoder):
+        return FamilyError(variant.code, variant.family.name, kind.family.name)
+    return TypeError(f"expected an encoder, got {shown(variant)}; lookup() returns one for an order code")
 
 
 def check_encoder(
-    found: object, kind: type[Encoder], interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
+    variant: object, kind: type[Encoder], interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
 ) -> None:
     """Raise an error if the encoder belongs to another family or has another interface.
 
     ``procedures`` lists the procedures for each interface. The message suggests them to callers of a procedure.
     """
-    if not isinstance(found, kind) or found.interface is not interface:
-        raise wrong_encoder(found, kind, interface, procedures)
+    if not isinstance(variant, kind) or variant.interface is not interface:
+        raise wrong_encoder(variant, kind, interface, procedures)
 
 
 def decided(kind: type[_Answer], answer: _Answer | None) -> _Answer:
     """Return the answer to a question that the manual leaves open. Raises TypeError unless it is a ``kind``."""
     if not isinstance(answer, kind):
-        answers = " or ".join(f"{kind.__name__}.{item.name}" for item in kind)
+        answers = " or ".join(f"{kind.__name__}.{member.name}" for member in kind)
         raise TypeError(f"expected {answers}, got {shown(answer)}: the manual leaves this open")
     return answer
 
 
 def check_kind(kind: object, kinds: object) -> None:
     """Raise TypeError unless ``kind`` is one of ``kinds``: a union of classes, or one class."""
-    known: tuple[type, ...] = get_args(kinds) or (cast(type, kinds),)
-    if kind not in known:
-        names = ", ".join(item.__name__ for item in known)
+    sent_kinds: tuple[type, ...] = get_args(kinds) or (cast(type, kinds),)
+    if kind not in sent_kinds:
+        names = ", ".join(sent_kind.__name__ for sent_kind in sent_kinds)
         raise TypeError(f"{shown(kind)} is not a kind of frame that this encoder sends; it sends {names}")
 
 
@@ -249,7 +253,7 @@ def choice(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
     try:
         return kind(number)
     except ValueError:
-        raise RangeError(field, number, "one of " + ", ".join(str(int(item)) for item in kind)) from None
+        raise RangeError(field, number, "one of " + ", ".join(str(int(member)) for member in kind)) from None
 
 
 def text_number(field: str, text: str, length: int) -> int:
@@ -381,20 +385,20 @@ def crc_tables(
     ``crc`` computes the CRC over ``covered`` bits of the word. ``gap`` bits are between them and the ``width`` bits of
     the CRC, which are the last ones of the word.
     """
-    none = crc(0, covered)
+    zero_crc = crc(0, covered)
     changes = [*(1 << place for place in range(width)), *([0] * gap)]
-    changes += [crc(1 << place, covered) ^ none for place in range(covered)]
+    changes += [crc(1 << place, covered) ^ zero_crc for place in range(covered)]
     changes += [0] * (16 * count - len(changes))
     tables: list[Sequence[int]] = []
     for low in range(0, 16 * count, 16):
-        first = none if low == 0 else 0
+        first = zero_crc if low == 0 else 0
         table = [first]
         small = bytes(table) if width <= 8 else b""
         for change in changes[low : low + 16]:
             if small:
-                small += small.translate(bytes(item ^ change for item in range(256)))
+                small += small.translate(bytes(byte ^ change for byte in range(256)))
             else:
-                table += [item ^ change for item in table]
+                table += [difference ^ change for difference in table]
         tables.append(small or table)
     return tuple(tables)
 

@@ -137,19 +137,28 @@ def _parser(package: str) -> argparse.ArgumentParser:
     )
     commands = top.add_subparsers(metavar="COMMAND", required=True)
 
-    def command(name: str, run: Callable[..., int | None], summary: str, more: str, epilog: str) -> Any:
+    def add(name: str, run: Callable[..., int | None], summary: str, description: str = "", epilog: str = "") -> Any:
+        description = description or f"{summary[0].upper()}{summary[1:]}."
         parser = commands.add_parser(
-            name, help=summary, description=more, epilog=epilog, formatter_class=shaped, allow_abbrev=False
+            name, help=summary, description=description, epilog=epilog, formatter_class=shaped, allow_abbrev=False
         )
         parser.set_defaults(run=run)
         return parser
 
-    parser = command(
+    _add_decode(add)
+    _add_monitor(add)
+    _add_capture_command(add, "capture", "decode a capture of a logic analyser into a file of columns")
+    _add_capture_command(add, "plot", "plot position and speed over time, of a capture or of frames with a time")
+    return top
+
+
+def _add_decode(add: Callable[..., Any]) -> None:
+    parser = add(
         "decode",
         _decode,
         "decode a frame, or a file of frames into a file of columns",
-        "Decode a frame, or a file of frames into a file of columns, in bounded memory.",
-        _EPILOG,
+        description="Decode a frame, or a file of frames into a file of columns, in bounded memory.",
+        epilog=_EPILOG,
     )
     parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
     parser.add_argument(
@@ -161,40 +170,39 @@ def _parser(package: str) -> argparse.ArgumentParser:
     _add_output(parser)
     _add_input(parser)
     _add_encoder(parser)
-    parser = command(
+
+
+def _add_monitor(add: Callable[..., Any]) -> None:
+    parser = add(
         "monitor",
         partial(_bench, "monitor"),
         "show an encoder live, over RS-485",
-        "Read an encoder over RS-485, and show its position, speed and state live.",
-        "",
+        description="Read an encoder over RS-485, and show its position, speed and state live.",
     )
     parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
     parser.add_argument("port", metavar="PORT", help="serial port, such as /dev/ttyUSB0, COM3 or socket://HOST:PORT")
     parser.add_argument("--count", type=_count, metavar="COUNT", help="stop after this many readings")
     parser.add_argument("--interval", type=_seconds, default=0.0, metavar="SECONDS", help="time between two readings")
     _add_encoder(parser)
-    for name, summary in (
-        ("capture", "decode a capture of a logic analyser into a file of columns"),
-        ("plot", "plot position and speed over time, of a capture or of frames with a time"),
-    ):
-        run = partial(_bench, name)
-        parser = command(name, run, summary, f"{summary[0].upper()}{summary[1:]}.", _BENCH)
-        parser.add_argument(
-            "files",
-            metavar="[ORDER-CODE] FILE",
-            nargs="+",
-            help="the code on the label, unless --biss is given; capture",
-        )
-        _add_capture(parser)
-        _add_output(parser, plot=name == "plot")
-        _add_encoder(parser)
-    return top
+
+
+def _add_capture_command(add: Callable[..., Any], name: str, summary: str) -> None:
+    parser = add(name, partial(_bench, name), summary, epilog=_BENCH)
+    parser.add_argument(
+        "files",
+        metavar="[ORDER-CODE] FILE",
+        nargs="+",
+        help="the code on the label, unless --biss is given; capture",
+    )
+    _add_capture(parser)
+    _add_output(parser, plot=name == "plot")
+    _add_encoder(parser)
 
 
 def _bench(name: str, package: str, chosen: argparse.Namespace) -> int | None:
     """Run a command that needs NumPy."""
-    found: int | None = getattr(import_bench(package), name)(package, chosen)
-    return found
+    exit_code: int | None = getattr(import_bench(package), name)(package, chosen)
+    return exit_code
 
 
 def import_bench(package: str) -> Any:
@@ -260,7 +268,7 @@ def _add_digits(add: Callable[..., object]) -> None:
 
 def _add_encoder(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument_group("encoder").add_argument
-    interfaces = [item.value for item in Interface]
+    interfaces = [interface.value for interface in Interface]
     add("--interface", choices=interfaces, help="reject an order code with another interface")
     add("--layout", default="", metavar="NAME", help="kind of the frames, if the encoder sends several")
     add(
@@ -323,10 +331,10 @@ def _seconds(text: str) -> float:
 
 
 def _rate(text: str) -> float:
-    found = _RATE.fullmatch(text.strip())
-    if found is None or not float(found[1]):
+    match = _RATE.fullmatch(text.strip())
+    if match is None or not float(match[1]):
         raise ValueError
-    return float(found[1]) * 1000.0 ** " kMG".index(found[2] or " ")
+    return float(match[1]) * 1000.0 ** " kMG".index(match[2] or " ")
 
 
 _RATE: Final = re.compile(r"([0-9]{1,12}(?:\.[0-9]{1,9})?) ?([kMG]?)(?:Hz|S/s|Bd)?")
@@ -375,16 +383,16 @@ def _with_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Enco
     if with_answers is None:
         return encoder
     kinds: dict[str, Any] = get_type_hints(with_answers)
-    asked = {name: kinds[name] for name, _ in chosen.choose if name in kinds and name not in ("self", "return")}
+    chosen_kinds = {name: kinds[name] for name, _ in chosen.choose if name in kinds and name not in ("self", "return")}
     answers: dict[str, Any] = {name: next(iter(kind)) for name, kind in kinds.items() if name not in ("self", "return")}
     for name, answer in chosen.choose:
-        if name in asked:
-            found = [item for item in asked[name] if item.name.lower() == answer.lower()]
-            if not found:
+        if name in chosen_kinds:
+            members = [member for member in chosen_kinds[name] if member.name.lower() == answer.lower()]
+            if not members:
                 raise ValueError(f"--choose {name}={answer} does not apply to {encoder.code}")
-            answers[name] = found[0]
-    chosen.choose = [(name, answer) for name, answer in chosen.choose if name not in asked]
-    return with_answers(**answers) if asked else encoder
+            answers[name] = members[0]
+    chosen.choose = [(name, answer) for name, answer in chosen.choose if name not in chosen_kinds]
+    return with_answers(**answers) if chosen_kinds else encoder
 
 
 def _decode(package: str, chosen: argparse.Namespace) -> int | None:
@@ -417,25 +425,25 @@ def _frame(text: str, encoder: Encoder) -> int | bytes | str | None:
     return int(packed, 16) if re.fullmatch("(0x)?[0-9a-fA-F]{1,64}", packed) else None
 
 
-def _others(encoder: Encoder, frame: int | bytes | str, found: Any) -> str:
-    """Return the other frames that a frame can be, in words, or an empty string. ``found`` can be its error."""
+def _others(encoder: Encoder, frame: int | bytes | str, result: Any) -> str:
+    """Return the other frames that a frame can be, in words, or an empty string. ``result`` can be its error."""
     hint = get_type_hints(type(encoder).try_decode)["return"]
     decoded = [kind for kind in get_args(hint) or (hint,) if not issubclass(kind, FrameError)]
-    names = [kind.__name__ for kind in kinds_of(encoder) if _can_be(kind, decoded, encoder, frame, found)]
+    names = [kind.__name__ for kind in kinds_of(encoder) if _can_be(kind, decoded, encoder, frame, result)]
     if not names:
         return ""
-    words = "This can be another frame" if isinstance(found, FrameError) else "This can also be another frame"
+    words = "This can be another frame" if isinstance(result, FrameError) else "This can also be another frame"
     return f"{words}: {', '.join(names)} (decode it with the class in {type(encoder).__module__})"
 
 
-def _can_be(kind: Any, decoded: Sequence[type], encoder: Encoder, frame: int | bytes | str, found: Any) -> bool:
+def _can_be(kind: Any, decoded: Sequence[type], encoder: Encoder, frame: int | bytes | str, result: Any) -> bool:
     """Return whether a frame is a valid one of another class than those in ``decoded``."""
     # An encoder with several classes identifies its frames by a field.
     if len(decoded) != 1 or kind in decoded:
         return False
     # Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
     has_length = any_shape(kind, encoder).bits == any_shape(decoded[0], encoder).bits
-    if not has_length and not isinstance(found, LengthError):
+    if not has_length and not isinstance(result, LengthError):
         return False
     try:
         decoder(kind._decoder, encoder, raised)(frame)
@@ -446,23 +454,23 @@ def _can_be(kind: Any, decoded: Sequence[type], encoder: Encoder, frame: int | b
 
 def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace) -> int:
     """Print one frame. This needs no other packages."""
-    found = _with_answers(encoder, frame, dict(chosen.choose))
-    values: dict[str, Any] = found.to_dict()
-    others = _others(encoder, frame, found)
+    result = _with_answers(encoder, frame, dict(chosen.choose))
+    values: dict[str, Any] = result.to_dict()
+    other_frames = _others(encoder, frame, result)
     if chosen.json:
         print(json.dumps(values, ensure_ascii=False))
-    elif isinstance(found, FrameError):
-        more = others or found.hint
-        raise Failed(f"{found}. {more}" if more else found)
+    elif isinstance(result, FrameError):
+        more = other_frames or result.hint
+        raise Failed(f"{result}. {more}" if more else result)
     else:
         width = max(map(len, values))
         for name, value in values.items():
             print(f"{name:<{width}}  {_plain(value)}")
-        for report in found.reports:
+        for report in result.reports:
             print(f"\n{report.name}: {report.meaning}" + (f"\n  {report.remedy}" if report.remedy else ""))
-        if others:
-            print(f"\n{others}")
-    if isinstance(found, FrameError):
+        if other_frames:
+            print(f"\n{other_frames}")
+    if isinstance(result, FrameError):
         return FAILED
     return NOT_USABLE if values.get("verdict") == Verdict.NOT_USABLE.value else DONE
 
@@ -478,17 +486,17 @@ def _plain(value: Any) -> str:
 
 def _with_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, str]) -> Any:
     """Return the frame or its error. Answers to open questions are keyword arguments."""
-    given: dict[str, Any] = {}
+    open_answers: dict[str, Any] = {}
     hints = get_type_hints(encoder.try_decode)
     for name, answer in answers.items():
         kinds = [kind for kind in get_args(hints.get(name)) if kind is not type(None)]
-        members = [item for kind in kinds for item in kind if item.name.lower() == answer.lower()]
+        members = [member for kind in kinds for member in kind if member.name.lower() == answer.lower()]
         if len(members) != 1:
             raise Failed(f"--choose {name}={answer} does not apply to the frames of {encoder.code}", USAGE)
-        given[name] = members[0]
+        open_answers[name] = members[0]
     decode: Any = encoder.try_decode
     try:
-        return decode(frame, **given)
+        return decode(frame, **open_answers)
     except (TypeError, NotImplementedError) as error:
         raise Failed(error, USAGE) from None
 

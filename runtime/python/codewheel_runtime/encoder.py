@@ -128,10 +128,9 @@ class Encoder:
         **parameters: int,
     ) -> None:
         if parameters.keys() != set(self._parameters):
-            wrong = sorted(parameters.keys() ^ set(self._parameters))
-            raise TypeError(
-                f"{type(self).__name__} takes {', '.join(self._parameters)}; missing or unknown: {', '.join(wrong)}"
-            )
+            expected = ", ".join(self._parameters)
+            unmatched = ", ".join(sorted(parameters.keys() ^ set(self._parameters)))
+            raise TypeError(f"{type(self).__name__} takes {expected}; missing or unknown: {unmatched}")
         self.__dict__.update(
             parameters,
             code=code,
@@ -305,15 +304,15 @@ def looked_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
         return variants[text]
     codes = {code: variant.parts for code, variant in variants.items()}
     family = next(iter(variants.values())).family
-    found = cast(OrderCode, fact(module, "ORDER_CODE")).read(text, family.name.upper(), codes)
-    variant = next(item for item in variants.values() if item.parts == found.listed)
-    if not (found.unlisted or found.tail or found.special or found.written_as_in):
+    parsed_label = cast(OrderCode, fact(module, "ORDER_CODE")).read(text, family.name.upper(), codes)
+    variant = next(listed for listed in variants.values() if listed.parts == parsed_label.listed)
+    if not (parsed_label.unlisted or parsed_label.tail or parsed_label.special or parsed_label.written_as_in):
         return variant
     return variant._replaced(
-        code=found.code,
-        parts=found.parts,
-        unlisted=found.unlisted,
-        tail=found.tail,
-        special_code=found.special,
-        written_as_in=found.written_as_in,
+        code=parsed_label.code,
+        parts=parsed_label.parts,
+        unlisted=parsed_label.unlisted,
+        tail=parsed_label.tail,
+        special_code=parsed_label.special,
+        written_as_in=parsed_label.written_as_in,
     )

@@ -62,7 +62,8 @@ class LengthError(FrameError):
         self.unit = unit
 
     def __str__(self) -> str:
-        return f"expected {self.expected} {self.unit if self.expected != 1 else self.unit[:-1]}, got {self.found}"
+        unit = self.unit if self.expected != 1 else self.unit[:-1]
+        return f"expected {self.expected} {unit}, got {self.found}"
 
 
 class CrcError(FrameError):

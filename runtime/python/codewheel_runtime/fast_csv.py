@@ -24,7 +24,7 @@ class Block(NamedTuple):
     """Rows of a block: the frames, the cells of other columns, the first and the last frame as text, and all lines."""
 
     frames: Any
-    others: dict[str, Any]
+    other_columns: dict[str, Any]
     first: list[str]
     last: str
     lines: int
@@ -74,7 +74,7 @@ class Joined(io.RawIOBase):
 def reader(
     names: Sequence[str],
     place: int,
-    kept: Sequence[tuple[int, str]],
+    kept_columns: Sequence[tuple[int, str]],
     between: str,
     shape: Shape,
     digits: DigitKind | None,
@@ -91,7 +91,7 @@ def reader(
         return None
     columns = [str(at) for at in range(len(names))]
     parse = csv.ParseOptions(delimiter=between, quote_char=False)
-    wanted = [str(place), *(str(at) for at, _ in kept)]
+    wanted = [str(place), *(str(at) for at, _ in kept_columns)]
     convert = csv.ConvertOptions(
         include_columns=wanted, column_types=dict.fromkeys(wanted, pa.string()), strings_can_be_null=False
     )
@@ -106,9 +106,9 @@ def reader(
             return None
         if frames is None:
             return None
-        others = {name: table.column(at).combine_chunks() for at, (_, name) in enumerate(kept, 1)}
+        other_columns = {name: table.column(at).combine_chunks() for at, (_, name) in enumerate(kept_columns, 1)}
         last = cells[-1].as_py() if len(cells) else ""
-        return Block(frames, others, cells.slice(0, 1000).to_pylist(), last, block.count(b"\n"))
+        return Block(frames, other_columns, cells.slice(0, 1000).to_pylist(), last, block.count(b"\n"))
 
     return read
 

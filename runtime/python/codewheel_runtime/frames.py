@@ -31,7 +31,7 @@ from .errors import FrameError, RangeError
 from .reports import Report
 
 if TYPE_CHECKING:
-    from .shape import Column, CrcOf, Shape
+    from .shape import Check, Column, CrcOf, Shape, Unused
     from .table import Table
 
 _Encoder = TypeVar("_Encoder", bound=Encoder)
@@ -73,50 +73,45 @@ class Coded:
             position also has ``position``, ``usable_position`` and ``verdict``, and one from an encoder ``reports``.
         """
         kind: Any = type(self)
-        found: dict[str, Any] = {}
+        values: dict[str, Any] = {}
         for name in kind._fields:
             value = getattr(self, name)
             if isinstance(value, Encoder):
-                found["order_code"] = value.code
+                values["order_code"] = value.code
             else:
-                found[name] = value.name.lower() if isinstance(value, Enum) else value
+                values[name] = value.name.lower() if isinstance(value, Enum) else value
         for name in ("position", "usable_position"):
             if hasattr(kind, name):
-                found[name] = getattr(self, name)
+                values[name] = getattr(self, name)
         if isinstance(self, Sent):
             verdict = getattr(self, "verdict", None)
-            found |= {} if verdict is None else {"verdict": verdict.value}
-            found["reports"] = [report.name for report in self.reports]
-        return found
+            if verdict is not None:
+                values["verdict"] = verdict.value
+            values["reports"] = [report.name for report in self.reports]
+        return values
 
-    def _given(self) -> tuple[Any, ...]:
+    def _arguments(self) -> tuple[Any, ...]:
         """Return the encoder and the answers: the first fields."""
         kind, values = cast(Any, type(self)), cast("tuple[Any, ...]", self)
         return values[: len(_described(kind)[1])]
 
     def _number(self) -> tuple[Shape, int]:
         """Return the description, and the number that the fields form."""
-        given = self._given()
-        shape, fields = shape_of(type(self), *given), cast(Any, self)
+        arguments = self._arguments()
+        shape, fields = shape_of(type(self), *arguments), cast(Any, self)
         number = shape.fixed
         for column in shape.columns:
             number |= _bits(fields, column) << column.low
         for check in shape.checks:
             bits = number >> check.low & (1 << check.width) - 1
             if not check.is_within(bits):
-                column = next(item for item in shape.columns if item.low == check.low)
-                is_signed = column.kind == "signed"
-                allowed = f"{check.lowest} to {check.limit}" if is_signed else f"at most {check.limit}"
-                raise RangeError(column.field or column.name, signed(bits, check.width) if is_signed else bits, allowed)
+                raise _limit_error(shape, check, bits)
         if shape.others is not None:
             number |= check_bits("unused", fields.unused, shape.others)
         elif shape.unused:
-            known = sum((1 << item.width) - 1 << item.place for item in shape.unused)
-            differing = check_bits("unused", fields.unused, known)
-            for item in shape.unused:
-                number |= ((differing >> item.place ^ item.value) & (1 << item.width) - 1) << item.low
+            number |= _unused_bits(fields.unused, shape.unused)
         if shape.limited is not None:
-            check_limits(shape.limited[0], getattr(self, shape.limited[1]), fields.limits(*given))
+            check_limits(shape.limited[0], getattr(self, shape.limited[1]), fields.limits(*arguments))
         for check in shape.parities:
             number |= check.parity(number) << check.low
         if shape.gray is not None:
@@ -163,11 +158,11 @@ class Sent(Coded):
     @property
     def reports(self) -> tuple[Report, ...]:
         """Reports of the encoder: active flags, unused bits that differ from the manual, and values with a verdict."""
-        tells = shape_of(type(self), *self._given()).tells
+        tells = shape_of(type(self), *self._arguments()).tells
         if not tells:
             return ()
-        known: Mapping[str, Report] = _module_of(type(self), "facts").REPORTS
-        return tuple(item.of(known) for item in tells if item.is_active(self))
+        reports_by_name: Mapping[str, Report] = _module_of(type(self), "facts").REPORTS
+        return tuple(condition.of(reports_by_name) for condition in tells if condition.is_active(self))
 
 
 class Fixed(Coded):
@@ -330,12 +325,34 @@ class RegisterOf(ByEncoder[_Encoder], InBytes):
     __slots__ = ()
 
 
+def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:
+    """Return the error for a field whose bits are outside its limits."""
+    column = next(candidate for candidate in shape.columns if candidate.low == check.low)
+    field = column.field or column.name
+    if column.kind == "signed":
+        return RangeError(field, signed(bits, check.width), f"{check.lowest} to {check.limit}")
+    return RangeError(field, bits, f"at most {check.limit}")
+
+
+def _unused_bits(differing: Any, places: tuple[Unused, ...]) -> int:
+    """Return the unused bits in a frame: as in the manual, inverted where ``differing`` is 1."""
+    mask = sum((1 << unused.width) - 1 << unused.place for unused in places)
+    differing_bits = check_bits("unused", differing, mask)
+    number = 0
+    for unused in places:
+        bits = (differing_bits >> unused.place ^ unused.value) & (1 << unused.width) - 1
+        number |= bits << unused.low
+    return number
+
+
 def _bits(fields: Any, column: Column) -> int:
     """Return the bits of a field. Raises RangeError if its value does not fit."""
     name, width = column.field or column.name, column.width
     if column.kind == "digits":
-        runs = [(check_limits(run, getattr(fields, run), (0, modulus - 1)), by) for run, by, modulus in column.runs]
-        return sum(number * divisor for number, divisor in runs)
+        number = 0
+        for run, divisor, modulus in column.runs:
+            number += check_limits(run, getattr(fields, run), (0, modulus - 1)) * divisor
+        return number
     value = getattr(fields, column.name)
     match column.kind:
         case "flag" | "not_flag":
@@ -358,7 +375,7 @@ def _number_bits(name: str, value: Any, column: Column) -> int:
     if column.values:
         number = whole_number(name, value)
         if number not in column.values:
-            allowed = ", ".join(f"{item:X}h" for item in column.values)
+            allowed = ", ".join(f"{allowed_value:X}h" for allowed_value in column.values)
             raise RangeError(name, number, allowed if len(column.values) == 1 else f"one of {allowed}")
         return number
     number = zero_for(name, value, column.zero_means, width) if column.zero_means else check_width(name, value, width)
@@ -371,38 +388,42 @@ def _crc(number: int, crc: CrcOf) -> int:
     """Return the CRC of a number whose CRC bits are 0."""
     if not crc.steps:
         return crc.differs(number)
-    for shift, mask, back in crc.steps:
+    for shift, mask, shift_back in crc.steps:
         high = number >> shift
-        number = number & mask ^ high ^ (high << back if back else 0)
+        number = number & mask ^ high ^ (high << shift_back if shift_back else 0)
     return number ^ crc.xorout
 
 
 # -- descriptions
 
 
-def shape_of(kind: type, *given: object) -> Shape:
+def shape_of(kind: type, *arguments: object) -> Shape:
     """Return the description of a class for an encoder and for answers to questions that the manual leaves open."""
     make, needed = _described(kind)
-    for wanted, value in zip(needed, given, strict=False):
+    for wanted, value in zip(needed, arguments, strict=False):
         if not isinstance(value, wanted):
             if issubclass(wanted, Encoder):
                 raise wrong_encoder(value, wanted.__base__ or Encoder, wanted.interface)
             decided(cast(Any, wanted), cast(Any, value))
-    return make(*given)
+    return make(*arguments)
 
 
 def any_shape(kind: type, encoder: Encoder) -> Shape:
     """Return the description of a class for an encoder, with any answer to each open question."""
     make, needed = _described(kind)
-    return make(*(encoder if issubclass(item, Encoder) else next(iter(cast(Any, item))) for item in needed))
+    arguments: list[object] = []
+    for argument_type in needed:
+        is_encoder = issubclass(argument_type, Encoder)
+        arguments.append(encoder if is_encoder else next(iter(cast(Any, argument_type))))
+    return make(*arguments)
 
 
 def kinds_of(encoder: Encoder) -> tuple[type, ...]:
     """Return the classes of the frames that an encoder sends."""
     package, _, family = type(encoder).__module__.rpartition(".")
     described = import_module(f"{package}._shapes.{family}")
-    sent = described.FRAMES.get((encoder.interface.value, "encoder"), {}).values()
-    return tuple(kind for kind, make in described.SHAPES.items() if make in sent)
+    makers = described.FRAMES.get((encoder.interface.value, "encoder"), {}).values()
+    return tuple(kind for kind, make in described.SHAPES.items() if make in makers)
 
 
 @cache
@@ -424,23 +445,23 @@ def _module_of(kind: type, folder: str) -> Any:
 # -- many frames
 
 
-def decode_many(frames: object, kind: type, encoder: Encoder | None, *given: object) -> Table:
-    """Decode many frames of one class. ``given`` are the encoder and the answers that the class needs."""
-    shape = shape_of(kind, *given)
+def decode_many(frames: object, kind: type, encoder: Encoder | None, *arguments: object) -> Table:
+    """Decode many frames of one class. ``arguments`` are the encoder and the answers that the class needs."""
+    shape = shape_of(kind, *arguments)
     return cast("Table", import_module(f"{__package__}.bulk_decode").decode_many(frames, shape, encoder))
 
 
-def encode_many(columns: Mapping[str, Any], kind: type, *given: object) -> Any:
-    """Encode many frames of one class. ``given`` are the encoder and the answers that the class needs."""
-    shape = shape_of(kind, *given)
+def encode_many(columns: Mapping[str, Any], kind: type, *arguments: object) -> Any:
+    """Encode many frames of one class. ``arguments`` are the encoder and the answers that the class needs."""
+    shape = shape_of(kind, *arguments)
     return import_module(f"{__package__}.bulk_encode").encode_many(columns, shape)
 
 
 def needed_by(kind: type, encoder: Encoder, **answers: object) -> tuple[object, ...]:
     """Return the encoder and the answers that a class of frames needs, in the order in which it takes them."""
     fields: tuple[str, ...] = cast(Any, kind)._fields
-    needed = fields[: len(_described(kind)[1])]
-    return tuple(encoder if name == "variant" else answers[name] for name in needed)
+    needed_fields = fields[: len(_described(kind)[1])]
+    return tuple(encoder if name == "variant" else answers[name] for name in needed_fields)
 
 
 # -- decoders of one frame
@@ -448,11 +469,11 @@ def needed_by(kind: type, encoder: Encoder, **answers: object) -> tuple[object, 
 
 def decoder(make: Callable[[Any, Failed], _Decode], encoder: Encoder | None, failed: Failed) -> _Decode:
     """Return the decoder of a class for an encoder. Each is made only once."""
-    known: dict[object, _Decode] = _DECODERS if encoder is None else encoder.__dict__.setdefault("_decoders", {})
-    found = known.get((make, failed))
-    if found is None:
-        found = known[make, failed] = make(encoder, failed)
-    return found
+    decoders: dict[object, _Decode] = _DECODERS if encoder is None else encoder.__dict__.setdefault("_decoders", {})
+    decode = decoders.get((make, failed))
+    if decode is None:
+        decode = decoders[make, failed] = make(encoder, failed)
+    return decode
 
 
 _DECODERS: dict[object, Any] = {}
@@ -460,8 +481,8 @@ _DECODERS: dict[object, Any] = {}
 
 def bound(encoder: Encoder, name: str, make: Callable[[Any, Failed], _Decode], failed: Failed) -> _Decode:
     """Return the decoder of an encoder. From now on, it replaces the method ``name``."""
-    encoder.__dict__[name] = found = decoder(make, encoder, failed)
-    return found
+    encoder.__dict__[name] = decode = decoder(make, encoder, failed)
+    return decode
 
 
 def raised(error: Exception, _frame: object, _encoder: object) -> NoReturn:
@@ -490,6 +511,6 @@ def _of_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
     if isinstance(error, FrameError):
         error.add(frame, encoder)
         return error
-    told = TypeError(f"{encoder.code}: {error}")
-    told.__cause__ = error
-    return told
+    type_error = TypeError(f"{encoder.code}: {error}")
+    type_error.__cause__ = error
+    return type_error

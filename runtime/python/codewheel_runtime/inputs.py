@@ -95,29 +95,29 @@ class Part(NamedTuple):
 
     frames: Any
     done: int
-    others: Mapping[str, Any] = MappingProxyType({})
+    other_columns: Mapping[str, Any] = MappingProxyType({})
 
 
 class Source(NamedTuple):
     """Frames of a file, the total amount of data if known, and the other columns.
 
-    ``names`` lists all other columns. ``kept`` contains those that are read, each as an empty column.
+    ``names`` lists all other columns. ``empty_columns`` has an empty column for each that is read.
     """
 
     parts: Generator[Part, None, None]
     total: int | None
     names: tuple[str, ...] = ()
-    kept: Mapping[str, Any] = MappingProxyType({})
+    empty_columns: Mapping[str, Any] = MappingProxyType({})
 
 
 def kept_columns(names: Iterable[str], stored: Stored, empty: Callable[[str], Any], file: str) -> dict[str, Any]:
     """Return an empty column for each of the other columns to keep."""
-    found: dict[str, Any] = {}
+    columns: dict[str, Any] = {}
     for name in filter(stored.keeps, names):
-        if name in found:
+        if name in columns:
             raise UsageError(f"{file} has two columns {short(name)}; rename one, or select the columns")
-        found[name] = empty(name)
-    return found
+        columns[name] = empty(name)
+    return columns
 
 
 def column_of(names: list[str], wanted: str, file: str) -> str:
@@ -125,8 +125,8 @@ def column_of(names: list[str], wanted: str, file: str) -> str:
     if wanted:
         if names.count(wanted) == 1:
             return wanted
-        there = "several columns" if wanted in names else "no column"
-        raise InputError(file, "", f"{there} {short(wanted)}; the columns are {listed(names)}")
+        problem = "several columns" if wanted in names else "no column"
+        raise InputError(file, "", f"{problem} {short(wanted)}; the columns are {listed(names)}")
     place = named_place(names)
     if place is None:
         raise InputError(file, "", f"choose the column with the frames; the columns are {listed(names)}")
@@ -139,25 +139,25 @@ def named_place(names: list[str]) -> int | None:
     return named[0] if len(named) == 1 else None
 
 
-def check_form(name: str, own: Any, others: Iterable[tuple[str, Any]], share: Share) -> None:
+def check_form(name: str, chosen_frames: Any, other_forms: Iterable[tuple[str, Any]], share: Share) -> None:
     """Check that no other form works much better if many frames are invalid in the chosen form.
 
     Args:
         name: Name of the file.
-        own: The first frames in the chosen form.
-        others: Command-line option of each other form, and the first frames in that form.
+        chosen_frames: The first frames in the chosen form.
+        other_forms: Command-line option of each other form, and the first frames in that form.
         share: Function that returns the fraction of valid frames.
 
     Raises:
-        InputError: At least one frame in ten has an error, but in one of ``others`` at most one in twenty would.
+        InputError: At least one frame in ten has an error, but in one of ``other_forms`` at most one in twenty would.
     """
-    if not len(own) or (valid := share(own)) > 0.9:
+    if not len(chosen_frames) or (valid := share(chosen_frames)) > 0.9:
         return
-    for option, frames in others:
+    for option, frames in other_forms:
         # One or two frames can be valid by chance.
         if len(frames) > 2 and (fitting := share(frames)) >= 0.95:
-            said = f"{1 - valid:.0%} of the first {len(own)} frames have an error"
-            raise InputError(name, "", f"{said}; with {option}, {fitting:.0%} are valid")
+            problem = f"{1 - valid:.0%} of the first {len(chosen_frames)} frames have an error"
+            raise InputError(name, "", f"{problem}; with {option}, {fitting:.0%} are valid")
 
 
 def numbers(rows: Any, words: WordKind = "packed") -> Any:
@@ -178,5 +178,5 @@ def short(text: str) -> str:
 
 def listed(names: list[str]) -> str:
     """Return at most eight of the names, for a message."""
-    shown = ", ".join(short(item) for item in names[:8])
-    return f"{shown} and {len(names) - 8} more" if len(names) > 8 else shown
+    first_names = ", ".join(short(name) for name in names[:8])
+    return f"{first_names} and {len(names) - 8} more" if len(names) > 8 else first_names

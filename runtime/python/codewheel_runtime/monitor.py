@@ -56,12 +56,7 @@ def watch(
     done = 0
     try:
         while count is None or done < count:
-            try:
-                screen.add(reader.read())
-            except RuntimeError as error:
-                screen.fail(error)
-                if not screen.frames and screen.failures >= _GIVEN_UP:
-                    raise
+            screen.show_reading_of(reader)
             done += 1
             if interval_s:
                 sleep(interval_s)
@@ -85,6 +80,15 @@ class _Screen:
         self._shown, self._height, self._said = 0.0, 0, ""
         self._began = monotonic()
         self.frames = self.failures = 0
+
+    def show_reading_of(self, reader: Reader) -> None:
+        """Show the next frame or failure. Raises the error of the reader if the encoder never answered."""
+        try:
+            self.add(reader.read())
+        except RuntimeError as error:
+            self.fail(error)
+            if not self.frames and self.failures >= _GIVEN_UP:
+                raise
 
     def add(self, frame: Any) -> None:
         """Add a frame."""
@@ -160,8 +164,8 @@ class _Screen:
 
     def _state(self) -> list[tuple[str, str]]:
         reports = self._frame.reports if self._frame is not None else ()
-        known = [at for at, _ in self._recent]
-        rate = (len(known) - 1) / (known[-1] - known[0]) if len(known) > 1 and known[-1] > known[0] else 0.0
+        times = [at for at, _ in self._recent]
+        rate = (len(times) - 1) / (times[-1] - times[0]) if len(times) > 1 and times[-1] > times[0] else 0.0
         return [
             ("alarms", ", ".join(report.name for report in reports) or "none"),
             ("rate", f"{rate:.0f} readings/s"),
@@ -175,10 +179,10 @@ class _Screen:
         return f"{self.failures} of {total} readings failed" + (f": {kinds}" if kinds else "")
 
     def _speed(self) -> str:
-        known = [(at, count) for at, count in self._recent if count is not None]
-        if len(known) < 2 or known[-1][0] <= known[0][0]:
+        points = [(at, count) for at, count in self._recent if count is not None]
+        if len(points) < 2 or points[-1][0] <= points[0][0]:
             return "-"
-        per_second = (known[-1][1] - known[0][1]) / (known[-1][0] - known[0][0])
+        per_second = (points[-1][1] - points[0][1]) / (points[-1][0] - points[0][0])
         encoder: Any = self._encoder
         if hasattr(encoder, "millimetres"):
             return f"{per_second * encoder.millimetres(1):.3f} mm/s"

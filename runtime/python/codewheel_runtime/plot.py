@@ -4,10 +4,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from importlib import import_module
 from pathlib import PurePath
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from .clocked import Lost
 from .inputs import UsageError
@@ -19,11 +19,28 @@ _FIGURE: Any = import_module("matplotlib.figure")
 _COLLECTIONS: Any = import_module("matplotlib.collections")
 
 _KINDS: Final = ("png", "svg", "pdf")
-#: Units to try, with their labels: the unit and label of positions, and of speeds.
-_UNITS: Final[tuple[tuple[Unit, str, SpeedUnit, str], ...]] = (
-    ("millimetres", "position in mm", "millimetres", "speed in mm/s"),
-    ("degrees", "angle in degrees", "rpm", "speed in rpm"),
-    ("counts", "position in counts", "counts", "speed in counts/s"),
+_ERROR_COLOURS: Final = {
+    ErrorKind.LENGTH: "tab:purple",
+    ErrorKind.CRC: "tab:red",
+    ErrorKind.CONSTANT: "tab:pink",
+    ErrorKind.RANGE: "tab:brown",
+}
+
+
+class _Units(NamedTuple):
+    """Units of positions and speeds, with their labels."""
+
+    position: Unit
+    position_label: str
+    speed: SpeedUnit
+    speed_label: str
+
+
+#: Units to try.
+_UNITS: Final = (
+    _Units("millimetres", "position in mm", "millimetres", "speed in mm/s"),
+    _Units("degrees", "angle in degrees", "rpm", "speed in rpm"),
+    _Units("counts", "position in counts", "counts", "speed in counts/s"),
 )
 #: Number of points above which only the lowest and highest of each column of pixels are drawn.
 _POINTS: Final = 20_000
@@ -49,31 +66,19 @@ def figure(table: Table, lost: Sequence[Lost] = (), title: str = "") -> Any:
     if axis is None:
         raise ValueError("the table has no column 'time'")
     times = np.asarray(table[axis], np.float64)
-    angle, named, speed, speed_named = _unit(table)
+    units = _units(table)
     drawn = _FIGURE.Figure(figsize=(10, 6), layout="constrained")
     top, bottom = drawn.subplots(2, 1, sharex=True)
-    code = getattr(table.encoder, "code", "")
-    drawn.suptitle(title or code or "frames")
-    usable = table.usable
-    _line(top, times, table.in_units(angle), angle == "degrees")
-    top.set_ylabel(named)
-    try:
-        _line(bottom, times, table.velocity(times, speed), False)
-    except (AttributeError, ValueError):
-        bottom.text(
-            0.5, 0.5, "the speed is unknown: the position may wrap around", transform=bottom.transAxes, ha="center"
-        )
-    bottom.set_ylabel(speed_named if axis == "time" else speed_named.replace("/s", "/sample"))
-    bottom.set_xlabel("time in s" if axis == "time" else "sample")
-    marks = [
-        (times[table.fault == kind], f"{_error(kind)}", colour)
-        for kind, colour in zip((*ErrorKind,)[1:], ("tab:purple", "tab:red", "tab:pink", "tab:brown"), strict=True)
-    ]
-    marks.append((times[table.ok & ~usable], "position not usable", "tab:orange"))
-    marks.append((np.array([item.time for item in lost], np.float64), "lost", "black"))
-    for at, name, colour in marks:
-        if len(at):
-            _mark((top, bottom), at, f"{name} ({len(at)})", colour)
+    drawn.suptitle(title or getattr(table.encoder, "code", "") or "frames")
+    _line(top, times, table.in_units(units.position), wraps=units.position == "degrees")
+    top.set_ylabel(units.position_label)
+    _draw_speed(bottom, table, times, units.speed)
+    is_timed = axis == "time"
+    bottom.set_ylabel(units.speed_label if is_timed else units.speed_label.replace("/s", "/sample"))
+    bottom.set_xlabel("time in s" if is_timed else "sample")
+    for mark_times, label, colour in _marks(table, times, lost):
+        if len(mark_times):
+            _mark((top, bottom), mark_times, f"{label} ({len(mark_times)})", colour)
     if top.get_legend_handles_labels()[1]:
         # Above the axes, where it does not cover the plot.
         top.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, frameon=False, fontsize="small")
@@ -81,6 +86,23 @@ def figure(table: Table, lost: Sequence[Lost] = (), title: str = "") -> Any:
         axes.grid(alpha=0.3)
         axes.margins(x=0.01)
     return drawn
+
+
+def _draw_speed(axes: Any, table: Table, times: Any, unit: SpeedUnit) -> None:
+    """Draw the speed over time, or a note if it is unknown."""
+    try:
+        _line(axes, times, table.velocity(times, unit), wraps=False)
+    except (AttributeError, ValueError):
+        note = "the speed is unknown: the position may wrap around"
+        axes.text(0.5, 0.5, note, transform=axes.transAxes, ha="center")
+
+
+def _marks(table: Table, times: Any, lost: Sequence[Lost]) -> Iterator[tuple[Any, str, str]]:
+    """Yield the times to mark, with their label and colour."""
+    for kind, colour in _ERROR_COLOURS.items():
+        yield times[table.fault == kind], _error(kind), colour
+    yield times[table.ok & ~table.usable], "position not usable", "tab:orange"
+    yield np.array([cycle.time for cycle in lost], np.float64), "lost", "black"
 
 
 def save(
@@ -115,16 +137,16 @@ def save(
         drawn.savefig(file, format=kind, dpi=150)
 
 
-def _unit(table: Table) -> tuple[Unit, str, SpeedUnit, str]:
-    """Return the first unit that the encoder supports."""
-    for item in _UNITS:
+def _units(table: Table) -> _Units:
+    """Return the first units that the encoder supports."""
+    for units in _UNITS:
         try:
-            table[:0].in_units(item[0])
+            table[:0].in_units(units.position)
         except (AttributeError, ValueError):
-            if item[0] == "counts":
+            if units.position == "counts":
                 raise ValueError("these frames have no position") from None
             continue
-        return item
+        return units
     raise AssertionError
 
 
@@ -138,14 +160,14 @@ def _line(axes: Any, times: Any, values: Any, wraps: bool) -> None:
     if wraps and len(values):
         jumps = np.flatnonzero(np.abs(np.diff(values)) > 180) + 1
         times, values = np.insert(times, jumps, times[jumps]), np.insert(values, jumps, np.nan)
-    few = {"marker": ".", "markersize": 4} if len(values) < 200 else {}
-    axes.plot(times, values, linewidth=1, **few)
+    markers = {"marker": ".", "markersize": 4} if len(values) < 200 else {}
+    axes.plot(times, values, linewidth=1, **markers)
 
 
 def _thinned(times: Any, values: Any) -> tuple[Any, Any]:
     """Return at most a few thousand points that look the same: the extremes of each stretch."""
-    known = np.isfinite(values)
-    times, values = times[known], values[known]
+    is_finite = np.isfinite(values)
+    times, values = times[is_finite], values[is_finite]
     if len(values) <= _POINTS:
         return times, values
     size = -(-len(values) // (_POINTS // 2))
@@ -158,14 +180,16 @@ def _thinned(times: Any, values: Any) -> tuple[Any, Any]:
 
 def _mark(axes: Sequence[Any], times: Any, label: str, colour: str) -> None:
     """Mark times with thin vertical lines."""
-    shown = times if len(times) <= _POINTS // 10 else times[:: -(-len(times) // (_POINTS // 10))]
-    for place, one in enumerate(axes):
+    # Where lines are too close to be distinguished, only some are drawn.
+    every = max(-(-len(times) // (_POINTS // 10)), 1)
+    lines_at = [[(time, 0), (time, 1)] for time in times[::every]]
+    for index, plot_axes in enumerate(axes):
         lines = _COLLECTIONS.LineCollection(
-            [[(at, 0), (at, 1)] for at in shown],
-            transform=one.get_xaxis_transform(),
+            lines_at,
+            transform=plot_axes.get_xaxis_transform(),
             colors=colour,
             linewidths=1,
             alpha=0.6,
-            label=label if not place else None,
+            label=label if index == 0 else None,
         )
-        one.add_collection(lines, autolim=False)
+        plot_axes.add_collection(lines, autolim=False)

@@ -147,9 +147,9 @@ class Tells(NamedTuple):
     when: tuple[tuple[str, int], ...] = ()
     answered: Verdict | None = None
 
-    def of(self, known: Mapping[str, Report]) -> Report:
+    def of(self, reports: Mapping[str, Report]) -> Report:
         """Return the report with its verdict."""
-        report = known[self.report]
+        report = reports[self.report]
         return report if self.answered is None else report._replace(makes_position=self.answered)
 
     def is_active(self, frame: Any) -> bool:
@@ -193,66 +193,85 @@ class Shape(NamedTuple):
 def kinds(shape: Shape) -> dict[str, str]:
     """Return the columns that are written, with their NumPy types."""
     late = {name for join in shape.joins for name, _, _ in late_fields(shape, join)}
-    found: dict[str, str] = {}
-    for item in shape.columns:
-        if item.name in late:
-            continue
-        match item.kind:
-            case "digits":
-                found |= {name: "i8" for name, _, _ in item.runs}
-            case "text":
-                found[item.name] = f"S{item.width // 8}"
-            case "flag" | "not_flag":
-                found[item.name] = "?"
-            case "choice":
-                found[item.name] = smallest(item.width)
-            case "number" | "signed":
-                found[item.name] = "u8" if item.width == 64 else "i8"
-            case _:
-                assert_never(item.kind)
-    found |= {join.name: "u8" if width_of(shape, join) == 64 else "i8" for join in shape.joins}
-    found |= {"unused": smallest(unused_bits(shape))} if shape.unused else {}
-    return found | ({"verdict": "u1"} if shape.otherwise is not None else {})
+    types: dict[str, str] = {}
+    for column in shape.columns:
+        if column.name not in late:
+            types |= _types_of(column)
+    for join in shape.joins:
+        types[join.name] = "u8" if width_of(shape, join) == 64 else "i8"
+    if shape.unused:
+        types["unused"] = smallest(unused_bits(shape))
+    if shape.otherwise is not None:
+        types["verdict"] = "u1"
+    return types
+
+
+def _types_of(column: Column) -> dict[str, str]:
+    """Return the NumPy types of the columns that a field becomes."""
+    match column.kind:
+        case "digits":
+            return {name: "i8" for name, _, _ in column.runs}
+        case "text":
+            return {column.name: f"S{column.width // 8}"}
+        case "flag" | "not_flag":
+            return {column.name: "?"}
+        case "choice":
+            return {column.name: smallest(column.width)}
+        case "number" | "signed":
+            return {column.name: "u8" if column.width == 64 else "i8"}
+        case _:
+            assert_never(column.kind)
 
 
 def smallest(width: int) -> str:
     """Return the smallest unsigned NumPy type with at least ``width`` bits."""
-    return "u1" if width <= 8 else "u2" if width <= 16 else "u4" if width <= 32 else "u8"
+    for bits, type_name in ((8, "u1"), (16, "u2"), (32, "u4")):
+        if width <= bits:
+            return type_name
+    return "u8"
 
 
 def unused_bits(shape: Shape) -> int:
     """Return the width of the number that all unused bits form."""
-    return max(item.place + item.width for item in shape.unused)
+    return max(unused.place + unused.width for unused in shape.unused)
 
 
 @lru_cache(maxsize=256)
 def unused_groups(shape: Shape) -> tuple[tuple[int, int, int, int], ...]:
     """Return groups of unused bits that are shifted together: lowest bit, mask, value and place of each."""
-    found: dict[tuple[int, int], list[Unused]] = {}
-    for item in shape.unused:
-        found.setdefault((item.low - item.place, item.low // 8), []).append(item)
+    by_shift: dict[tuple[int, int], list[Unused]] = {}
+    for unused in shape.unused:
+        by_shift.setdefault((unused.low - unused.place, unused.low // 8), []).append(unused)
     groups: list[tuple[int, int, int, int]] = []
-    for items in found.values():
-        first = min(items)
-        masks = [((1 << item.width) - 1 << item.low - first.low, item.low - first.low) for item in items]
-        value = sum(mask & item.value << low for (mask, low), item in zip(masks, items, strict=False))
-        groups.append((first.low, sum(mask for mask, _ in masks), value, first.place))
+    for group in by_shift.values():
+        first = min(group)
+        mask = value = 0
+        for unused in group:
+            offset = unused.low - first.low
+            unused_mask = (1 << unused.width) - 1 << offset
+            mask |= unused_mask
+            value |= unused_mask & unused.value << offset
+        groups.append((first.low, mask, value, first.place))
     return tuple(groups)
 
 
 def width_of(shape: Shape, join: Join) -> int:
     """Return the width of a joined number."""
-    by_name = {item.name: item for item in shape.columns}
+    by_name = {column.name: column for column in shape.columns}
     return sum(by_name[name].width for name, _ in join.fields)
 
 
 def late_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]:
     """Return the fields that are plain bits of a joined number. They are extracted from it on access."""
-    by_name = {item.name: item for item in shape.columns}
+    by_name = {column.name: column for column in shape.columns}
     if width_of(shape, join) > 63 or join is not shape.joins[0]:
         return []
-    plain = ((by_name[name], low) for name, low in join.fields)
-    return [(i.name, low, i.width) for i, low in plain if i.kind == "number" and not i.zero_means]
+    late: list[tuple[str, int, int]] = []
+    for name, low in join.fields:
+        column = by_name[name]
+        if column.kind == "number" and not column.zero_means:
+            late.append((name, low, column.width))
+    return late
 
 
 def measured(shape: Shape) -> frozenset[str]:
@@ -260,68 +279,80 @@ def measured(shape: Shape) -> frozenset[str]:
     if shape.position:
         parts = (name for join in shape.joins if join.name == shape.position for name, _ in join.fields)
         return frozenset((shape.position, *parts))
-    is_told = shape.otherwise is not None
-    return frozenset(item.name for item in shape.columns if is_told and item.kind in ("number", "signed"))
+    if shape.otherwise is None:
+        return frozenset()
+    return frozenset(column.name for column in shape.columns if column.kind in ("number", "signed"))
 
 
 def scales(shape: Shape) -> dict[str, tuple[str, Scale]]:
     """Return the columns of quantities, each with the column of its number. No field can have such a name."""
-    found = ((item.name, Scale(*item.scale)) for item in shape.columns if item.scale is not None)
-    return {f"{name} ({scale.unit})": (name, scale) for name, scale in found}
+    scaled = ((column.name, Scale(*column.scale)) for column in shape.columns if column.scale is not None)
+    return {f"{name} ({scale.unit})": (name, scale) for name, scale in scaled}
 
 
-class Sound(NamedTuple):
+class QuickChecks(NamedTuple):
     """Quick checks of a frame. Only frames that fail them are examined for their errors.
 
     ``fixed`` contains a mask and the required bits of each 64-bit limb, ``bytes`` the allowed values of single bytes,
-    and ``others`` the remaining checks.
+    and ``remaining`` all other checks.
     """
 
     fixed: tuple[tuple[int, int], ...]
     bytes: tuple[tuple[int, tuple[int, ...]], ...]
-    others: tuple[Check, ...]
+    remaining: tuple[Check, ...]
 
 
 @lru_cache(maxsize=256)
-def sound(shape: Shape) -> Sound:
+def quick_checks(shape: Shape) -> QuickChecks:
     """Return the checks of a shape, combined into one per byte and one for all constant bits."""
     mask = values = 0
-    left: list[Check] = []
+    remaining: list[Check] = []
     by_byte: dict[int, list[Check]] = {}
-    for item in shape.checks:
-        if not item.width and not item.parity_of and holds(0, item):
+    for check in shape.checks:
+        if not check.width and not check.parity_of and holds(0, check):
             continue
-        bits = [item, *(Check(low, width, item.fault) for low, width in item.parity_of)]
-        places = {at // 8 for of in bits for at in (of.low, of.low + max(of.width, 1) - 1)}
-        plain = [value for value in item.values if not value >> item.width]
+        places = _bytes_of(check)
+        fitting_values = [value for value in check.values if not value >> check.width]
         if len(places) == 1:
-            by_byte.setdefault(places.pop(), []).append(item)
-        elif len(plain) == 1:
-            mask |= ((1 << item.width) - 1) << item.low
-            values |= plain[0] << item.low
+            by_byte.setdefault(places.pop(), []).append(check)
+        elif len(fitting_values) == 1:
+            mask |= ((1 << check.width) - 1) << check.low
+            values |= fitting_values[0] << check.low
         else:
-            left.append(item)
-    some: list[tuple[int, tuple[int, ...]]] = []
-    for place, items in by_byte.items():
-        good = [byte for byte in range(256) if all(holds(byte << 8 * place, item) for item in items)]
-        same = 255
-        for byte in good:
-            same &= ~(byte ^ good[0])
-        if good and len(good) == 1 << 8 - same.bit_count():
-            mask |= same << 8 * place
-            values |= (good[0] & same) << 8 * place
-        elif len(good) <= 8:
-            some.append((place, tuple(good)))
+            remaining.append(check)
+    byte_values: list[tuple[int, tuple[int, ...]]] = []
+    for place, checks in by_byte.items():
+        allowed = [byte for byte in range(256) if _all_hold(byte << 8 * place, checks)]
+        constant_bits = 255
+        for byte in allowed:
+            constant_bits &= ~(byte ^ allowed[0])
+        if allowed and len(allowed) == 1 << 8 - constant_bits.bit_count():
+            mask |= constant_bits << 8 * place
+            values |= (allowed[0] & constant_bits) << 8 * place
+        elif len(allowed) <= 8:
+            byte_values.append((place, tuple(allowed)))
         else:
-            left += items
+            remaining += checks
     limbs = range(0, shape.bits, 64)
     fixed = tuple((mask >> low & (1 << 64) - 1, values >> low & (1 << 64) - 1) for low in limbs)
-    return Sound(fixed, tuple(some), tuple(left))
+    return QuickChecks(fixed=fixed, bytes=tuple(byte_values), remaining=tuple(remaining))
 
 
-def holds(number: int, item: Check) -> bool:
+def _bytes_of(check: Check) -> set[int]:
+    """Return the indices of the bytes that a check looks at."""
+    places: set[int] = set()
+    for low, width in ((check.low, check.width), *check.parity_of):
+        places |= {low // 8, (low + max(width, 1) - 1) // 8}
+    return places
+
+
+def _all_hold(number: int, checks: list[Check]) -> bool:
+    return all(holds(number, check) for check in checks)
+
+
+def holds(number: int, check: Check) -> bool:
     """Return whether the condition holds for one frame."""
-    bits = number >> item.low & (1 << item.width) - 1
-    if item.parity_of:
-        return bits == item.parity(number)
-    return item.is_within(bits) if item.limit is not None else bits in item.values
+    bits = number >> check.low & (1 << check.width) - 1
+    if check.parity_of:
+        return bits == check.parity(number)
+    return check.is_within(bits) if check.limit is not None else bits in check.values

@@ -65,21 +65,21 @@ class Names(NamedTuple):
         Raises:
             InputError: There is no such channel, or it is not clear which one to use.
         """
-        usual: list[tuple[str, tuple[str, ...], str]] = [
-            (self.data, _DATA if self.clock is not None else _SERIAL, "--data")
-        ]
+        signals: list[tuple[str, tuple[str, ...], str]] = [(self.data, _SERIAL, "--data")]
         if self.clock is not None:
-            usual.insert(0, (self.clock, _CLOCKS, "--clock"))
-        found = [_place(channels, name) if name else _usual(channels, names) for name, names, _ in usual]
-        if None in found and len(channels) == len(usual) and not any(name for name, _, _ in usual):
-            return tuple(range(len(usual)))
-        for (name, _, option), place in zip(usual, found, strict=True):
+            signals = [(self.clock, _CLOCKS, "--clock"), (self.data, _DATA, "--data")]
+        places: list[int | None] = []
+        for name, usual_names, _ in signals:
+            places.append(_place(channels, name) if name else _usual_place(channels, usual_names))
+        if None in places and len(channels) == len(signals) and not any(name for name, _, _ in signals):
+            return tuple(range(len(signals)))
+        for (name, _, option), place in zip(signals, places, strict=True):
             if place is None:
-                said = f"no channel {short(name)}" if name else f"choose a channel with {option}"
-                raise InputError(file, "", f"{said}; the channels are {listed(list(channels))}")
-        if len({*found}) < len(found):
+                problem = f"no channel {short(name)}" if name else f"choose a channel with {option}"
+                raise InputError(file, "", f"{problem}; the channels are {listed(list(channels))}")
+        if len({*places}) < len(places):
             raise UsageError("the clock and the data line are the same channel")
-        return tuple(place for place in found if place is not None)
+        return tuple(place for place in places if place is not None)
 
 
 _CLOCKS: Final = ("ma", "clock", "clk", "sck", "sclk", "scl")
@@ -94,7 +94,7 @@ def _place(channels: Sequence[str], name: str) -> int | None:
     return place if 0 <= place < len(channels) else None
 
 
-def _usual(channels: Sequence[str], names: Iterable[str]) -> int | None:
+def _usual_place(channels: Sequence[str], names: Iterable[str]) -> int | None:
     if len(channels) == 1:
         return 0
     lower = [channel.lower() for channel in channels]
@@ -123,25 +123,25 @@ def of_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) ->
         levels = first if before is None else before
         if (levels ^ first) & sum(masks):
             places, bits = np.insert(places, 0, 0), np.insert(bits, 0, kind((levels ^ first) & sum(masks)))
-        found = tuple(places[(bits & kind(one)) != 0] for one in masks)
+        places_by_signal = [places[(bits & kind(mask)) != 0] for mask in masks]
         if times is None:
-            found = tuple((each + start).astype(np.float64) for each in found)
+            edge_times = [(signal_places + start).astype(np.float64) for signal_places in places_by_signal]
+            begin, end = float(start), float(start + len(samples))
         else:
-            found = tuple(times[each] for each in found)
+            edge_times = [times[signal_places] for signal_places in places_by_signal]
+            begin, end = float(times[0]), float(times[-1])
         start, before = start + len(samples), int(samples[-1])
-        begin, last = (
-            (float(start - len(samples)), float(start)) if times is None else (float(times[0]), float(times[-1]))
-        )
-        yield Edges(tuple(int(levels & one != 0) for one in masks), found, begin, last, done)
+        first_levels = tuple(int(levels & mask != 0) for mask in masks)
+        yield Edges(first_levels, tuple(edge_times), begin, end, done)
 
 
 def packed(columns: Any) -> Any:
     """Return rows of levels as one number per sample, the first column in the lowest bit."""
     columns = np.asarray(columns)
-    found = np.zeros(len(columns), np.uint8)
+    levels = np.zeros(len(columns), np.uint8)
     for place in range(columns.shape[1]):
-        found |= (columns[:, place] != 0).astype(np.uint8) << np.uint8(place)
-    return found
+        levels |= (columns[:, place] != 0).astype(np.uint8) << np.uint8(place)
+    return levels
 
 
 def of_array(samples: Any, names: Names, rate: float | None = None) -> Signals:
@@ -156,23 +156,24 @@ def of_array(samples: Any, names: Names, rate: float | None = None) -> Signals:
     Raises:
         TypeError: ``samples`` is not such an array.
     """
-    found = np.asarray(samples)
-    if found.dtype.kind not in "uib" or found.ndim not in (1, 2) or (found.ndim == 2 and not found.shape[1]):
-        raise TypeError(f"expected whole numbers in one or two dimensions, got {found.dtype} {found.shape}")
-    count = found.shape[1] if found.ndim == 2 else 8 * found.dtype.itemsize
+    array = np.asarray(samples)
+    if array.dtype.kind not in "uib" or array.ndim not in (1, 2) or (array.ndim == 2 and not array.shape[1]):
+        raise TypeError(f"expected whole numbers in one or two dimensions, got {array.dtype} {array.shape}")
+    count = array.shape[1] if array.ndim == 2 else 8 * array.dtype.itemsize
     places = names.places([str(place + 1) for place in range(count)], "the array")
-    masks = tuple(1 << at for at in (range(len(places)) if found.ndim == 2 else places))
+    bits = range(len(places)) if array.ndim == 2 else places
+    masks = tuple(1 << bit for bit in bits)
 
     def parts() -> Generator[tuple[Any, int, Any], None, None]:
-        for start in range(0, len(found), SAMPLES):
-            part = found[start : start + SAMPLES]
-            if found.ndim == 2:
+        for start in range(0, len(array), SAMPLES):
+            part = array[start : start + SAMPLES]
+            if array.ndim == 2:
                 part = packed(part[:, places])
             elif part.dtype.kind != "u":
                 part = part.astype(f"u{part.dtype.itemsize}")
             yield part, start + len(part), None
 
-    return Signals(of_samples(parts(), masks), 1 / rate if rate else None, True, len(found))
+    return Signals(of_samples(parts(), masks), 1 / rate if rate else None, True, len(array))
 
 
 # Edges of signals that are stored separately
@@ -196,14 +197,17 @@ def merged(
     alive = [True] * len(signals)
     while any(alive):
         # Continue with the signal whose edges end first.
-        place = min((at for at in range(len(signals)) if alive[at]), key=lambda at: _last(waiting[at]))
-        part = next(signals[place], None)
-        alive[place] = part is not None
+        signal_index = min(np.flatnonzero(alive), key=lambda index: _last(waiting[index]))
+        part = next(signals[signal_index], None)
+        alive[signal_index] = part is not None
         if part is not None:
-            waiting[place], done[place] = np.concatenate([waiting[place], part[1]]), part[2]
-        until = min((_last(times) for times, goes_on in zip(waiting, alive, strict=True) if goes_on), default=end())
+            _, times, amount = part
+            waiting[signal_index] = np.concatenate([waiting[signal_index], times])
+            done[signal_index] = amount
+        until = min((_last(waiting[index]) for index in np.flatnonzero(alive)), default=end())
         counts = [int(np.searchsorted(times, until, "right")) for times in waiting]
-        yield Edges(tuple(levels), tuple(t[:n] for t, n in zip(waiting, counts, strict=True)), begin, until, sum(done))
+        edge_times = tuple(times[:count] for times, count in zip(waiting, counts, strict=True))
+        yield Edges(tuple(levels), edge_times, begin, until, sum(done))
         begin = until
         levels = [level ^ (count & 1) for level, count in zip(levels, counts, strict=True)]
         waiting = [times[count:] if count else times for times, count in zip(waiting, counts, strict=True)]

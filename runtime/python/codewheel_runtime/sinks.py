@@ -13,7 +13,7 @@ from types import TracebackType
 from typing import Any, Final, Literal, NamedTuple, Protocol, cast
 
 from .reports import Verdict
-from .table import ErrorKind, Table
+from .table import ErrorKind, Table, none_where
 
 TargetKind = Literal["parquet", "arrow", "csv"]
 _SUFFIXES: Final[dict[str, TargetKind]] = {
@@ -25,11 +25,13 @@ _SUFFIXES: Final[dict[str, TargetKind]] = {
 
 #: Words that replace the numbers of a column, because readers of a file may not have this package.
 _WORDS: Final[Mapping[str, tuple[str, ...]]] = {
-    "fault": tuple(item.name.lower() for item in ErrorKind),
-    "verdict": tuple(item.value for item in Verdict),
+    "fault": tuple(kind.name.lower() for kind in ErrorKind),
+    "verdict": tuple(verdict.value for verdict in Verdict),
 }
 
 
+#: Words for False and True in CSV.
+_BOOLS: Final = ("false", "true")
 #: Number of digits of quantities in Arrow, which is enough for every scale.
 _DIGITS: Final = 38
 #: Number of CSV rows that are formatted at once.
@@ -42,22 +44,22 @@ def target_kind(path: str) -> TargetKind:
 
 
 def _texts(column: Any) -> list[str]:
-    return [item.decode("latin-1") for item in column.tolist()]
+    return [cell.decode("latin-1") for cell in column.tolist()]
 
 
 def arrow_columns(table: Table, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
     """Return columns as Arrow arrays, ``fault`` and ``verdict`` as strings. Positions can be null unless ``raw``."""
     pa: Any = import_module("pyarrow")
-    found: dict[str, Any] = {}
+    arrays: dict[str, Any] = {}
     for name in names:
         column, hidden = table[name], None if raw else table.hidden(name)
         if name in _WORDS:
-            found[name] = pa.DictionaryArray.from_arrays(pa.array(column.view("i1")), pa.array(_WORDS[name]))
+            arrays[name] = pa.DictionaryArray.from_arrays(pa.array(column.view("i1")), pa.array(_WORDS[name]))
         elif (scale := table.scale(name)) is not None:
-            found[name] = pa.array(column, pa.decimal128(_DIGITS, scale.places), mask=hidden)
+            arrays[name] = pa.array(column, pa.decimal128(_DIGITS, scale.places), mask=hidden)
         else:
-            found[name] = _arrow_array(pa, column, hidden)
-    return found
+            arrays[name] = _arrow_array(pa, column, hidden)
+    return arrays
 
 
 def _arrow_array(pa: Any, column: Any, hidden: Any) -> Any:
@@ -71,23 +73,21 @@ def _arrow_array(pa: Any, column: Any, hidden: Any) -> Any:
 def pandas_columns(table: Table, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
     """Return columns for pandas, with ``fault`` and ``verdict`` as categories. Positions can be null unless ``raw``."""
     pd: Any = import_module("pandas")
-    found: dict[str, Any] = {}
+    columns: dict[str, Any] = {}
     for name in names:
         column, hidden = table[name], None if raw else table.hidden(name)
         if name in _WORDS:
-            found[name] = pd.Categorical.from_codes(column.view("i1"), _WORDS[name])
+            columns[name] = pd.Categorical.from_codes(column.view("i1"), _WORDS[name])
         elif table.scale(name) is not None:
             cells = column.tolist()
-            found[name] = (
-                cells if hidden is None else [None if gone else cell for cell, gone in zip(cells, hidden, strict=True)]
-            )
+            columns[name] = cells if hidden is None else none_where(hidden, cells)
         elif hidden is not None:
             is_flag = column.dtype == bool
-            found[name] = (pd.arrays.BooleanArray if is_flag else pd.arrays.IntegerArray)(column, hidden)
+            columns[name] = (pd.arrays.BooleanArray if is_flag else pd.arrays.IntegerArray)(column, hidden)
         else:
             is_text = getattr(getattr(column, "dtype", None), "kind", "") == "S"
-            found[name] = _texts(column) if is_text else column
-    return found
+            columns[name] = _texts(column) if is_text else column
+    return columns
 
 
 class Plan(NamedTuple):
@@ -95,20 +95,20 @@ class Plan(NamedTuple):
 
     Attributes:
         names: Names of the columns, in order.
-        kept: Columns of the source that are also written, each as an empty column.
+        source_columns: Columns of the source that are also written, each as an empty column.
         empty: A table without frames.
         raw: True to write positions that are not usable.
     """
 
     names: tuple[str, ...]
-    kept: Mapping[str, Any]
+    source_columns: Mapping[str, Any]
     empty: Table
     raw: bool = False
 
     @property
     def decoded(self) -> tuple[str, ...]:
         """Names of the columns that are decoded from frames."""
-        return tuple(name for name in self.names if name not in self.kept)
+        return tuple(name for name in self.names if name not in self.source_columns)
 
 
 class Sink(Protocol):
@@ -120,7 +120,7 @@ class Sink(Protocol):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None: ...
 
-    def write(self, table: Table, others: Mapping[str, Any]) -> None:
+    def write(self, table: Table, other_columns: Mapping[str, Any]) -> None:
         """Append the frames of a table, and the other columns of the same rows."""
 
     @property
@@ -155,9 +155,9 @@ class Texts:
         try:
             return texts.cast(self.kind)
         except self._pa.ArrowInvalid:
-            found = [self._number(cell) for cell in texts]
-            self.lost += sum(cell is None for cell in found) - texts.null_count
-            return self._pa.array(found, self.kind)
+            numbers = [self._number(cell) for cell in texts]
+            self.lost += sum(cell is None for cell in numbers) - texts.null_count
+            return self._pa.array(numbers, self.kind)
 
     def _kind_of(self, texts: Any) -> Any:
         for kind in (self._pa.int64(), self._pa.float64()) if texts.null_count < len(texts) else ():
@@ -181,7 +181,7 @@ class ArrowSink:
     def __init__(self, file: Any, plan: Plan, parquet: bool) -> None:
         self._pa: Any = import_module("pyarrow")
         self._file, self._plan, self._parquet, self._writer = file, plan, parquet, cast(Any, None)
-        self._texts = {name: Texts() for name, column in plan.kept.items() if isinstance(column, list)}
+        self._texts = {name: Texts() for name, column in plan.source_columns.items() if isinstance(column, list)}
 
     def __enter__(self) -> ArrowSink:
         return self
@@ -190,25 +190,25 @@ class ArrowSink:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if kind is None and self._writer is None:
-            self.write(self._plan.empty, self._plan.kept)
+            self.write(self._plan.empty, self._plan.source_columns)
         if self._writer is not None:
             self._writer.close()
 
     @property
     def lost(self) -> int:
         """Number of cells in other columns that were left empty because they are not numbers, unlike earlier cells."""
-        return sum(item.lost for item in self._texts.values())
+        return sum(converter.lost for converter in self._texts.values())
 
-    def write(self, table: Table, others: Mapping[str, Any]) -> None:
+    def write(self, table: Table, other_columns: Mapping[str, Any]) -> None:
         """Append the frames of a table, and the other columns of the same rows."""
-        found = arrow_columns(table, self._plan.decoded, self._plan.raw)
-        for name in self._plan.kept:
-            column = others[name]
+        arrays = arrow_columns(table, self._plan.decoded, self._plan.raw)
+        for name in self._plan.source_columns:
+            column = other_columns[name]
             is_array = hasattr(column, "dtype")
             if name in self._texts:
                 column = self._texts[name].array(column)
-            found[name] = self._pa.array(column, from_pandas=True) if is_array else column
-        columns = {name: found[name] for name in self._plan.names}
+            arrays[name] = self._pa.array(column, from_pandas=True) if is_array else column
+        columns = {name: arrays[name] for name in self._plan.names}
         if self._writer is None:
             # The first cells of other columns determine their types.
             self._writer = self._opened(self._pa.schema([(name, column.type) for name, column in columns.items()]))
@@ -253,56 +253,51 @@ class CsvSink:
             # The caller closes the file.
             self._own.detach()
 
-    def write(self, table: Table, others: Mapping[str, Any]) -> None:
+    def write(self, table: Table, other_columns: Mapping[str, Any]) -> None:
         """Append the frames of a table, and the other columns of the same rows."""
-        kept = self._plan.kept
         hidden = {name: None if self._plan.raw else table.hidden(name) for name in self._plan.decoded}
         # Python objects take much memory, so only some rows are converted at once.
         for start in range(0, len(table.fault), _ROWS):
             rows = slice(start, start + _ROWS)
-            self._rows(
-                zip(
-                    *(
-                        _plain(others[name][rows])
-                        if name in kept
-                        else self._cells(name, table[name][rows], hidden[name], rows)
-                        for name in self._plan.names
-                    ),
-                    strict=False,
-                )
-            )
+            columns: list[list[Any]] = []
+            for name in self._plan.names:
+                if name in self._plan.source_columns:
+                    columns.append(_plain(other_columns[name][rows]))
+                else:
+                    columns.append(self._cells(name, table[name][rows], hidden[name], rows))
+            self._rows(zip(*columns, strict=False))
 
     @staticmethod
     def _cells(name: str, column: Any, hidden: Any, rows: slice) -> list[Any]:
         cells: list[Any] = column.tolist()
         if column.dtype.kind == "O":
-            cells = [f"{item:f}" for item in cells]
+            cells = [f"{cell:f}" for cell in cells]
         if column.dtype.kind == "b":
-            cells = ["true" if item else "false" for item in cells]
+            cells = [_BOOLS[cell] for cell in cells]
         if hidden is not None:
-            return ["" if gone else cell for cell, gone in zip(cells, hidden[rows].tolist(), strict=False)]
+            return ["" if is_hidden else cell for cell, is_hidden in zip(cells, hidden[rows].tolist(), strict=False)]
         if name in _WORDS:
             words = _WORDS[name]
-            return [words[item] for item in cells]
+            return [words[index] for index in cells]
         if column.dtype.kind == "f":
-            return ["" if item != item else item for item in cells]
+            return ["" if cell != cell else cell for cell in cells]
         return _texts(column) if column.dtype.kind == "S" else cells
 
 
 def _plain(column: Any) -> list[Any]:
     """Return the cells of another column for CSV: text unchanged, other values in their plainest form."""
     if hasattr(column, "to_pylist"):
-        return [_plain_cell(item) for item in column.to_pylist()]
+        return [_plain_cell(cell) for cell in column.to_pylist()]
     cells: list[Any] = column.tolist() if hasattr(column, "tolist") else column
     return cells
 
 
-def _plain_cell(item: Any) -> Any:
-    if item is None:
+def _plain_cell(cell: Any) -> Any:
+    if cell is None:
         return ""
-    if isinstance(item, bool):
-        return "true" if item else "false"
-    return item.hex() if isinstance(item, bytes) else item
+    if isinstance(cell, bool):
+        return _BOOLS[cell]
+    return cell.hex() if isinstance(cell, bytes) else cell
 
 
 def _parquet(file: Any, plan: Plan) -> Sink:

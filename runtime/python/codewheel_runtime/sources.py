@@ -104,18 +104,18 @@ def _binary(
         if not done and size is not None and size % length and not stored.cut:
             raise _rest(name, size, length)
         done += len(data)
-        rest = len(data) % length
-        if rest and not stored.cut:
+        excess = len(data) % length
+        if excess and not stored.cut:
             raise _rest(name, done, length)
-        rows = np.frombuffer(data, np.uint8, len(data) - rest).reshape(-1, length)
+        rows = np.frombuffer(data, np.uint8, len(data) - excess).reshape(-1, length)
         yield Part(rows if shape.length else numbers(rows, stored.words), done)
 
 
 def _rest(name: str, size: int, length: int) -> InputError:
-    whole, rest = divmod(size, length)
-    more = "1 more byte follows" if rest == 1 else f"{rest} more bytes follow"
-    said = f"{whole} complete frames of {length} bytes end here, and {more}"
-    return InputError(name, f"offset {whole * length}", f"{said}; use cut to ignore the rest")
+    whole, excess = divmod(size, length)
+    more = "1 more byte follows" if excess == 1 else f"{excess} more bytes follow"
+    problem = f"{whole} complete frames of {length} bytes end here, and {more}"
+    return InputError(name, f"offset {whole * length}", f"{problem}; use cut to ignore the rest")
 
 
 def _read(file: BinaryIO, size: int) -> bytes:
@@ -137,7 +137,7 @@ def _length(words: WordKind, shape: Shape) -> int:
 
 def _other_forms(words: WordKind, shape: Shape) -> Iterator[WordKind]:
     """Yield all other forms that are wide enough for such a frame."""
-    return (other for other in get_args(WordKind) if other != words and 8 * _length(other, shape) >= shape.bits)
+    return (form for form in get_args(WordKind) if form != words and 8 * _length(form, shape) >= shape.bits)
 
 
 def _first(head: bytes, words: WordKind, shape: Shape) -> Any:

@@ -178,29 +178,29 @@ class Pipeline:
         return request
 
     def _writing(self, address: int, data: bytes) -> Iterator[Request]:
-        given = {"address": address, "data": int.from_bytes(data, "big")}
+        values = {"address": address, "data": int.from_bytes(data, "big")}
         if not self._write:
             raise TypeError(f"{self._encoder.code} has no request that writes a register")
         for kind in self._write:
-            yield kind(**{name: given[name] for name in kind._fields if name in given})
+            yield kind(**{name: values[name] for name in kind._fields if name in values})
 
     def _asked(self, request: Any, register: type | None) -> int:
         if type(request) not in self._replies:
-            known = ", ".join(kind.__name__ for kind in self._replies)
-            raise TypeError(f"{self._encoder.code} answers {known}, not {type(request).__name__}")
+            request_names = ", ".join(kind.__name__ for kind in self._replies)
+            raise TypeError(f"{self._encoder.code} answers {request_names}, not {type(request).__name__}")
         if self._sent is not None:
             raise RuntimeError("take the word that was received with the previous request first")
         word: int = request.encode()
-        bits: int = request.frame_bits(*request._given())
+        bits: int = request.frame_bits(*request._arguments())
         self._bits = bits
         self._sent = _Sent(request, register, bits)
         return word
 
     def _place_of(self, register: type) -> tuple[int, int]:
         if register not in self._registers:
-            known = ", ".join(kind.__name__ for kind in self._registers) or "none"
+            register_names = ", ".join(kind.__name__ for kind in self._registers) or "none"
             raise TypeError(
-                f"'{getattr(register, '__name__', register)}' is not a register over SPI; these are: {known}"
+                f"'{getattr(register, '__name__', register)}' is not a register over SPI; these are: {register_names}"
             )
         return self._registers[register]
 

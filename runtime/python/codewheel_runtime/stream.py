@@ -8,20 +8,19 @@ from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from enum import Enum
 from importlib import import_module
-from inspect import signature
 from types import MappingProxyType
-from typing import Any, Final, NamedTuple, TypeVar, cast, get_type_hints
+from typing import Any, Final, NamedTuple, TypeVar, cast
 
-from .arrow import of_arrow
 from .bulk_decode import decode_many
 from .encoder import Encoder
-from .inputs import DigitKind, FileKind, InputError, Source, Stored, UsageError, WordKind, column_of
+from .inputs import DigitKind, FileKind, InputError, Source, Stored, UsageError, WordKind
+from .layouts import Layout, layout_of, layouts_of, shape_for
+from .partitions import PartitionDecoder, check_apart
 from .reports import Verdict
 from .shape import Shape
-from .sinks import SINKS, Plan, Sink, TargetKind, arrow_columns, pandas_columns, target_kind
+from .sinks import SINKS, Plan, Sink, TargetKind, target_kind
 from .sources import opened
 from .table import ErrorKind, Table
-from .text import Cells
 
 np: Any = import_module("numpy")
 
@@ -79,74 +78,6 @@ class Summary(NamedTuple):
 def counted(count: int, word: str) -> str:
     """Return a number followed by its noun."""
     return f"{count} {word}{'' if count == 1 else 's'}"
-
-
-# Kinds of frames
-
-
-class Layout(NamedTuple):
-    """Kind of frame that an encoder sends or receives. ``answers`` are the questions that the manual leaves open."""
-
-    name: str
-    sender: str
-    answers: Mapping[str, type[Enum]]
-    make: Callable[..., Shape]
-
-    def shape(self, encoder: Encoder, answers: Mapping[str, object]) -> Shape:
-        """Return the shape of these frames for an encoder and the answers to its questions."""
-        variant = {"variant": encoder} if "variant" in signature(self.make).parameters else {}
-        return self.make(**variant, **answers)
-
-
-def layouts_of(encoder: Encoder) -> tuple[Layout, ...]:
-    """Return all kinds of frames of an encoder's interface. Those that it sends come first."""
-    package, _, module = type(encoder).__module__.rpartition(".")
-    frames: Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]
-    frames = import_module(f"{package}._shapes.{module}").FRAMES
-    found: list[Layout] = []
-    for (interface, sender), makers in sorted(frames.items(), key=lambda item: item[0][1]):
-        for name, make in makers.items() if interface == encoder.interface.value else ():
-            hints = get_type_hints(make)
-            answers = {item: hints[item] for item in signature(make).parameters if issubclass(hints[item], Enum)}
-            found.append(Layout(name, sender, answers, make))
-    return tuple(found)
-
-
-def layout_of(encoder: Encoder, name: str = "") -> Layout:
-    """Return the kind of frame with this name, which is the name in the manual or the name of the class.
-
-    Raises:
-        UsageError: There is no such frame, or a name is needed to choose one.
-    """
-    found = layouts_of(encoder)
-    if name:
-        wanted = name.replace("_", "").lower()
-        chosen = [item for item in found if item.name.replace("_", "") == wanted]
-        wrong = f"{encoder.code} has no frame '{name[:40]}'"
-    else:
-        chosen = [item for item in found if item.sender == "encoder"]
-        wrong = f"{encoder.code} sends several kinds of frames; choose a layout"
-    if len(chosen) != 1:
-        raise UsageError(f"{wrong}: {', '.join(item.name for item in found) or 'none is known'}")
-    return chosen[0]
-
-
-def shape_for(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Shape:
-    """Return the shape of frames. Raises UsageError if an answer is missing or not needed."""
-    asked = layout_of(encoder, layout)
-    for name in answers:
-        if name not in asked.answers:
-            needed = f"it accepts {', '.join(asked.answers)}" if asked.answers else "it needs no answers"
-            raise UsageError(f"{asked.name} does not accept the answer '{name[:40]}': {needed}")
-    given: dict[str, object] = {}
-    for name, kind in asked.answers.items():
-        answer = answers.get(name)
-        found = [item for item in kind if answer in (item, item.name, item.name.lower())]
-        if len(found) != 1:
-            words = " or ".join(item.name.lower() for item in kind)
-            raise UsageError(f"the manual leaves the {name} of {asked.name} open: choose {words}")
-        given[name] = found[0]
-    return asked.shape(encoder, given)
 
 
 # Files and partitions
@@ -218,28 +149,10 @@ class Files(NamedTuple):
         """
         encoder = self._encoder(encoder)
         shape = shape_for(encoder, layout, answers)
-        to = to or target_kind(os.fspath(target))
-        if os.fspath(target) == "-" and to != "csv":
-            raise UsageError("only CSV can be written to standard output")
-        empty = decode_many([], shape, encoder)
-        derived = Derived("time", os.fspath(source)) if si else None
-        fields = empty if derived is None else derived.check(empty.with_columns(time=np.zeros(0)))
-        stored = Stored(kind, words, column, digits, cut, (*columns, "time") if si and columns else columns)
-
-        def share(frames: Any) -> float:
-            return float(decode_many(frames, shape, encoder).ok.mean())
-
-        with (
-            opened(os.fspath(source), stored, shape, share) as read,
-            written(os.fspath(target), [source], force) as file,
-        ):
-            if derived is not None:
-                if "time" not in read.kept:
-                    raise UsageError(f"{os.fspath(source)} has no column 'time', which speeds in SI units need")
-                _apart(read.kept, [name for name in fields.others if name != "time"], os.fspath(source))
-            plan = plan_of(fields, read, columns, os.fspath(source), raw)
-            with SINKS[to](file, plan) as sink:
-                return decoded(read, shape, encoder, sink, limit, progress, derived)
+        output = Output(os.fspath(target), target_format(target, to), columns, raw, force, si)
+        wanted = (*columns, "time") if si and columns else columns
+        stored = Stored(kind, words, column, digits, cut, wanted)
+        return _decode_file(encoder, shape, os.fspath(source), stored, output, limit, progress)
 
     def decode_partition(
         self,
@@ -279,22 +192,71 @@ class Files(NamedTuple):
             UsageError: The arguments are wrong or incompatible with each other.
         """
         encoder = self._encoder(encoder)
-        shape = shape_for(encoder, layout, answers)
-        kind = (type(part).__module__.partition(".")[0], type(part).__name__)
-        if kind in (("pyarrow", "Table"), ("pyarrow", "RecordBatch")):
-            return cast(_Part, _of_arrow(part, encoder, shape, column, digits, raw))
-        if kind == ("pandas", "DataFrame"):
-            return cast(_Part, _of_pandas(part, encoder, shape, column, digits, raw))
-        if hasattr(part, "__arrow_c_stream__") or hasattr(part, "__arrow_c_array__"):
-            found = import_module("pyarrow").table(part)
-            return cast(_Part, _of_arrow(found, encoder, shape, column, digits, raw))
-        raise TypeError(f"expected a table of Arrow, pandas, polars or DuckDB, got {type(part).__name__}")
+        decoder = PartitionDecoder(encoder, shape_for(encoder, layout, answers), column, digits, raw)
+        return cast(_Part, decoder.decode(part))
 
     def _encoder(self, encoder: Encoder | str) -> Encoder:
         if isinstance(encoder, Encoder):
             return encoder
-        found: Encoder = import_module(self.package).lookup(encoder)
-        return found
+        variant: Encoder = import_module(self.package).lookup(encoder)
+        return variant
+
+
+class Output(NamedTuple):
+    """Output file.
+
+    Attributes:
+        target: Name of the file, or ``-`` for standard output.
+        kind: Format of the file.
+        columns: Columns to write. Empty for all.
+        raw: True to write positions that are not usable.
+        force: True to replace an existing file.
+        si: True to write the position and the speed in SI units, too.
+    """
+
+    target: str
+    kind: TargetKind
+    columns: Sequence[str]
+    raw: bool
+    force: bool
+    si: bool
+
+
+def target_format(target: str | os.PathLike[str], to: TargetKind | None) -> TargetKind:
+    """Return the format to write: the requested one, or that of the file name."""
+    kind = to or target_kind(os.fspath(target))
+    if os.fspath(target) == "-" and kind != "csv":
+        raise UsageError("only CSV can be written to standard output")
+    return kind
+
+
+def _decode_file(
+    encoder: Encoder,
+    shape: Shape,
+    source: str,
+    stored: Stored,
+    output: Output,
+    limit: int | None,
+    progress: Callable[[int, int | None, int], None] | None,
+) -> Summary:
+    empty = decode_many([], shape, encoder)
+    derived = Derived("time", source) if output.si else None
+    fields = empty if derived is None else derived.check(empty.with_columns(time=np.zeros(0)))
+
+    def share(frames: Any) -> float:
+        return float(decode_many(frames, shape, encoder).ok.mean())
+
+    with (
+        opened(source, stored, shape, share) as read,
+        written(output.target, [source], output.force) as file,
+    ):
+        if derived is not None:
+            if "time" not in read.empty_columns:
+                raise UsageError(f"{source} has no column 'time', which speeds in SI units need")
+            check_apart(read.empty_columns, [name for name in fields.others if name != "time"], source)
+        plan = plan_of(fields, read, output.columns, source, output.raw)
+        with SINKS[output.kind](file, plan) as sink:
+            return decoded(read, shape, encoder, sink, limit, progress, derived)
 
 
 def decoded(
@@ -313,8 +275,8 @@ def decoded(
         table = decode_many(part.frames[rows], shape, encoder)
         counts.add(table)
         if len(table.fault):
-            others = {name: column[rows] for name, column in part.others.items()}
-            sink.write(table if derived is None else derived(table, others), others)
+            other_columns = {name: column[rows] for name, column in part.other_columns.items()}
+            sink.write(table if derived is None else derived(table, other_columns), other_columns)
         if progress is not None:
             progress(part.done, read.total, counts.frames)
         if limit is not None and counts.frames >= limit:
@@ -338,14 +300,14 @@ class Derived:
         except (AttributeError, ValueError) as error:
             raise UsageError(f"no SI units: {error}") from None
 
-    def __call__(self, table: Table, others: Mapping[str, Any]) -> Table:
-        times = seconds_of(others[self._time], self._source)
-        made = table.with_columns(**{self._time: times}).in_si(self._last)
-        good = np.flatnonzero(table.usable)
-        if len(good):
+    def __call__(self, table: Table, other_columns: Mapping[str, Any]) -> Table:
+        times = seconds_of(other_columns[self._time], self._source)
+        extended = table.with_columns(**{self._time: times}).in_si(self._last)
+        usable_rows = np.flatnonzero(table.usable)
+        if len(usable_rows):
             previous = None if self._last is None else self._last[0]
-            self._last = (int(table.unwrapped(previous)[-1]), float(times[good[-1]]))
-        return made
+            self._last = (int(table.unwrapped(previous)[-1]), float(times[usable_rows[-1]]))
+        return extended
 
 
 def seconds_of(cells: Any, source: str) -> Any:
@@ -373,9 +335,9 @@ class _Counts:
         for kind, count in table.faults().items():
             if kind:
                 self._faults[kind] = self._faults.get(kind, 0) + count
-        worth = table.get("verdict")
-        if worth is not None:
-            sound = worth[table.ok]
+        verdicts = table.get("verdict")
+        if verdicts is not None:
+            sound = verdicts[table.ok]
             for place in range(len(Verdict)):
                 self._verdicts[place] = self._verdicts.get(place, 0) + int((sound == place).sum())
 
@@ -388,12 +350,12 @@ class _Counts:
 
 def plan_of(empty: Table, read: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
     """Return the columns to write: the requested ones, or the other columns of the file and all fields."""
-    wrong = [name for name in columns if name not in [*read.names, *empty]]
-    if wrong:
-        there = ", ".join([*read.names, *empty])
-        raise UsageError(f"no column '{wrong[0][:40]}'; the columns are {there}")
-    _apart(read.kept, [name for name in empty if name not in empty.others], source)
-    return Plan(tuple(dict.fromkeys(columns or (*read.kept, *empty))), read.kept, empty, raw)
+    unknown = [name for name in columns if name not in [*read.names, *empty]]
+    if unknown:
+        known_columns = ", ".join([*read.names, *empty])
+        raise UsageError(f"no column '{unknown[0][:40]}'; the columns are {known_columns}")
+    check_apart(read.empty_columns, [name for name in empty if name not in empty.others], source)
+    return Plan(tuple(dict.fromkeys(columns or (*read.empty_columns, *empty))), read.empty_columns, empty, raw)
 
 
 @contextmanager
@@ -423,68 +385,3 @@ def written(target: str, sources: Iterable[str | os.PathLike[str]], force: bool)
             file.close()
         os.unlink(neighbour)
         raise
-
-
-def _of_arrow(part: Any, encoder: Encoder, shape: Shape, column: str, digits: DigitKind | None, raw: bool) -> Any:
-    names = list(part.schema.names)
-    column = column_of(names, column, "the partition")
-    try:
-        table = decode_many(of_arrow(part.column(names.index(column)), shape, digits), shape, encoder)
-    except (TypeError, ValueError) as error:
-        raise InputError("the partition", f"column {column!r}", str(error)) from None
-    made = arrow_columns(table, table, raw)
-    kept = {name: part.column(place) for place, name in enumerate(names) if name != column}
-    _apart(kept, made, "the partition")
-    found = {**kept, **made}
-    return part.__class__.from_arrays([*found.values()], names=[*found])
-
-
-def _of_pandas(part: Any, encoder: Encoder, shape: Shape, column: str, digits: DigitKind | None, raw: bool) -> Any:
-    names = list(map(str, part.columns))
-    column = column_of(names, column, "the partition")
-    try:
-        table = decode_many(_of_series(part.iloc[:, names.index(column)], shape, digits), shape, encoder)
-    except (TypeError, ValueError) as error:
-        raise InputError("the partition", f"column {column!r}", str(error)) from None
-    made = pandas_columns(table, table, raw)
-    kept = part.drop(columns=[part.columns[names.index(column)]])
-    _apart(list(map(str, kept.columns)), made, "the partition")
-    return kept.assign(**made)
-
-
-def _of_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
-    """Convert a pandas column to the form that ``decode_many`` expects. Missing items are None or NaN."""
-    frames: Any = series.to_numpy()
-    if frames.dtype.kind in "ui" or (frames.dtype.kind == "f" and not shape.length):
-        return frames
-    cells = Cells(shape, digits)
-    missing = series.isna().tolist()
-    found = [
-        None if is_missing else _item(item, shape, cells, row)
-        for row, (item, is_missing) in enumerate(zip(frames.tolist(), missing, strict=False))
-    ]
-    if cells.are_others:
-        raise ValueError(f"row {cells.place + 1}: {cells.said}")
-    return found
-
-
-def _item(item: object, shape: Shape, cells: Cells, row: int) -> Any:
-    """Return a frame from a column of objects."""
-    if isinstance(item, str):
-        return cells.read(item, row)
-    if isinstance(item, (bytes, bytearray, memoryview)):
-        data = bytes(cast(bytes, item))
-        return data if shape.length else int.from_bytes(data, "big")
-    if isinstance(item, int) and not shape.length:
-        return item
-    raise TypeError(f"{str(item)[:40]!r} is not a frame of this encoder")
-
-
-def _apart(kept: Iterable[str], made: Iterable[str], source: str) -> None:
-    """Raise UsageError if another column has the same name as a decoded one."""
-    both = sorted({*kept} & {*made})
-    if both:
-        raise UsageError(
-            f"{source} already has a column '{both[0]}', which the decoded frames also have: "
-            "rename it, or select other columns"
-        )

@@ -65,6 +65,11 @@ else:
         keys, values = Mapping.keys, Mapping.values
 
 
+def none_where(hidden: Iterable[bool], cells: Iterable[Any]) -> list[Any]:
+    """Return the cells of a column, with None for those that are hidden."""
+    return [None if is_hidden else cell for cell, is_hidden in zip(cells, hidden, strict=True)]
+
+
 class Table(_Columns):
     """Columns of many frames: a NumPy array for each field, and ``fault`` with the error of each frame.
 
@@ -92,13 +97,14 @@ class Table(_Columns):
         tells: tuple[Tells, ...] = (),
         measured: frozenset[str] = frozenset(),
         scales: Mapping[str, tuple[str, Scale]] = _NOTHING,
-        others: Mapping[str, Any] = _NOTHING,
+        other_columns: Mapping[str, Any] = _NOTHING,
         frame: str = "",
     ) -> None:
-        self.encoder, self._tells, self._measured, self._others = encoder, tells, measured, others
+        self.encoder, self._tells, self._measured, self._others = encoder, tells, measured, other_columns
         self._columns, self._scales, self._frame = columns, scales, frame
         self._fault, self._verdict, self._position, self._parts = fault, verdict, position, parts
-        self._names = [*others, *parts, *columns, *scales, *(["verdict"] if verdict is not None else []), "fault"]
+        verdict_names = ["verdict"] if verdict is not None else []
+        self._names = [*other_columns, *parts, *columns, *scales, *verdict_names, "fault"]
 
     @property
     def fault(self) -> Any:
@@ -151,19 +157,19 @@ class Table(_Columns):
     @property
     def reports(self) -> dict[str, Any]:
         """Arrays by name of the report. Each is True for the valid frames with that report."""
-        made: dict[str, Any] = {}
-        for item in self._tells:
-            made[item.report] = self._active(item) & self.ok
-        return made
+        reports: dict[str, Any] = {}
+        for condition in self._tells:
+            reports[condition.report] = self._active(condition) & self.ok
+        return reports
 
-    def _active(self, item: Tells) -> Any:
+    def _active(self, condition: Tells) -> Any:
         """Return an array that is True for the frames to which a report applies, valid or not."""
-        if item.when:
-            return all_match(self, item.when)
-        if item.flag:
-            return self[item.flag]
+        if condition.when:
+            return all_match(self, condition.when)
+        if condition.flag:
+            return self[condition.flag]
         unused: Any = self["unused"]
-        return unused & (item.mask & (1 << 8 * unused.itemsize) - 1) != 0
+        return unused & (condition.mask & (1 << 8 * unused.itemsize) - 1) != 0
 
     @property
     def others(self) -> Mapping[str, Any]:
@@ -194,9 +200,20 @@ class Table(_Columns):
                 raise ValueError(f"expected {self.count} values in '{name}', one per frame, got {len(column)}")
         return self._with(self._columns, self._fault, self._verdict, {**self._others, **columns})
 
-    def _with(self, columns: dict[str, Any], fault: Any, verdict: Any, others: Mapping[str, Any]) -> Table:
-        own = (self._position, self._parts, self._tells, self._measured, self._scales)
-        return Table(self.encoder, columns, fault, verdict, *own, others, self._frame)
+    def _with(self, columns: dict[str, Any], fault: Any, verdict: Any, other_columns: Mapping[str, Any]) -> Table:
+        return Table(
+            encoder=self.encoder,
+            columns=columns,
+            fault=fault,
+            verdict=verdict,
+            position=self._position,
+            parts=self._parts,
+            tells=self._tells,
+            measured=self._measured,
+            scales=self._scales,
+            other_columns=other_columns,
+            frame=self._frame,
+        )
 
     @overload
     def __getitem__(self, name: str) -> Any: ...
@@ -211,10 +228,9 @@ class Table(_Columns):
         """Return a column by its name, a frame by its index, or a table of several frames by a slice."""
         if isinstance(name, slice):
             verdict = None if self._verdict is None else self._verdict[name]
-            columns, others = (
-                {each: column[name] for each, column in of.items()} for of in (self._columns, self._others)
-            )
-            return self._with(columns, self._fault[name], verdict, others)
+            columns = {column_name: column[name] for column_name, column in self._columns.items()}
+            other_columns = {column_name: column[name] for column_name, column in self._others.items()}
+            return self._with(columns, self._fault[name], verdict, other_columns)
         if isinstance(name, str):
             return self._column(name)
         place = range(self.count)[name]
@@ -237,7 +253,7 @@ class Table(_Columns):
                 elif name == "verdict":
                     cells = [order[cell] for cell in cells]
                 elif hidden is not None:
-                    cells = [None if gone else cell for cell, gone in zip(cells, hidden[rows].tolist(), strict=True)]
+                    cells = none_where(hidden[rows].tolist(), cells)
                 columns.append([cell.decode("latin-1") if isinstance(cell, bytes) else cell for cell in cells])
             names = [*self]
             for row in zip(*columns, strict=True):
@@ -261,8 +277,8 @@ class Table(_Columns):
         np: Any = import_module("numpy")
         # Numbers such as temperatures repeat, so only a few conversions are needed.
         numbers, places = np.unique(self._column(name), return_inverse=True)
-        made = np.array([scale.decimal(number) for number in numbers.tolist()], object)
-        return made[places]
+        quantities = np.array([scale.decimal(number) for number in numbers.tolist()], object)
+        return quantities[places]
 
     def scale(self, name: str) -> Scale | None:
         """Return the scale of a column of quantities, or None for other columns."""
@@ -275,9 +291,9 @@ class Table(_Columns):
         return len(dict.fromkeys(self._names))
 
     def __repr__(self) -> str:
-        wrong = int((self._fault != 0).sum())
-        of = f" of {self.encoder.code}" if self.encoder is not None else ""
-        return f"<{len(self._fault)} frames{of}, {wrong} with an error: {', '.join(self)}>"
+        error_count = int((self._fault != 0).sum())
+        encoder_text = f" of {self.encoder.code}" if self.encoder is not None else ""
+        return f"<{len(self._fault)} frames{encoder_text}, {error_count} with an error: {', '.join(self)}>"
 
     def faults(self) -> dict[ErrorKind, int]:
         """Return the number of valid frames and the number of frames with each error."""
@@ -304,14 +320,14 @@ class Table(_Columns):
         np: Any = import_module("numpy")
         encoder: Any = self.encoder
         valid: PositionRange = encoder._range_in(self._frame)
-        good = np.flatnonzero(self.usable)
+        usable_rows = np.flatnonzero(self.usable)
         position = self.position.astype(np.int64)
-        if not len(good):
+        if not len(usable_rows):
             return np.full(len(position), previous or 0, np.int64)
-        used = position[good]
-        for wrong in (int(used.max()), int(used.min())):
-            if not valid.lowest <= wrong <= valid.highest:
-                raise RangeError("position", wrong, f"{valid.lowest} to {valid.highest}")
+        used = position[usable_rows]
+        for extreme in (int(used.max()), int(used.min())):
+            if not valid.lowest <= extreme <= valid.highest:
+                raise RangeError("position", extreme, f"{valid.lowest} to {valid.highest}")
         start = int(used[0]) if previous is None else valid.unwrap(previous, int(used[0]))
         steps = np.diff(used)
         if valid.modulus is not None:
@@ -333,13 +349,13 @@ class Table(_Columns):
             AttributeError: The encoder does not measure in this unit.
             ValueError: The manual does not give the size of a count.
         """
-        found = self.position if counts is None else counts
-        one, parts = self._unit(unit)
+        positions = self.position if counts is None else counts
+        unit_size, parts = self._unit(unit)
         if unit in ("degrees", "radians"):
-            found = found % parts
-        made = found * one / parts
+            positions = positions % parts
+        values = positions * unit_size / parts
         np: Any = import_module("numpy")
-        return np.where(self.usable, made, np.nan) if counts is None else made
+        return np.where(self.usable, values, np.nan) if counts is None else values
 
     def velocity(self, seconds: Any = None, unit: SpeedUnit = "counts") -> Any:
         """Return the speed of the encoder, measured from the previous usable position.
@@ -364,20 +380,21 @@ class Table(_Columns):
             if "time" not in self._others:
                 raise ValueError("the table has no column 'time'; pass the time between two frames in seconds")
             seconds = self._others["time"]
-        good = np.flatnonzero(self.usable)
+        usable_rows = np.flatnonzero(self.usable)
         times = np.arange(self.count) * seconds if np.ndim(seconds) == 0 else np.asarray(seconds)
         if len(times) != self.count:
             raise ValueError(f"expected {self.count} times, one per frame, got {len(times)}")
         if unit not in (*_UNITS, "rpm"):
             raise ValueError(f"'{unit[:40]}' is not a unit of speeds: use {', '.join((*_UNITS, 'rpm'))}")
-        counts, times = self.unwrapped(previous and previous[0])[good], times[good]
-        one, parts = self._unit("turns" if unit == "rpm" else unit)
+        counts, times = self.unwrapped(previous and previous[0])[usable_rows], times[usable_rows]
+        unit_size, parts = self._unit("turns" if unit == "rpm" else unit)
         if previous is not None:
             counts, times = np.insert(counts, 0, previous[0]), np.insert(times, 0, previous[1])
-        found = np.full(self.count, np.nan)
-        speeds = np.diff(counts) * (60 * one if unit == "rpm" else one) / parts / np.diff(times)
-        found[good if previous is not None else good[1:]] = speeds
-        return found
+        column = np.full(self.count, np.nan)
+        per_minute = 60 if unit == "rpm" else 1
+        speeds = np.diff(counts) * (per_minute * unit_size) / parts / np.diff(times)
+        column[usable_rows if previous is not None else usable_rows[1:]] = speeds
+        return column
 
     def in_si(self, previous: tuple[int, float] | None = None) -> Table:
         """Return a table that also has the position and the speed in SI units.

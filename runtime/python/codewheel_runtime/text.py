@@ -62,14 +62,14 @@ class Cells:
     """Reader of text cells that contain frames. An empty cell, or one without a frame, yields None.
 
     ``seen`` is the number of cells that are not empty, and ``unread`` the number of those without a frame. ``place``
-    and ``said`` are the location and the error message of the first of these.
+    and ``error`` are the location and the error message of the first of these.
     """
 
     def __init__(self, shape: Shape, digits: DigitKind | None) -> None:
         self._shape = shape
         self._digits: DigitKind | None = digits
         self.seen = self.unread = self.place = 0
-        self.said = ""
+        self.error = ""
 
     def read(self, text: str, place: int) -> int | bytes | None:
         """Return the frame in a cell, or None. ``place`` identifies the cell in errors."""
@@ -88,7 +88,7 @@ class Cells:
             if text.strip().lower() in _MISSING:
                 return None
             if not self.unread:
-                self.place, self.said = place, str(error)
+                self.place, self.error = place, str(error)
             self.seen += 1
             self.unread += 1
             return None
@@ -96,7 +96,7 @@ class Cells:
         return frame
 
     @property
-    def are_others(self) -> bool:
+    def are_mostly_unread(self) -> bool:
         """True if most cells do not contain frames."""
         return 2 * self.unread > self.seen
 
@@ -114,11 +114,11 @@ def csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, shape:
     if first is None:
         return Source(_nothing(), size)
     place, is_header = _place(first, name, stored, shape)
-    names = [cell.strip() if is_header else "" for cell in first]
-    names = [cell or f"column_{at}" for at, cell in enumerate(names, 1)]
-    others = [(at, cell) for at, cell in enumerate(names) if at != place]
-    kept = kept_columns((cell for _, cell in others), stored, lambda _: [], name)
-    columns = [(at, cell) for at, cell in others if cell in kept]
+    header = [cell.strip() for cell in first] if is_header else [""] * len(first)
+    names = [cell or f"column_{number}" for number, cell in enumerate(header, 1)]
+    other_names = [(index, cell) for index, cell in enumerate(names) if index != place]
+    empty_columns = kept_columns((cell for _, cell in other_names), stored, lambda _: [], name)
+    columns = [(index, cell) for index, cell in other_names if cell in empty_columns]
     skipped = lines.number if is_header else lines.number - 1
     start = 0
     for _ in range(skipped):
@@ -126,10 +126,10 @@ def csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, shape:
     if b"\r" in head[:start].replace(b"\r\n", b""):
         # Old line ends, which only the reader of rows counts.
         skipped, start = 0, 0
-    parsed = _Table(lines, between, place, columns, is_header and not start)
+    table = _Table(lines, between, place, columns, is_header and not start)
     reading = reader(names, place, columns, between, shape, stored.digits) if start or not is_header else None
-    parts = _parts(parsed, reading, chain([head[start:]], blocks), skipped, start, (name, stored, shape, share))
-    return Source(parts, size, tuple(cell for _, cell in others), kept)
+    parts = _parts(table, reading, chain([head[start:]], blocks), skipped, start, (name, stored, shape, share))
+    return Source(parts, size, tuple(cell for _, cell in other_names), empty_columns)
 
 
 def _text_of(blocks: Iterable[bytes]) -> io.TextIOWrapper:
@@ -166,19 +166,19 @@ class _Table:
         cells: list[str] = []
         numbers: list[int] = []
         # Only cells are kept, because rows are lists, which the garbage collector would traverse repeatedly.
-        others: dict[str, list[str]] = {name: [] for _, name in self.columns}
-        kept = [(at, others[name].append) for at, name in self.columns]
+        other_columns: dict[str, list[str]] = {name: [] for _, name in self.columns}
+        appenders = [(at, other_columns[name].append) for at, name in self.columns]
         lines, place = self.lines, self.place
         for row in islice(self._rows, self.count):
             cells.append(row[place] if len(row) > place else "")
             numbers.append(lines.number)
-            for at, append in kept:
+            for at, append in appenders:
                 append(row[at] if len(row) > at else "")
         if lines.is_cut and cells and len(cells[-1]) < len(cells[-2] if len(cells) > 1 else self._before):
             # The last line is not terminated and is shorter than the previous one, so digits may be missing.
             cells[-1] = ""
         self._before = cells[-1] if cells else self._before
-        return cells, numbers, others
+        return cells, numbers, other_columns
 
     def skip(self, last: str) -> None:
         """Remember the last cell of a block that was read in another way."""
@@ -201,37 +201,38 @@ def _parts(
     cells, is_first = Cells(shape, stored.digits), True
     for block in blocks:
         is_whole = block.endswith(b"\n")
-        found = read(block) if read is not None and is_whole and is_plain(block) else None
-        if found is not None:
-            lines, done = lines + found.lines, done + len(block)
-            cells.seen += len(found.frames)
-            if is_first and len(found.frames):
-                _check_first(cells, found.first, name, stored, shape, share)
+        parsed = read(block) if read is not None and is_whole and is_plain(block) else None
+        if parsed is not None:
+            lines, done = lines + parsed.lines, done + len(block)
+            cells.seen += len(parsed.frames)
+            if is_first and len(parsed.frames):
+                _check_first(cells, parsed.first, name, stored, shape, share)
                 is_first = False
-            table.skip(found.last)
-            yield Part(found.frames, done, found.others)
+            table.skip(parsed.last)
+            yield Part(parsed.frames, done, parsed.other_columns)
             continue
         # After a quote, a row can continue in the next block.
         is_alone = read is not None and is_plain(block)
         table.open([block] if is_alone else chain([block], blocks), lines, done)
-        while (taken := table.take())[0]:
-            texts, numbers, others = taken
-            frames = [cells.read(*item) for item in zip(texts, numbers, strict=False)]
+        while (batch := table.take())[0]:
+            texts, numbers, other_columns = batch
+            frames = [cells.read(text, number) for text, number in zip(texts, numbers, strict=False)]
             if is_first:
                 _check_first(cells, texts[:FIRST], name, stored, shape, share)
                 is_first = False
-            yield Part(frames, table.lines.read, others)
+            yield Part(frames, table.lines.read, other_columns)
         lines, done = lines + block.count(b"\n"), done + len(block)
 
 
 def _check_first(cells: Cells, texts: list[str], name: str, stored: Stored, shape: Shape, share: Share) -> None:
     """Raise InputError if the first cells are not frames, or if they are valid frames only in another base."""
-    if cells.are_others:
-        raise InputError(name, f"line {cells.place}", cells.said)
+    if cells.are_mostly_unread:
+        raise InputError(name, f"line {cells.place}", cells.error)
     if stored.digits is not None and not shape.length:
-        other: DigitKind = "hex" if stored.digits == "decimal" else "decimal"
-        own, fitting = _read(texts, shape, stored.digits), _read(texts, shape, other)
-        check_form(name, own, [(f"--digits {other}", fitting)], share)
+        other_base: DigitKind = "hex" if stored.digits == "decimal" else "decimal"
+        chosen_frames = _read(texts, shape, stored.digits)
+        other_forms = [(f"--digits {other_base}", _read(texts, shape, other_base))]
+        check_form(name, chosen_frames, other_forms, share)
 
 
 def _read(texts: list[str], shape: Shape, digits: DigitKind) -> list[int | bytes]:
@@ -261,12 +262,12 @@ class _Lines:
 
 def _rows(lines: _Lines, between: str = "") -> tuple[str, Iterator[list[str]]]:
     """Return the delimiter and the rows of a CSV file. By default, the first line determines the delimiter."""
-    found = iter(lines)
-    first = next(found, "")
+    texts = iter(lines)
+    first = next(texts, "")
     while first and (not first.strip() or first.lstrip().startswith("#")):
-        first = next(found, "")
+        first = next(texts, "")
     between = between or max(",;\t", key=first.count)
-    return between, _checked(lines, chain([first], found), between) if first else iter(())
+    return between, _checked(lines, chain([first], texts), between) if first else iter(())
 
 
 def _checked(lines: _Lines, texts: Iterable[str], between: str) -> Iterator[list[str]]:

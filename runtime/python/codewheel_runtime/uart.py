@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import Any, Final, NamedTuple
 
 from .bulk_decode import decode_many
-from .clocked import Found, Lost
+from .clocked import CapturedFrames, Lost
 from .inputs import InputError
 from .shape import Shape
 from .signals import Signals
@@ -30,7 +30,7 @@ class _Bytes(NamedTuple):
 
     values: Any
     times: Any
-    good: Any
+    has_stop_bit: Any
     done: int
 
 
@@ -87,7 +87,7 @@ class Kinds(NamedTuple):
     wanted: str = ""
 
 
-def replies(signals: Signals, name: str, baud: float, kinds: Kinds) -> Generator[Found, None, None]:
+def replies(signals: Signals, name: str, baud: float, kinds: Kinds) -> Generator[CapturedFrames, None, None]:
     """Yield the replies of one kind.
 
     The line may also carry requests and other kinds of replies. If no kind is requested, the most frequent kind
@@ -103,17 +103,17 @@ def replies(signals: Signals, name: str, baud: float, kinds: Kinds) -> Generator
         InputError: The line never changes.
     """
     finder = _Replies(kinds, _BITS / baud)
-    first: list[Found] = []
+    first: list[CapturedFrames] = []
     is_silent = True
     for part in serial_bytes(signals, baud):
         is_silent = False
         first.append(finder.feed(part))
         if finder.wanted:
-            yield from map(finder.told, first)
+            yield from map(finder.with_kind, first)
             first.clear()
     if is_silent:
         raise InputError(name, "", "no byte was sent: choose another channel with --data")
-    yield from map(finder.told, [*first, finder.finish()])
+    yield from map(finder.with_kind, [*first, finder.finish()])
 
 
 class _Replies:
@@ -121,111 +121,142 @@ class _Replies:
 
     def __init__(self, kinds: Kinds, duration: float) -> None:
         self._kinds, self._pause = kinds, _PAUSE * duration
-        self._values, self._times, self._good = np.zeros(0, np.uint8), np.zeros(0), np.zeros(0, bool)
+        self._values, self._times, self._has_stop_bit = np.zeros(0, np.uint8), np.zeros(0), np.zeros(0, bool)
         self.wanted, self._done = kinds.wanted, 0
 
-    def feed(self, part: _Bytes) -> Found:
+    def feed(self, part: _Bytes) -> CapturedFrames:
         """Return the replies that further bytes complete."""
         self._values = np.concatenate([self._values, part.values])
         self._times = np.concatenate([self._times, part.times])
-        self._good = np.concatenate([self._good, part.good])
+        self._has_stop_bit = np.concatenate([self._has_stop_bit, part.has_stop_bit])
         self._done = part.done
-        return self._found(max(len(self._values) - _KEPT, 0))
+        return self._find(max(len(self._values) - _KEPT, 0))
 
-    def finish(self) -> Found:
+    def finish(self) -> CapturedFrames:
         """Return the replies among the last bytes."""
-        return self._found(len(self._values))
+        return self._find(len(self._values))
 
-    def told(self, found: Found) -> Found:
+    def with_kind(self, stretch: CapturedFrames) -> CapturedFrames:
         """Return the frames with the kind of the replies, which is not known at first."""
-        if not self.wanted or len(found.frames):
-            return found
-        return found._replace(kind=self.wanted, frames=np.zeros((0, self._kinds.replies[self.wanted].length), np.uint8))
+        if not self.wanted or len(stretch.frames):
+            return stretch
+        return stretch._replace(
+            kind=self.wanted, frames=np.zeros((0, self._kinds.replies[self.wanted].length), np.uint8)
+        )
 
     def _valid(self, shape: Shape) -> Any:
         """Return whether a valid frame begins at each byte."""
         count, length = len(self._values), shape.length
-        found = np.zeros(count + 1, bool)
+        is_valid = np.zeros(count + 1, bool)
         if count >= length:
             windows = np.lib.stride_tricks.sliding_window_view(self._values, length)
-            found[: len(windows)] = decode_many(np.ascontiguousarray(windows), shape, None).fault == 0
+            is_valid[: len(windows)] = decode_many(np.ascontiguousarray(windows), shape, None).fault == 0
             gaps = np.concatenate([[0], np.cumsum(np.diff(self._times) > self._pause)])
-            found[: len(windows)] &= gaps[length - 1 :] == gaps[: len(windows)]
-            bad = np.concatenate([[0], np.cumsum(~self._good)])
-            found[: len(windows)] &= bad[length:] == bad[: len(windows)]
-        return found
+            is_valid[: len(windows)] &= gaps[length - 1 :] == gaps[: len(windows)]
+            faulty_counts = np.concatenate([[0], np.cumsum(~self._has_stop_bit)])
+            is_valid[: len(windows)] &= faulty_counts[length:] == faulty_counts[: len(windows)]
+        return is_valid
 
-    def _found(self, until: int) -> Found:
-        replies = {name: self._valid(shape) for name, shape in self._kinds.replies.items()}
-        lengths = {name: shape.length for name, shape in self._kinds.replies.items()}
-        order = [name for _, name in sorted((-length, name) for name, length in lengths.items())]
-        count = len(self._values)
-        # The kind of the reply at each byte, the longest one first, and the length of the request there.
-        at = np.full(count + 1, -1)
-        for place, name in reversed([*enumerate(order)]):
-            at[replies[name]] = place
-        asked = np.zeros(count + 1, np.int64)
+    def _find(self, until: int) -> CapturedFrames:
+        """Return the replies that begin before the byte ``until``, and forget their bytes."""
+        shapes = self._kinds.replies
+        # At each byte, the longest reply counts.
+        names = sorted(shapes, key=lambda name: (-shapes[name].length, name))
+        request_lengths = self._request_lengths()
+        starts, gaps, end = self._walk(until, names, self._reply_kinds(names), request_lengths)
+        if not self.wanted:
+            candidates = [name for name in names if starts[name] and shapes[name].otherwise is not None]
+            if candidates:
+                self.wanted = max((len(starts[name]), name) for name in candidates)[1]
+        stretch = self._result(starts, gaps, request_lengths)
+        self._values, self._times = self._values[end:], self._times[end:]
+        self._has_stop_bit = self._has_stop_bit[end:]
+        return stretch
+
+    def _reply_kinds(self, names: Sequence[str]) -> list[int]:
+        """Return the index in ``names`` of the reply that begins at each byte, or -1."""
+        kinds = np.full(len(self._values) + 1, -1)
+        for index, name in reversed([*enumerate(names)]):
+            kinds[self._valid(self._kinds.replies[name])] = index
+        reply_kinds: list[int] = kinds.tolist()
+        return reply_kinds
+
+    def _request_lengths(self) -> list[int]:
+        """Return the length of the request that begins at each byte, or 0."""
+        longest = np.zeros(len(self._values) + 1, np.int64)
         for shape in self._kinds.requests.values():
-            asked = np.maximum(asked, shape.length * self._valid(shape))
-        kind_at: list[int] = at.tolist()
-        asked_at: list[int] = asked.tolist()
-        following: int
-        starts: dict[str, list[int]] = {name: [] for name in order}
-        runs: list[tuple[int, int]] = []
+            longest = np.maximum(longest, shape.length * self._valid(shape))
+        lengths: list[int] = longest.tolist()
+        return lengths
+
+    def _walk(
+        self, until: int, names: Sequence[str], reply_kinds: list[int], request_lengths: list[int]
+    ) -> tuple[dict[str, list[int]], list[tuple[int, int]], int]:
+        """Return the starts of the replies by name, the bytes between them, and the end of the bytes seen."""
+        count = len(self._values)
+        starts: dict[str, list[int]] = {name: [] for name in names}
+        gaps: list[tuple[int, int]] = []
         place = first = 0
         while place < until:
-            length = asked_at[place]
-            if length and place + length < count and kind_at[place + length] >= 0:
-                following = place + length
-            elif kind_at[place] >= 0:
-                following = place
-            else:
+            reply_start = place + request_lengths[place]
+            if not (place < reply_start < count and reply_kinds[reply_start] >= 0):
+                reply_start = place
+            if reply_kinds[reply_start] < 0:
                 place += 1
                 continue
             if first < place:
-                runs.append((first, place))
-            sort: str = order[kind_at[following]]
-            starts[sort].append(following)
-            first = place = following + lengths[sort]
+                gaps.append((first, place))
+            name = names[reply_kinds[reply_start]]
+            starts[name].append(reply_start)
+            first = place = reply_start + self._kinds.replies[name].length
         end = min(max(place, first), count)
+        # The last bytes may begin a reply that is not complete yet, unless the capture ends.
+        if until != count and first < end <= first + 4 * _KEPT:
+            end = first
         if first < end:
-            # The bytes may begin a reply that is not complete yet, unless these are the last ones.
-            end = end if until == count or end - first > 4 * _KEPT else first
-            if first < end:
-                runs.append((first, end))
-        if not self.wanted:
-            found = [name for name in order if starts[name] and self._kinds.replies[name].otherwise is not None]
-            if found:
-                self.wanted = max((len(starts[name]), name) for name in found)[1]
-        made = self._result(starts, runs, asked_at)
-        keep = max(end, 0)
-        self._values, self._times, self._good = self._values[keep:], self._times[keep:], self._good[keep:]
-        return made
+            gaps.append((first, end))
+        return starts, gaps, end
 
-    def _result(self, starts: dict[str, list[int]], runs: Sequence[tuple[int, int]], asked: list[int]) -> Found:
+    def _result(
+        self, starts: dict[str, list[int]], gaps: Sequence[tuple[int, int]], request_lengths: list[int]
+    ) -> CapturedFrames:
         lost: list[Lost] = []
-        wanted = self._kinds.replies.get(self.wanted)
-        mine = starts.pop(self.wanted, [])
-        for first, end in runs:
-            at = first + asked[first] if asked[first] < end - first else first
-            if wanted is not None and self._good[first:end].all() and end - at == wanted.length:
-                kind = decode_many(self._values[at:end][None, :], wanted, None).fault[0]
-                if kind == ErrorKind.CRC:
-                    mine.append(at)
-                    continue
-            lost.append(Lost(float(self._times[first]), self._said(first, end, asked)))
-        mine.sort()
-        places = np.array(mine, np.int64)
-        length = wanted.length if wanted is not None else 1
-        rows = self._values[places[:, None] + np.arange(length)[None, :]] if len(mine) else np.zeros((0, length), "u1")
-        others = {name: len(found) for name, found in starts.items() if found}
-        return Found(rows, self._times[places], lost, self._done, None, self.wanted, others)
+        reply_starts = starts.pop(self.wanted, [])
+        for first, end in gaps:
+            after_request = first + request_lengths[first] if request_lengths[first] < end - first else first
+            if self._is_damaged_reply(first, after_request, end):
+                reply_starts.append(after_request)
+            else:
+                lost.append(Lost(float(self._times[first]), self._reason(first, end, request_lengths)))
+        reply_starts.sort()
+        places = np.array(reply_starts, np.int64)
+        shape = self._kinds.replies.get(self.wanted)
+        length = shape.length if shape is not None else 1
+        rows = np.zeros((0, length), "u1")
+        if len(places):
+            rows = self._values[places[:, None] + np.arange(length)[None, :]]
+        return CapturedFrames(
+            frames=rows,
+            times=self._times[places],
+            lost=lost,
+            done=self._done,
+            kind=self.wanted,
+            others={name: len(name_starts) for name, name_starts in starts.items() if name_starts},
+        )
 
-    def _said(self, first: int, end: int, asked: list[int]) -> str:
+    def _is_damaged_reply(self, first: int, start: int, end: int) -> bool:
+        """Return whether the bytes from ``start`` to ``end`` are a reply of the wanted kind with a CRC error."""
+        shape = self._kinds.replies.get(self.wanted)
+        if shape is None or not self._has_stop_bit[first:end].all() or end - start != shape.length:
+            return False
+        fault = decode_many(self._values[start:end][None, :], shape, None).fault[0]
+        return bool(fault == ErrorKind.CRC)
+
+    def _reason(self, first: int, end: int, request_lengths: list[int]) -> str:
         data = self._values[first:end].tobytes()
-        shown = data[:12].hex(" ").upper() + (" ..." if len(data) > 12 else "")
-        if not self._good[first:end].all():
-            return f"a byte without a stop bit: check the baud rate, and whether the line is inverted ({shown})"
-        if asked[first] == end - first:
-            return f"no reply to the request {shown}"
-        return f"{counted(len(data), 'byte')} without a valid reply: {shown}"
+        bytes_text = data[:12].hex(" ").upper() + (" ..." if len(data) > 12 else "")
+        if not self._has_stop_bit[first:end].all():
+            return f"a byte without a stop bit: check the baud rate, and whether the line is inverted ({bytes_text})"
+        if request_lengths[first] == end - first:
+            return f"no reply to the request {bytes_text}"
+        return f"{counted(len(data), 'byte')} without a valid reply: {bytes_text}"
