@@ -14,7 +14,7 @@ HEADERS = "generated/c/include"
 MODULES = "generated/python"
 RUNTIME = "generated/python/runtime/codewheel_runtime"
 #: Modules of the runtime that programs use directly, or through the package of a manufacturer.
-_RUNTIME_MODULES = "biss encoder errors facts order_codes reports running steps stream table".split()
+_RUNTIME_MODULES = "biss encoder errors facts layouts order_codes reports running steps stream table".split()
 #: A documentation comment with the declaration below it: a whole type, or a function without its body.
 _DECLARED = re.compile(
     r"/\*\*(?! @file)(?P<comment>(?:(?!\*/).)*)\*/\n"

@@ -32,10 +32,9 @@ STANDARD: Mapping[str, tuple[str, ...]] = {
 PACKAGE: Mapping[str, tuple[str, ...]] = {
     f"codewheel_runtime.{module}": tuple(names.split())
     for module, names in {
-        "codec": """BitField Data PositionRange Rows Word Words as_bytes as_word check_encoder check_kind check_limits
-            check_width choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed text_number
-            too_long wrong_encoder""",
-        "encoder": "Encoder Exchanged Positioned fact looked_up",
+        "codec": """BitField Data PositionRange Rows Word Words as_bytes as_word check_kind check_limits check_width
+            choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed text_number too_long""",
+        "encoder": "Encoder Exchanged Positioned check_encoder fact looked_up wrong_encoder",
         "measures": "FineLinear Linear Rotary Wrapping",
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
         "frames": """BitsOf BytesOf Failed FixedBits FixedBytes FixedRegister InBits InBytes RegisterOf Sent bound
@@ -64,9 +63,9 @@ FACTS: Mapping[str, tuple[str, ...]] = {
 #: Names that the descriptions of frames can import, by source module.
 SHAPES: Mapping[str, tuple[str, ...]] = {
     "codewheel_runtime.codec": ("BitField",),
+    "codewheel_runtime.errors": ("ErrorKind",),
     "codewheel_runtime.reports": ("Verdict",),
     "codewheel_runtime.shape": tuple("Check Column CrcOf Fold Join Shape Speaks Tells Unused of_bits of_bytes".split()),
-    "codewheel_runtime.table": ("ErrorKind",),
 }
 
 #: Modules of the package that do not belong to a device.

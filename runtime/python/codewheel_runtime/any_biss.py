@@ -8,11 +8,10 @@ from functools import partial
 from typing import Any, Final, NamedTuple
 
 from .codec import PositionRange, crc_of_bits
-from .encoder import Encoder
+from .errors import ErrorKind
 from .inputs import UsageError, short
 from .reports import Verdict
 from .shape import Check, Column, CrcOf, Join, Shape, Speaks, Unused, of_bits
-from .table import ErrorKind
 
 _HELP: Final = "expected fields in the order of transmission, such as position=32,error,warning,crc=6:0x43"
 #: Flags of BiSS frames, which are active at level 0, and the resulting verdict on the position.
@@ -86,10 +85,7 @@ class BissLayout(NamedTuple):
         """
         from .bulk_decode import decode_many
 
-        # The layout has those members of an encoder that a table uses.
-        stand_in: Any = self
-        encoder: Encoder = stand_in
-        return decode_many(frames, self.shape, encoder)
+        return decode_many(frames, self.shape, self)
 
 
 def biss_layout(text: str) -> BissLayout:

@@ -9,12 +9,12 @@ import os
 import re
 import sys
 from importlib import import_module
-from typing import Any, cast
+from typing import Any
 
 from .any_biss import BissLayout, biss_layout
 from .bulk_decode import decode_many
 from .capture import Captures, CaptureSummary, Lost
-from .command import USAGE, Failed, encoder_of, missing, working
+from .command_line import USAGE, Failed, encoder_of, missing, working
 from .encoder import Encoder
 from .inputs import InputError, Stored, UsageError
 from .layouts import shape_for
@@ -90,7 +90,7 @@ def _frames(encoder: Encoder | BissLayout, chosen: argparse.Namespace) -> Table:
         for part in read.parts:
             times.append(seconds_of(part.other_columns["time"], path))
             frames += _listed_rows(part.frames) if shape.length else _listed_numbers(part.frames)
-    return decode_many(frames, shape, cast(Encoder, encoder)).with_columns(time=np.concatenate([np.zeros(0), *times]))
+    return decode_many(frames, shape, encoder).with_columns(time=np.concatenate([np.zeros(0), *times]))
 
 
 def _listed_rows(frames: Any) -> list[bytes | None]:
@@ -105,6 +105,7 @@ def _listed_numbers(frames: Any) -> Any:
 
 def monitor(package: str, chosen: argparse.Namespace) -> None:
     """Show an encoder live."""
+    from . import link
     from .monitor import watch
 
     encoder = encoder_of(package, chosen)
@@ -113,10 +114,6 @@ def monitor(package: str, chosen: argparse.Namespace) -> None:
         how = "export the words that it finds, and use 'decode'" if is_spi else "use 'capture'"
         problem = f"{encoder.code} has the interface {encoder.interface.title}, and a serial port cannot send its clock"
         raise Failed(f"{problem}: record it with a logic analyser, and {how}", USAGE)
-    try:
-        link: Any = import_module(f"{__package__}.link")
-    except ImportError as error:
-        raise missing(package, error) from None
     try:
         # Without retries, every error is counted.
         with link.open_encoder(chosen.port, encoder, retries=0) as opened:

@@ -9,7 +9,8 @@ from importlib import import_module
 from typing import Any, Final, cast
 
 from .codec import as_bytes, assert_never, whole_number
-from .encoder import Encoder
+from .errors import ErrorKind
+from .inputs import of_floats
 from .reports import Verdict
 from .shape import (
     Check,
@@ -26,7 +27,7 @@ from .shape import (
     unused_groups,
     width_of,
 )
-from .table import ErrorKind, Table, all_match
+from .table import FrameSource, Table, all_match
 
 #: Number of frames decoded at once: small enough for the cache, large enough to keep the overhead of calls low.
 CHUNK: Final = 32_768
@@ -88,10 +89,12 @@ class Chunk:
         self._bytes.clear()
 
 
-def decode_many(frames: object, shape: Shape, encoder: Encoder | None) -> Table:
+def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Table:
     """Decode ``frames`` into columns. For the arguments, see ``decode_many`` of the frame's class."""
     if _is_arrow(frames):
-        frames = import_module(f"{__package__}.arrow").of_column(frames, shape)
+        from .arrow import of_column
+
+        frames = of_column(frames, shape)
     source, wrong_rows = rows_of(frames, shape.length) if shape.length else _words_of(frames, shape.bits)
     count = len(source)
     out = _columns(count, {**kinds(shape), "fault": "u1"})
@@ -181,26 +184,6 @@ def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
     for index in wrong_rows:
         words[index] = 0
     return np.array(words, np.uint64), np.array(wrong_rows, np.intp)
-
-
-def of_floats(frames: Any, bits: int, done: int = 0) -> Any:
-    """Return floating-point frames as integers, masked if they are NaN or out of range.
-
-    ``done`` is the number of earlier rows, to number the row in an error.
-
-    Raises:
-        TypeError: A value is not an integer, or the type cannot represent every frame of that length.
-    """
-    if bits > np.finfo(frames.dtype).nmant + 1:
-        raise TypeError(f"{frames.dtype} cannot represent every frame of {bits} bits: use integers or text")
-    is_frame = (frames >= 0) & (frames < 2.0**63)
-    whole = np.where(is_frame, frames, 0)
-    fractional_rows = np.flatnonzero(whole != np.floor(whole))
-    if len(fractional_rows):
-        raise TypeError(
-            f"the frame in row {done + fractional_rows[0] + 1} is not an integer: {whole[fractional_rows[0]]}"
-        )
-    return np.ma.masked_array(whole.astype(np.uint64), ~is_frame)
 
 
 def _is_missing(frame: object) -> bool:

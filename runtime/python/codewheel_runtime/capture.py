@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from enum import Enum
 from importlib import import_module
 from types import MappingProxyType
-from typing import Any, Final, NamedTuple, cast
+from typing import Any, Final, NamedTuple
 
 from .accesses import Access, Accesses
 from .any_biss import BissLayout
@@ -343,7 +343,7 @@ def _read_capture(
             frames.append(stretch.frames)
             times.append(stretch.times)
     log.finish()
-    table = decode_many(np.concatenate(frames), opened.shape, cast(Encoder, encoder))
+    table = decode_many(np.concatenate(frames), opened.shape, encoder)
     table = table.with_columns(**{opened.time: np.concatenate(times)})
     return Capture(table, tuple(log.lost), tuple(log.accesses), log.others)
 
@@ -357,12 +357,10 @@ def _decode_capture(
     progress: Callable[[int, int | None, int], None] | None,
 ) -> CaptureSummary:
     log = _Log(_SHOWN)
-    # A layout has those members of an encoder that a table uses.
-    stand_in = cast(Encoder, encoder)
     with opening as opened, written(output.target, sources, output.force) as file:
         time = opened.time
         time_columns = {time: np.zeros(0)}
-        empty = decode_many([], opened.shape, stand_in)
+        empty = decode_many([], opened.shape, encoder)
         if time in empty:
             raise UsageError(f"the frames have a field '{time}', but this is the column of times")
         empty = empty.with_columns(**time_columns)
@@ -372,7 +370,7 @@ def _decode_capture(
         read = Source(_parts(opened, log), opened.total, (time,), time_columns)
         plan = plan_of(empty, read, output.columns, sources[0], output.raw)
         with SINKS[output.kind](file, plan) as sink:
-            frames = decoded(read, opened.shape, stand_in, sink, limit, progress, derived)
+            frames = decoded(read, opened.shape, encoder, sink, limit, progress, derived)
     log.finish()
     return CaptureSummary(
         frames=frames,

@@ -7,12 +7,11 @@ from collections.abc import Callable, Iterable, Iterator
 from operator import index
 from typing import Final, SupportsIndex, cast
 
-from .encoder import Encoder
-from .errors import FrameError
+from .errors import FrameError, Sender
 from .reports import Interface
 
 
-def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
+def why(encoder: Sender, frame: object) -> tuple[str, ...]:
     """Return the changes that make an invalid frame valid, the most likely first.
 
     If the line is dead, this is the only answer. A short CRC is sometimes correct by chance. A CRC of 6 bits is correct
@@ -28,7 +27,7 @@ def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
     return tuple(change for change, changed in _changed_frames(encoder, frame) if _is_valid(decode, changed))
 
 
-def hint(encoder: Encoder, frame: object) -> str:
+def hint(encoder: Sender, frame: object) -> str:
     """Return the result of ``why`` as one sentence."""
     changes = why(encoder, frame)
     if changes and _dead_line(encoder, frame, _can_be_invalid(encoder)):
@@ -40,7 +39,7 @@ def hint(encoder: Encoder, frame: object) -> str:
 _LEAST_BITS: Final = 12
 
 
-def _dead_line(encoder: Encoder, frame: object, has_crc: bool) -> str:
+def _dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
     """Return the description of a dead line, or an empty string if the line changes."""
     bits = _bits_of(encoder)
     if isinstance(frame, (bytes, bytearray, memoryview)):
@@ -68,7 +67,7 @@ def _dead_line(encoder: Encoder, frame: object, has_crc: bool) -> str:
     return f"every bit is {level}: the line never changes. Check for {cause}, the supply and {other_wires}"
 
 
-def _can_be_invalid(encoder: Encoder) -> bool:
+def _can_be_invalid(encoder: Sender) -> bool:
     """Return whether some frames of the right length are invalid. If all are valid, a valid frame proves nothing."""
     bits = _bits_of(encoder)
     return not bits or not all(_is_valid(encoder.decode, word) for word in (0, 1, (1 << bits) - 1))
@@ -82,7 +81,7 @@ def _is_valid(decode: Callable[[object], object], frame: object) -> bool:
     return True
 
 
-def _changed_frames(encoder: Encoder, frame: object) -> Iterator[tuple[str, object]]:
+def _changed_frames(encoder: Sender, frame: object) -> Iterator[tuple[str, object]]:
     """Yield each common mistake in words, with the frame that it would have changed into this one."""
     if isinstance(frame, (bytes, bytearray, memoryview)):
         yield from _changed_bytes(encoder, bytes(cast(bytes, frame)))
@@ -92,7 +91,7 @@ def _changed_frames(encoder: Encoder, frame: object) -> Iterator[tuple[str, obje
         yield from _changed_words(encoder, frame, bits)
 
 
-def _changed_bytes(encoder: Encoder, data: bytes) -> Iterator[tuple[str, object]]:
+def _changed_bytes(encoder: Sender, data: bytes) -> Iterator[tuple[str, object]]:
     number = int.from_bytes(data, "big")
     flipped_frames = ((number ^ 1 << bit).to_bytes(len(data), "big") for bit in range(8 * len(data)))
     yield from _flipped_bit(encoder, flipped_frames, lambda bit: f"bit {bit % 8} of byte {len(data) - 1 - bit // 8}")
@@ -105,7 +104,7 @@ def _changed_bytes(encoder: Encoder, data: bytes) -> Iterator[tuple[str, object]
         yield f"without its last {_count(count, 'byte')}: they may belong to the next frame", data[:-count]
 
 
-def _changed_words(encoder: Encoder, frame: int, bits: int) -> Iterator[tuple[str, object]]:
+def _changed_words(encoder: Sender, frame: int, bits: int) -> Iterator[tuple[str, object]]:
     highest = (1 << bits) - 1
     if frame <= highest:
         yield from _flipped_bit(encoder, (frame ^ 1 << bit for bit in range(bits)), lambda bit: f"bit {bit}")
@@ -124,7 +123,7 @@ def _changed_words(encoder: Encoder, frame: int, bits: int) -> Iterator[tuple[st
 
 
 def _flipped_bit(
-    encoder: Encoder, flipped_frames: Iterable[object], name_of_bit: Callable[[int], str]
+    encoder: Sender, flipped_frames: Iterable[object], name_of_bit: Callable[[int], str]
 ) -> Iterator[tuple[str, object]]:
     """Yield a frame that becomes valid when one bit is inverted. The bit is named if only one is possible."""
     decode = encoder.decode
@@ -135,7 +134,7 @@ def _flipped_bit(
         yield f"with {bit_text} inverted: a disturbed bit if only some frames fail", frame
 
 
-def _bits_of(encoder: Encoder) -> int:
+def _bits_of(encoder: Sender) -> int:
     """Return the number of bits in a frame, or 0 if it is made of bytes or the order code does not determine it."""
     try:
         return cast(int, getattr(encoder, "frame_bits", 0))

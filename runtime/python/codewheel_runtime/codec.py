@@ -3,16 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from enum import Enum, IntEnum
 from functools import cache
 from operator import index
-from types import MappingProxyType
 from typing import Any, Final, NamedTuple, NoReturn, Protocol, SupportsIndex, TypeAlias, TypeVar, cast, get_args
 
-from .encoder import Encoder
-from .errors import FamilyError, FrameError, InterfaceError, LengthError, RangeError
-from .reports import Interface
+from .errors import FrameError, LengthError, RangeError
 
 #: A frame or register made of bytes: any buffer of single bytes, such as one row of an array.
 Data = bytes | bytearray | memoryview
@@ -95,38 +92,6 @@ def shown(value: object) -> str:
     """Return ``value`` as text for a message, shortened if it is long."""
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:60]}..."
-
-
-#: No procedures to suggest instead.
-_NONE: Final[Mapping[Interface, tuple[str, ...]]] = MappingProxyType({})
-
-
-def wrong_encoder(
-    variant: object, kind: type[Encoder], interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
-) -> Exception:
-    """Return the error for an encoder that belongs to another family or does not have the interface ``interface``."""
-    if isinstance(variant, kind):
-        variant_interface = variant.interface
-        instead = (
-            f". Procedures over {variant_interface.title}: {', '.join(procedures[variant_interface])}"
-            if variant_interface in procedures
-            else ""
-        )
-        return InterfaceError(variant.code, variant_interface, interface, instead)
-    if isinstance(variant, Encoder):
-        return FamilyError(variant.code, variant.family.name, kind.family.name)
-    return TypeError(f"expected an encoder, got {shown(variant)}; lookup() returns one for an order code")
-
-
-def check_encoder(
-    variant: object, kind: type[Encoder], interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
-) -> None:
-    """Raise an error if the encoder belongs to another family or has another interface.
-
-    ``procedures`` lists the procedures for each interface. The message suggests them to callers of a procedure.
-    """
-    if not isinstance(variant, kind) or variant.interface is not interface:
-        raise wrong_encoder(variant, kind, interface, procedures)
 
 
 def decided(kind: type[_Answer], answer: _Answer | None) -> _Answer:

@@ -7,18 +7,25 @@ import argparse
 import json
 import os
 import re
-import shutil
-import signal
 import sys
-from collections.abc import Callable, Generator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from enum import Enum
 from functools import partial
 from importlib import import_module
-from time import monotonic
-from types import FrameType
-from typing import TYPE_CHECKING, Any, Final, NoReturn, TextIO, cast, get_args, get_type_hints
+from typing import TYPE_CHECKING, Any, Final, cast, get_args, get_type_hints
 
+from .command_line import (
+    DONE,
+    FAILED,
+    INTERRUPTED,
+    NOT_USABLE,
+    USAGE,
+    Failed,
+    distribution,
+    encoder_of,
+    missing,
+    working,
+)
 from .encoder import Encoder
 from .errors import FrameError, LengthError
 from .frames import any_shape, decoder, kinds_of, raised
@@ -27,7 +34,6 @@ from .reports import Interface, Verdict
 if TYPE_CHECKING:
     from .stream import Summary
 
-DONE, FAILED, USAGE, NOT_USABLE, INTERRUPTED = 0, 1, 2, 3, 130
 #: Default limit for the percentage of frames with an error. A higher percentage suggests wrong settings or wiring.
 DEFAULT_MAX_ERRORS: Final = 10.0
 _EPILOG: Final = """\
@@ -84,14 +90,6 @@ exit codes:
   2    wrong usage, or an unknown order code
   130  interrupted
 """
-
-
-class Failed(Exception):
-    """The command ends with this message and this exit code."""
-
-    def __init__(self, message: object, code: int = FAILED) -> None:
-        super().__init__(str(message))
-        self.code = code
 
 
 def main(package: str, arguments: Sequence[str] | None = None) -> int:
@@ -201,16 +199,12 @@ def _add_capture_command(add: Callable[..., Any], name: str, summary: str) -> No
 
 def _bench(name: str, package: str, chosen: argparse.Namespace) -> int | None:
     """Run a command that needs NumPy."""
-    exit_code: int | None = getattr(import_bench(package), name)(package, chosen)
-    return exit_code
-
-
-def import_bench(package: str) -> Any:
-    """Return the module with the bench commands, which needs NumPy."""
     try:
-        return import_module(f"{__package__}.bench")
+        from . import bench
     except ImportError as error:
         raise missing(package, error) from None
+    run: Callable[[str, argparse.Namespace], int | None] = getattr(bench, name)
+    return run(package, chosen)
 
 
 def _add_capture(parser: argparse.ArgumentParser) -> None:
@@ -351,50 +345,6 @@ for _kind, _name in (
     _kind.__name__ = _name
 
 
-def distribution(package: str) -> str:
-    """Return the name by which a package is installed."""
-    return package.replace("_", "-")
-
-
-def encoder_of(package: str, chosen: argparse.Namespace) -> Encoder:
-    """Return the encoder that the arguments select."""
-    try:
-        return _selected(package, chosen)
-    except ValueError as error:
-        raise Failed(error, USAGE) from None
-
-
-def _selected(package: str, chosen: argparse.Namespace) -> Encoder:
-    encoder: Encoder = import_module(package).lookup(str(chosen.order_code))
-    if chosen.interface is not None and encoder.interface.value != chosen.interface:
-        wanted = Interface(chosen.interface).title
-        raise ValueError(f"{encoder.code} has the interface {encoder.interface.title}, not {wanted}")
-    if chosen.register:
-        with_registers: Callable[[dict[int, int]], Encoder] | None = getattr(encoder, "with_registers", None)
-        if with_registers is None:
-            raise ValueError(f"no register affects the frames of {encoder.code}")
-        encoder = with_registers(dict(chosen.register))
-    return _with_optional_answers(encoder, chosen)
-
-
-def _with_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Encoder:
-    """Return the encoder with the answers that have a default, and remove them from ``chosen.choose``."""
-    with_answers: Callable[..., Encoder] | None = getattr(encoder, "with_answers", None)
-    if with_answers is None:
-        return encoder
-    kinds: dict[str, Any] = get_type_hints(with_answers)
-    chosen_kinds = {name: kinds[name] for name, _ in chosen.choose if name in kinds and name not in ("self", "return")}
-    answers: dict[str, Any] = {name: next(iter(kind)) for name, kind in kinds.items() if name not in ("self", "return")}
-    for name, answer in chosen.choose:
-        if name in chosen_kinds:
-            members = [member for member in chosen_kinds[name] if member.name.lower() == answer.lower()]
-            if not members:
-                raise ValueError(f"--choose {name}={answer} does not apply to {encoder.code}")
-            answers[name] = members[0]
-    chosen.choose = [(name, answer) for name, answer in chosen.choose if name not in chosen_kinds]
-    return with_answers(**answers) if chosen_kinds else encoder
-
-
 def _decode(package: str, chosen: argparse.Namespace) -> int | None:
     encoder = encoder_of(package, chosen)
     if chosen.file != ["-"] and not os.path.exists(chosen.file[0]):
@@ -529,92 +479,9 @@ def _decode_file(package: str, encoder: Encoder, chosen: argparse.Namespace) -> 
     _report(summary, chosen)
 
 
-@contextmanager
-def working(package: str, source: str) -> Generator[Callable[[int, int | None, int], None] | None, None, None]:
-    """Show progress on a terminal, and convert the errors of long work to one line."""
-    from .inputs import InputError, UsageError
-
-    progress = Progress(sys.stderr)
-    try:
-        with _Stoppable():
-            yield progress.show if sys.stderr.isatty() else None
-    except UsageError as error:
-        raise Failed(error, USAGE) from None
-    except BrokenPipeError:
-        raise
-    except OSError as error:
-        raise Failed(f"{error.filename or source}: {error.strerror or error}") from None
-    except ImportError as error:
-        raise missing(package, error) from None
-    except MemoryError:
-        raise Failed("not enough memory") from None
-    except InputError as error:
-        raise Failed(error) from None
-    finally:
-        progress.clear()
-
-
 def _report(summary: Summary, chosen: argparse.Namespace) -> None:
     """Print the summary, to standard error if the table goes to standard output."""
     out = sys.stderr if chosen.output == "-" else sys.stdout
     print(json.dumps(summary.to_dict()) if chosen.json else summary, file=out)
     if 100 * summary.error_rate > chosen.max_errors:
         raise Failed(f"{summary.error_rate:.0%} of the frames have an error; --max-errors is {chosen.max_errors:g}")
-
-
-#: Extras of the package by the name of a module that is missing.
-_EXTRAS: Final = {"matplotlib": "plot", "serial": "serial"}
-
-
-def missing(package: str, error: ImportError) -> Failed:
-    """Return the error for a Python package that is not installed."""
-    if not isinstance(error, ModuleNotFoundError):
-        return Failed(error)
-    extra = _EXTRAS.get((error.name or "").partition(".")[0], "parquet")
-    return Failed(f"this needs {error.name or error}: pip install '{distribution(package)}[{extra}]'")
-
-
-class _Stoppable:
-    """Context that treats SIGTERM like a keyboard interrupt, so that no incomplete file remains."""
-
-    def __enter__(self) -> None:
-        self._before = signal.getsignal(signal.SIGTERM)
-        signal.signal(signal.SIGTERM, self._stop)
-
-    def __exit__(self, *_: object) -> None:
-        signal.signal(signal.SIGTERM, self._before)
-
-    @staticmethod
-    def _stop(number: int, frame: FrameType | None) -> NoReturn:
-        raise KeyboardInterrupt
-
-
-class Progress:
-    """Progress bar on the last line of a terminal."""
-
-    #: Highest number of updates per second.
-    RATE: Final = 10
-
-    def __init__(self, out: TextIO) -> None:
-        self._out, self._started, self._shown = out, monotonic(), 0.0
-
-    def show(self, done: int, total: int | None, frames: int) -> None:
-        """Show the progress."""
-        now = monotonic()
-        if now - self._shown < 1 / self.RATE:
-            return
-        self._shown = now
-        text = f"{frames:,} frames, {now - self._started:.0f} s"
-        if total:
-            part = min(done / total, 1.0)
-            filled = round(30 * part)
-            text = f"[{'#' * filled}{' ' * (30 - filled)}] {part:4.0%} {text}"
-        columns = shutil.get_terminal_size().columns
-        self._out.write(f"\r{text[: columns - 1]:<{columns - 1}}")
-        self._out.flush()
-
-    def clear(self) -> None:
-        """Clear the line if anything was shown."""
-        if self._shown:
-            self._out.write(f"\r{' ' * (shutil.get_terminal_size().columns - 1)}\r")
-            self._out.flush()

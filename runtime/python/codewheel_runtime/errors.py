@@ -3,12 +3,45 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from enum import IntEnum
+from typing import Any, Protocol
 
-from .reports import Interface
+from .reports import Family, Interface
 
-if TYPE_CHECKING:
-    from .encoder import Encoder
+
+class ErrorKind(IntEnum):
+    """Frame errors, in the order in which ``decode`` checks for them."""
+
+    NONE = 0
+    LENGTH = 1
+    CRC = 2
+    CONSTANT = 3
+    RANGE = 4
+
+
+class Sender(Protocol):
+    """Encoder that sent a frame, for the error of that frame. See ``codewheel_runtime.Encoder``."""
+
+    @property
+    def family(self) -> Family:
+        """Family of the encoder."""
+        ...
+
+    @property
+    def interface(self) -> Interface:
+        """Interface of the encoder."""
+        ...
+
+    @property
+    def code(self) -> str:
+        """Order code, without any text that follows it on the label."""
+        ...
+
+    def decode(self, frame: Any) -> object:
+        """Decode a frame that the encoder sent."""
+        ...
+
+    def _hint(self, frame: object) -> str: ...
 
 
 class FrameError(ValueError):
@@ -22,11 +55,11 @@ class FrameError(ValueError):
     """
 
     frame: object = None
-    encoder: Encoder | None = None
+    encoder: Sender | None = None
     order_code: str = ""
     usable_position: None = None
 
-    def add(self, frame: object, encoder: Encoder) -> None:
+    def add(self, frame: object, encoder: Sender) -> None:
         """Record the frame and the encoder."""
         self.frame, self.encoder, self.order_code = frame, encoder, encoder.code
 
@@ -45,11 +78,7 @@ class FrameError(ValueError):
 
         Computed on access.
         """
-        if self.encoder is None:
-            return ""
-        from .causes import hint
-
-        return hint(self.encoder, self.frame)
+        return "" if self.encoder is None else self.encoder._hint(self.frame)
 
 
 class LengthError(FrameError):

@@ -23,10 +23,9 @@ from .codec import (
     text_number,
     to_gray,
     whole_number,
-    wrong_encoder,
     zero_for,
 )
-from .encoder import Encoder
+from .encoder import Encoder, wrong_encoder
 from .errors import FrameError, RangeError
 from .reports import Report
 
@@ -89,6 +88,11 @@ class Coded:
                 values["verdict"] = verdict.value
             values["reports"] = [report.name for report in self.reports]
         return values
+
+    @classmethod
+    def _frame_name(cls, encoder: Encoder) -> str:
+        """Return the name of the frame, if its range of positions differs from that of other frames."""
+        return any_shape(cls, encoder).frame
 
     def _arguments(self) -> tuple[Any, ...]:
         """Return the encoder and the answers: the first fields."""
@@ -448,13 +452,17 @@ def _module_of(kind: type, folder: str) -> Any:
 def decode_many(frames: object, kind: type, encoder: Encoder | None, *arguments: object) -> Table:
     """Decode many frames of one class. ``arguments`` are the encoder and the answers that the class needs."""
     shape = shape_of(kind, *arguments)
-    return cast("Table", import_module(f"{__package__}.bulk_decode").decode_many(frames, shape, encoder))
+    from . import bulk_decode
+
+    return bulk_decode.decode_many(frames, shape, encoder)
 
 
 def encode_many(columns: Mapping[str, Any], kind: type, *arguments: object) -> Any:
     """Encode many frames of one class. ``arguments`` are the encoder and the answers that the class needs."""
     shape = shape_of(kind, *arguments)
-    return import_module(f"{__package__}.bulk_encode").encode_many(columns, shape)
+    from . import bulk_encode
+
+    return bulk_encode.encode_many(columns, shape)
 
 
 def needed_by(kind: type, encoder: Encoder, **answers: object) -> tuple[object, ...]:

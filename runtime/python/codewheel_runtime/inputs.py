@@ -171,6 +171,26 @@ def numbers(rows: Any, words: WordKind = "packed") -> Any:
     return wide.reshape(-1).view(">u8").astype(np.uint64)
 
 
+def of_floats(frames: Any, bits: int, done: int = 0) -> Any:
+    """Return floating-point frames as integers, masked if they are NaN or out of range.
+
+    ``done`` is the number of earlier rows, to number the row in an error.
+
+    Raises:
+        TypeError: A value is not an integer, or the type cannot represent every frame of that length.
+    """
+    if bits > np.finfo(frames.dtype).nmant + 1:
+        raise TypeError(f"{frames.dtype} cannot represent every frame of {bits} bits: use integers or text")
+    is_frame = (frames >= 0) & (frames < 2.0**63)
+    whole = np.where(is_frame, frames, 0)
+    fractional_rows = np.flatnonzero(whole != np.floor(whole))
+    if len(fractional_rows):
+        raise TypeError(
+            f"the frame in row {done + fractional_rows[0] + 1} is not an integer: {whole[fractional_rows[0]]}"
+        )
+    return np.ma.masked_array(whole.astype(np.uint64), ~is_frame)
+
+
 def short(text: str) -> str:
     """Return the text for a message, shortened if it is long."""
     return repr(text if len(text) <= 40 else f"{text[:40]}...")

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple, cast
 
 from .arrow import of_arrow
 from .bulk_decode import decode_many
+from .conversion import arrow_columns, pandas_columns
 from .encoder import Encoder
 from .inputs import DigitKind, InputError, UsageError, column_of
 from .shape import Shape
-from .sinks import arrow_columns, pandas_columns
 from .text import Cells
 
 #: Name of a partition in messages.

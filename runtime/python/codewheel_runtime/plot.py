@@ -10,9 +10,10 @@ from pathlib import PurePath
 from typing import Any, Final, NamedTuple
 
 from .clocked import Lost
+from .errors import ErrorKind
 from .inputs import UsageError
 from .stream import written
-from .table import ErrorKind, SpeedUnit, Table, Unit
+from .table import SpeedUnit, Table, Unit
 
 np: Any = import_module("numpy")
 _FIGURE: Any = import_module("matplotlib.figure")

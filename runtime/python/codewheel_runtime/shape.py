@@ -9,9 +9,9 @@ from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
 from .codec import BitField, assert_never
+from .errors import ErrorKind
 from .facts import Scale
 from .reports import Report, Verdict
-from .table import ErrorKind
 
 
 class Column(NamedTuple):

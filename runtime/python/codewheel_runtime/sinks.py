@@ -6,14 +6,14 @@ from __future__ import annotations
 import csv
 import io
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import PurePath
 from types import TracebackType
 from typing import Any, Final, Literal, NamedTuple, Protocol, cast
 
-from .reports import Verdict
-from .table import ErrorKind, Table, none_where
+from .conversion import WORDS, arrow_columns, texts_of
+from .table import Table
 
 TargetKind = Literal["parquet", "arrow", "csv"]
 _SUFFIXES: Final[dict[str, TargetKind]] = {
@@ -23,17 +23,8 @@ _SUFFIXES: Final[dict[str, TargetKind]] = {
     ".feather": "arrow",
 }
 
-#: Words that replace the numbers of a column, because readers of a file may not have this package.
-_WORDS: Final[Mapping[str, tuple[str, ...]]] = {
-    "fault": tuple(kind.name.lower() for kind in ErrorKind),
-    "verdict": tuple(verdict.value for verdict in Verdict),
-}
-
-
 #: Words for False and True in CSV.
 _BOOLS: Final = ("false", "true")
-#: Number of digits of quantities in Arrow, which is enough for every scale.
-_DIGITS: Final = 38
 #: Number of CSV rows that are formatted at once.
 _ROWS: Final = 1 << 14
 
@@ -41,53 +32,6 @@ _ROWS: Final = 1 << 14
 def target_kind(path: str) -> TargetKind:
     """Return the format of a file according to its extension."""
     return _SUFFIXES.get(PurePath(path).suffix.lower(), "csv")
-
-
-def _texts(column: Any) -> list[str]:
-    return [cell.decode("latin-1") for cell in column.tolist()]
-
-
-def arrow_columns(table: Table, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
-    """Return columns as Arrow arrays, ``fault`` and ``verdict`` as strings. Positions can be null unless ``raw``."""
-    pa: Any = import_module("pyarrow")
-    arrays: dict[str, Any] = {}
-    for name in names:
-        column, hidden = table[name], None if raw else table.hidden(name)
-        if name in _WORDS:
-            arrays[name] = pa.DictionaryArray.from_arrays(pa.array(column.view("i1")), pa.array(_WORDS[name]))
-        elif (scale := table.scale(name)) is not None:
-            arrays[name] = pa.array(column, pa.decimal128(_DIGITS, scale.places), mask=hidden)
-        else:
-            arrays[name] = _arrow_array(pa, column, hidden)
-    return arrays
-
-
-def _arrow_array(pa: Any, column: Any, hidden: Any) -> Any:
-    """Return a column as an Arrow array. Values at ``hidden``, and NaN, become null."""
-    kind = getattr(column, "dtype", None)
-    if getattr(kind, "kind", "") == "S":
-        return pa.array(_texts(column), pa.string())
-    return pa.array(column, mask=hidden, from_pandas=True) if hasattr(kind, "kind") else pa.array(column)
-
-
-def pandas_columns(table: Table, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
-    """Return columns for pandas, with ``fault`` and ``verdict`` as categories. Positions can be null unless ``raw``."""
-    pd: Any = import_module("pandas")
-    columns: dict[str, Any] = {}
-    for name in names:
-        column, hidden = table[name], None if raw else table.hidden(name)
-        if name in _WORDS:
-            columns[name] = pd.Categorical.from_codes(column.view("i1"), _WORDS[name])
-        elif table.scale(name) is not None:
-            cells = column.tolist()
-            columns[name] = cells if hidden is None else none_where(hidden, cells)
-        elif hidden is not None:
-            is_flag = column.dtype == bool
-            columns[name] = (pd.arrays.BooleanArray if is_flag else pd.arrays.IntegerArray)(column, hidden)
-        else:
-            is_text = getattr(getattr(column, "dtype", None), "kind", "") == "S"
-            columns[name] = _texts(column) if is_text else column
-    return columns
 
 
 class Plan(NamedTuple):
@@ -224,7 +168,7 @@ class ArrowSink:
             schema,
             compression="zstd",
             compression_level=1,
-            use_dictionary=[name for name in decoded if name in _WORDS],
+            use_dictionary=[name for name in decoded if name in WORDS],
             # Successive positions differ little, so their differences take fewer bits and less time.
             column_encoding={name: "DELTA_BINARY_PACKED" for name in decoded if schema.field(name).type == "int64"},
         )
@@ -276,12 +220,12 @@ class CsvSink:
             cells = [_BOOLS[cell] for cell in cells]
         if hidden is not None:
             return ["" if is_hidden else cell for cell, is_hidden in zip(cells, hidden[rows].tolist(), strict=False)]
-        if name in _WORDS:
-            words = _WORDS[name]
+        if name in WORDS:
+            words = WORDS[name]
             return [words[index] for index in cells]
         if column.dtype.kind == "f":
             return ["" if cell != cell else cell for cell in cells]
-        return _texts(column) if column.dtype.kind == "S" else cells
+        return texts_of(column) if column.dtype.kind == "S" else cells
 
 
 def _plain(column: Any) -> list[Any]:

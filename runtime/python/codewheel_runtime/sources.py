@@ -13,7 +13,6 @@ from pathlib import PurePath
 from typing import Any, BinaryIO, Final, cast, get_args
 
 from . import inputs
-from .arrow import parquet
 from .inputs import (
     FIRST,
     WORDS,
@@ -28,6 +27,7 @@ from .inputs import (
     check_form,
     numbers,
 )
+from .parquet import parquet_batches
 from .shape import Shape
 from .text import csv_rows
 
@@ -86,7 +86,7 @@ def _source(
     file: BinaryIO, name: str, size: int | None, kind: FileKind, stored: Stored, shape: Shape, share: Share
 ) -> Source:
     if kind == "parquet":
-        return parquet(file, name, stored, shape)
+        return parquet_batches(file, name, stored, shape)
     if kind == "csv":
         return csv_rows(file, name, size, stored, shape, share)
     return Source(_binary(file, name, size, stored, shape, share), size)

@@ -13,6 +13,7 @@ from typing import Any, Final, NamedTuple, TypeVar, cast
 
 from .bulk_decode import decode_many
 from .encoder import Encoder
+from .errors import ErrorKind
 from .inputs import DigitKind, FileKind, InputError, Source, Stored, UsageError, WordKind
 from .layouts import Layout, layout_of, layouts_of, shape_for
 from .partitions import PartitionDecoder, check_apart
@@ -20,7 +21,7 @@ from .reports import Verdict
 from .shape import Shape
 from .sinks import SINKS, Plan, Sink, TargetKind, target_kind
 from .sources import opened
-from .table import ErrorKind, Table
+from .table import FrameSource, Table
 
 np: Any = import_module("numpy")
 
@@ -262,7 +263,7 @@ def _decode_file(
 def decoded(
     read: Source,
     shape: Shape,
-    encoder: Encoder | None,
+    encoder: FrameSource | None,
     sink: Sink,
     limit: int | None = None,
     progress: Callable[[int, int | None, int], None] | None = None,

@@ -4,18 +4,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from enum import IntEnum
 from fractions import Fraction
 from importlib import import_module
 from math import tau
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Literal, overload
+from typing import TYPE_CHECKING, Any, Final, Literal, Protocol, overload
 
 from .codec import PositionRange
-from .encoder import Encoder
-from .errors import RangeError
+from .conversion import none_where
+from .errors import ErrorKind, RangeError
 from .facts import Scale
 from .reports import Movement, Verdict
+from .shape import Tells
 
 #: Units for positions and speeds.
 Unit = Literal["counts", "turns", "degrees", "radians", "micrometres", "millimetres", "metres"]
@@ -36,16 +36,6 @@ def all_match(columns: Any, when: Iterable[tuple[str, int]]) -> Any:
     return matches
 
 
-class ErrorKind(IntEnum):
-    """Frame errors, in the order in which ``decode`` checks for them."""
-
-    NONE = 0
-    LENGTH = 1
-    CRC = 2
-    CONSTANT = 3
-    RANGE = 4
-
-
 #: Number of rows that are converted to Python objects at once.
 _ROWS: Final = 1 << 14
 #: No other columns.
@@ -53,8 +43,6 @@ _NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
 
 
 if TYPE_CHECKING:
-    from .shape import Tells
-
     _Columns = Mapping[str, Any]
 else:
 
@@ -65,9 +53,15 @@ else:
         keys, values = Mapping.keys, Mapping.values
 
 
-def none_where(hidden: Iterable[bool], cells: Iterable[Any]) -> list[Any]:
-    """Return the cells of a column, with None for those that are hidden."""
-    return [None if is_hidden else cell for cell, is_hidden in zip(cells, hidden, strict=True)]
+class FrameSource(Protocol):
+    """Encoder of the frames in a table, or a layout of frames in its place."""
+
+    @property
+    def code(self) -> str:
+        """Order code, or the layout as text."""
+        ...
+
+    def _range_in(self, frame: str, /) -> PositionRange: ...
 
 
 class Table(_Columns):
@@ -88,7 +82,7 @@ class Table(_Columns):
 
     def __init__(
         self,
-        encoder: Encoder | None,
+        encoder: FrameSource | None,
         columns: dict[str, Any],
         fault: Any,
         verdict: Any,
@@ -455,7 +449,7 @@ class Table(_Columns):
         Returns:
             A ``pyarrow.Table``.
         """
-        from .sinks import arrow_columns
+        from .conversion import arrow_columns
 
         return import_module("pyarrow").table(arrow_columns(self, self, raw))
 
@@ -474,6 +468,6 @@ class Table(_Columns):
         Returns:
             A ``pandas.DataFrame``.
         """
-        from .sinks import pandas_columns
+        from .conversion import pandas_columns
 
         return import_module("pandas").DataFrame(pandas_columns(self, self, raw))

@@ -9,11 +9,11 @@ from typing import Any, Final, NamedTuple
 
 from .bulk_decode import decode_many
 from .clocked import CapturedFrames, Lost
+from .errors import ErrorKind
 from .inputs import InputError
 from .shape import Shape
 from .signals import Signals
 from .stream import counted
-from .table import ErrorKind
 
 np: Any = import_module("numpy")
 
