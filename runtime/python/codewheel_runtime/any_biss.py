@@ -8,10 +8,10 @@ from functools import partial
 from typing import Any, Final, NamedTuple
 
 from .codec import PositionRange, crc_of_bits
-from .errors import ErrorKind
-from .inputs import UsageError, short
+from .errors import ErrorKind, UsageError
 from .reports import Verdict
 from .shape import Check, Column, CrcOf, Join, Shape, Speaks, Unused, of_bits
+from .words import short
 
 _HELP: Final = "expected fields in the order of transmission, such as position=32,error,warning,crc=6:0x43"
 #: Flags of BiSS frames, which are active at level 0, and the resulting verdict on the position.

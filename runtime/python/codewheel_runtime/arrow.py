@@ -7,9 +7,10 @@ from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
-from .inputs import DigitKind, InputError, numbers, of_floats
+from .cells import Cells
+from .errors import InputError
 from .shape import Shape
-from .text import Cells
+from .words import DigitKind, numbers, of_floats
 
 np: Any = import_module("numpy")
 

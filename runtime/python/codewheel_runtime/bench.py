@@ -16,7 +16,8 @@ from .bulk_decode import decode_many
 from .capture import Captures, CaptureSummary, Lost
 from .command_line import USAGE, Failed, encoder_of, missing, working
 from .encoder import Encoder
-from .inputs import InputError, Stored, UsageError
+from .errors import InputError, UsageError
+from .inputs import Stored
 from .layouts import shape_for
 from .reports import Interface
 from .sources import kind_of, opened

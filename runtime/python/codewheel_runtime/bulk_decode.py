@@ -10,7 +10,6 @@ from typing import Any, Final, cast
 
 from .codec import as_bytes, assert_never, whole_number
 from .errors import ErrorKind
-from .inputs import of_floats
 from .reports import Verdict
 from .shape import (
     Check,
@@ -28,6 +27,7 @@ from .shape import (
     width_of,
 )
 from .table import FrameSource, Table, all_match
+from .words import of_floats
 
 #: Number of frames decoded at once: small enough for the cache, large enough to keep the overhead of calls low.
 CHUNK: Final = 32_768

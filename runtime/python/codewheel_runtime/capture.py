@@ -16,7 +16,8 @@ from .any_biss import BissLayout
 from .bulk_decode import decode_many
 from .clocked import CapturedFrames, Lost, clocked
 from .encoder import Encoder
-from .inputs import InputError, Part, Source, UsageError
+from .errors import InputError, UsageError
+from .inputs import Part, Source
 from .layouts import layout_of, layouts_of, shape_for
 from .reports import Interface
 from .shape import Shape

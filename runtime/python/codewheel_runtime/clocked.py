@@ -16,7 +16,7 @@ from importlib import import_module
 from types import MappingProxyType
 from typing import Any, Final, Literal, NamedTuple
 
-from .inputs import InputError
+from .errors import InputError
 from .signals import Edges, Signals
 
 np: Any = import_module("numpy")

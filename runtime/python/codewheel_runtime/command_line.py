@@ -75,7 +75,7 @@ def _with_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Enco
 @contextmanager
 def working(package: str, source: str) -> Generator[Callable[[int, int | None, int], None] | None, None, None]:
     """Show progress on a terminal, and convert the errors of long work to one line."""
-    from .inputs import InputError, UsageError
+    from .errors import InputError, UsageError
 
     progress = Progress(sys.stderr)
     try:

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Errors of all encoders. Each is a ``ValueError``, and errors of frames are a ``FrameError``."""
+"""Errors of encoders and files. Each is a ``ValueError``, and errors of frames are a ``FrameError``."""
 
 from __future__ import annotations
 
@@ -158,3 +158,24 @@ class InterfaceError(ValueError):
 
     def __str__(self) -> str:
         return f"{self.code} has the interface {self.found.title}, but this needs {self.expected.title}{self.instead}"
+
+
+class InputError(ValueError):
+    """A file does not contain the expected frames.
+
+    Attributes:
+        file: Name of the file.
+        place: Offset, line, row or column.
+        message: What is wrong.
+    """
+
+    def __init__(self, file: str, place: str, message: str) -> None:
+        super().__init__(file, place, message)
+        self.file, self.place, self.message = file, place, message
+
+    def __str__(self) -> str:
+        return f"{self.file}{', ' if self.place else ''}{self.place}: {self.message}"
+
+
+class UsageError(ValueError):
+    """The arguments are wrong, regardless of the contents of the file."""

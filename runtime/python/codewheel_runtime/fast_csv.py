@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from importlib import import_module
 from typing import Any, BinaryIO, Final, NamedTuple
 
-from .inputs import DigitKind
 from .shape import Shape
+from .words import DigitKind
 
 np: Any = import_module("numpy")
 

@@ -10,7 +10,7 @@ from inspect import signature
 from typing import Any, NamedTuple, get_type_hints
 
 from .encoder import Encoder
-from .inputs import UsageError
+from .errors import UsageError
 from .shape import Shape
 
 

@@ -10,8 +10,10 @@ from typing import Any, BinaryIO, Final
 
 from . import inputs
 from .arrow import NoFrame, of_arrow
-from .inputs import InputError, Part, Source, Stored, column_of, kept_columns, short
+from .errors import InputError
+from .inputs import Part, Source, Stored, column_of, kept_columns
 from .shape import Shape
+from .words import short
 
 #: Number of bytes of a Parquet column that are read at once.
 _BUFFER: Final = 1 << 20

@@ -9,11 +9,13 @@ from typing import Any, NamedTuple, cast
 
 from .arrow import of_arrow
 from .bulk_decode import decode_many
+from .cells import Cells
 from .conversion import arrow_columns, pandas_columns
 from .encoder import Encoder
-from .inputs import DigitKind, InputError, UsageError, column_of
+from .errors import InputError, UsageError
+from .inputs import column_of
 from .shape import Shape
-from .text import Cells
+from .words import DigitKind
 
 #: Name of a partition in messages.
 _NAME = "the partition"

@@ -10,8 +10,7 @@ from pathlib import PurePath
 from typing import Any, Final, NamedTuple
 
 from .clocked import Lost
-from .errors import ErrorKind
-from .inputs import UsageError
+from .errors import ErrorKind, UsageError
 from .stream import written
 from .table import SpeedUnit, Table, Unit
 

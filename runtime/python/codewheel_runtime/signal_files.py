@@ -17,9 +17,10 @@ from contextlib import ExitStack, contextmanager
 from importlib import import_module
 from typing import Any, BinaryIO, Final
 
-from .inputs import InputError, UsageError, listed, short
+from .errors import InputError, UsageError
 from .signal_text import HEADER, HINT, rate_of, size_of, table_signals, vcd_signals
 from .signals import SAMPLES, Names, Signals, merged, of_samples, packed
+from .words import listed, short
 
 np: Any = import_module("numpy")
 

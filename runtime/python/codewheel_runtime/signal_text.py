@@ -9,8 +9,9 @@ from collections.abc import Generator, Sequence
 from importlib import import_module
 from typing import Any, BinaryIO, Final, NamedTuple
 
-from .inputs import InputError, short
+from .errors import InputError
 from .signals import Edges, Names, Signals, of_samples, packed
+from .words import short
 
 np: Any = import_module("numpy")
 

@@ -7,7 +7,8 @@ from collections.abc import Callable, Generator, Iterable, Sequence
 from importlib import import_module
 from typing import Any, Final, NamedTuple
 
-from .inputs import InputError, UsageError, listed, short
+from .errors import InputError, UsageError
+from .words import listed, short
 
 np: Any = import_module("numpy")
 

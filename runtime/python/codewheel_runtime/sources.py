@@ -13,23 +13,12 @@ from pathlib import PurePath
 from typing import Any, BinaryIO, Final, cast, get_args
 
 from . import inputs
-from .inputs import (
-    FIRST,
-    WORDS,
-    FileKind,
-    InputError,
-    Part,
-    Share,
-    Source,
-    Stored,
-    UsageError,
-    WordKind,
-    check_form,
-    numbers,
-)
+from .errors import InputError, UsageError
+from .inputs import FIRST, FileKind, Part, Share, Source, Stored, check_form
 from .parquet import parquet_batches
 from .shape import Shape
 from .text import csv_rows
+from .words import WORDS, WordKind, numbers
 
 np: Any = import_module("numpy")
 

@@ -13,8 +13,8 @@ from typing import Any, Final, NamedTuple, TypeVar, cast
 
 from .bulk_decode import decode_many
 from .encoder import Encoder
-from .errors import ErrorKind
-from .inputs import DigitKind, FileKind, InputError, Source, Stored, UsageError, WordKind
+from .errors import ErrorKind, InputError, UsageError
+from .inputs import FileKind, Source, Stored
 from .layouts import Layout, layout_of, layouts_of, shape_for
 from .partitions import PartitionDecoder, check_apart
 from .reports import Verdict
@@ -22,6 +22,7 @@ from .shape import Shape
 from .sinks import SINKS, Plan, Sink, TargetKind, target_kind
 from .sources import opened
 from .table import FrameSource, Table
+from .words import DigitKind, WordKind
 
 np: Any = import_module("numpy")
 

@@ -9,8 +9,7 @@ from typing import Any, Final, NamedTuple
 
 from .bulk_decode import decode_many
 from .clocked import CapturedFrames, Lost
-from .errors import ErrorKind
-from .inputs import InputError
+from .errors import ErrorKind, InputError
 from .shape import Shape
 from .signals import Signals
 from .stream import counted
