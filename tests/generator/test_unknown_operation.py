@@ -20,8 +20,10 @@ from codewheel.plan import values
 from codewheel.plan.codec import Bits, bits_of
 from codewheel.plan.refusals import _of_field
 from codewheel.targets import Library, Target
-from codewheel_runtime import bulk_decode, bulk_encode, frames
-from codewheel_runtime.shape import Column, Shape, kinds
+from codewheel_runtime import frames
+from codewheel_runtime.bulk import decode as bulk_decode
+from codewheel_runtime.bulk import encode as bulk_encode
+from codewheel_runtime.bulk.shape import Column, Shape, kinds
 
 ROOT = Path(__file__).parents[2]
 #: Specs that between them have every operation, registers, examples and parameters that registers hold.

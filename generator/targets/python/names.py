@@ -62,10 +62,12 @@ FACTS: Mapping[str, tuple[str, ...]] = {
 
 #: Names that the descriptions of frames can import, by source module.
 SHAPES: Mapping[str, tuple[str, ...]] = {
+    "codewheel_runtime.bulk.shape": tuple(
+        "Check Column CrcOf Fold Join Shape Speaks Tells Unused of_bits of_bytes".split()
+    ),
     "codewheel_runtime.codec": ("BitField",),
     "codewheel_runtime.errors": ("ErrorKind",),
     "codewheel_runtime.reports": ("Verdict",),
-    "codewheel_runtime.shape": tuple("Check Column CrcOf Fold Join Shape Speaks Tells Unused of_bits of_bytes".split()),
 }
 
 #: Modules of the package that do not belong to a device.

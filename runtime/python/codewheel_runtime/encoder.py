@@ -14,7 +14,7 @@ from .order_codes import OrderCode, checked
 from .reports import Family, Interface, Report, Verdict
 
 if TYPE_CHECKING:
-    from .table import Table
+    from .bulk.table import Table
 
 _Same = TypeVar("_Same", bound="Encoder")
 #: Names of the procedures for each interface.

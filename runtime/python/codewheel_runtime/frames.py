@@ -30,8 +30,8 @@ from .errors import FrameError, RangeError
 from .reports import Report
 
 if TYPE_CHECKING:
-    from .shape import Check, Column, CrcOf, Shape, Unused
-    from .table import Table
+    from .bulk.shape import Check, Column, CrcOf, Shape, Unused
+    from .bulk.table import Table
 
 _Encoder = TypeVar("_Encoder", bound=Encoder)
 _Decode = TypeVar("_Decode", bound=Callable[..., Any])
@@ -452,7 +452,7 @@ def _module_of(kind: type, folder: str) -> Any:
 def decode_many(frames: object, kind: type, encoder: Encoder | None, *arguments: object) -> Table:
     """Decode many frames of one class. ``arguments`` are the encoder and the answers that the class needs."""
     shape = shape_of(kind, *arguments)
-    from . import bulk_decode
+    from .bulk import decode as bulk_decode
 
     return bulk_decode.decode_many(frames, shape, encoder)
 
@@ -460,7 +460,7 @@ def decode_many(frames: object, kind: type, encoder: Encoder | None, *arguments:
 def encode_many(columns: Mapping[str, Any], kind: type, *arguments: object) -> Any:
     """Encode many frames of one class. ``arguments`` are the encoder and the answers that the class needs."""
     shape = shape_of(kind, *arguments)
-    from . import bulk_encode
+    from .bulk import encode as bulk_encode
 
     return bulk_encode.encode_many(columns, shape)
 

@@ -29,12 +29,12 @@ from time import monotonic
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar, cast, get_args
 
+from .bulk.shape import holds
 from .encoder import Encoder, Exchanged, Frame, PositionFrame
 from .errors import CrcError, FrameError, InterfaceError
 from .frames import any_shape, decoder, raised
 from .reports import Interface
 from .running import StepError
-from .shape import holds
 from .steps import Send, Step, Wait
 
 __all__ = [
