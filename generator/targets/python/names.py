@@ -37,8 +37,10 @@ PACKAGE: Mapping[str, tuple[str, ...]] = {
         "encoder": "Encoder Exchanged Positioned check_encoder fact looked_up wrong_encoder",
         "measures": "FineLinear Linear Rotary Wrapping",
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
-        "frames": """BitsOf BytesOf Failed FixedBits FixedBytes FixedRegister InBits InBytes RegisterOf Sent bound
-            decode_many decoder encode_many needed_by raised reported returned shape_of""",
+        "frames.base": """BitsOf BytesOf FixedBits FixedBytes FixedRegister InBits InBytes RegisterOf Sent decode_many
+            encode_many""",
+        "frames.decoders": "Failed bound decoder raised reported returned",
+        "frames.descriptions": "needed_by shape_of",
         "registers": "Held agrees held_bytes held_parameters held_text whole",
         "reports": "Family Interface Movement Report Verdict",
         "spi": "Pipeline",

@@ -32,7 +32,8 @@ from typing import Any, NamedTuple, TypeVar, cast, get_args
 from .bulk.shape import holds
 from .encoder import Encoder, Exchanged, Frame, PositionFrame
 from .errors import CrcError, FrameError, InterfaceError
-from .frames import any_shape, decoder, raised
+from .frames.decoders import decoder, raised
+from .frames.descriptions import any_shape
 from .reports import Interface
 from .running import StepError
 from .steps import Send, Step, Wait

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple, Protocol
 
 from .codec import Word, as_word
 from .encoder import Encoder
-from .frames import ByEncoder, decoder, raised
+from .frames.base import ByEncoder
+from .frames.decoders import decoder, raised
 
 
 class Request(Protocol):

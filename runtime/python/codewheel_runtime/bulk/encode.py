@@ -8,7 +8,8 @@ from typing import Any
 
 from ..codec import assert_never
 from ..errors import RangeError
-from .decode import CHUNK, Chunk, crc_difference, np, parity_bits, within
+from .chunk import Chunk, crc_difference, np, parity_bits, within
+from .decode import CHUNK
 from .shape import Column, Join, Shape, scales, width_of
 
 
